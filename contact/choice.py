@@ -1,12 +1,8 @@
 r"""Choice of the method for a problem of the contact, by its applicability and its estimated error.
 
-The methods of each question, and the errors that they state, are in `contact/answers`:
-
-- a burst: table `methods.BURST_METHODS`, rule of "auto" `methods.run`, errors `methods._exact`, `methods.Window.error`
-  and `averaged/burst.averaged_run`;
-- a steady state: table `steady.STEADY_METHODS`, rule of "auto" above it, errors in the functions of the table;
-- a step: no table, its error `steps.step`; averaged sweeps and pillars: one method each, with its error, in
-  `averaged/sweep_rows` and `averaged/pillar_motion`.
+The errors are estimated in `error_estimate`. The methods of a burst are the table `answers.methods.BURST_METHODS`, with
+the rule of "auto" in `run` below it; those of a steady state are `answers.steady.STEADY_METHODS`, with their rule above
+it. The other answers have one method each.
 
 `choose` returns the result of the first method, the cheapest, that applies and whose estimated error is within the
 tolerance. If a method that the user named misses the tolerance, the exact method replaces it, provided that it is cheap
@@ -20,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from contact.drive import relative_to_reference
+from contact.error_estimate import relative_to_reference
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 

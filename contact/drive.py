@@ -1,22 +1,6 @@
-"""Drive direction of a wave, and the reference speed for errors of the velocity."""
+"""Drive direction of a wave."""
 
 from contact.orbit import Orbit
-
-
-def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
-    """Return max(|v|, omega |u_x|/10) in m/s, the measure of velocity errors."""
-    return speed_scale(velocity, max(o.omega * abs(o.tangential) for o in orbits))
-
-
-def speed_scale(velocity: float, surface_speed: float) -> float:
-    """Return the `reference_speed` where the peak speed of the surface along x, omega |u_x| in m/s, is known."""
-    return max(abs(velocity), surface_speed / 10.0)
-
-
-def relative_to_reference(difference: float, velocity: float, orbits: tuple[Orbit, ...]) -> float:
-    """Return a velocity difference over the reference speed, or 1 for a nonzero difference if that speed is zero."""
-    reference = reference_speed(velocity, orbits) or abs(difference)
-    return float(abs(difference) / reference) if reference > 0.0 else 0.0
 
 
 def drive_direction(orbits: tuple[Orbit, ...]) -> float:

@@ -1,4 +1,7 @@
-"""Exceptions: an argument that breaks a rule, and an answer that has not converged."""
+"""Exceptions: an argument that breaks a rule, and an answer that has not converged.
+
+The error of an answer is estimated in `contact/error_estimate.py`.
+"""
 
 
 class InputError(ValueError):

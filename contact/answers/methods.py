@@ -2,7 +2,7 @@ r"""Three methods to compute the motion during a burst: event-driven, fixed time
 
 Each method starts from a slider at rest at phase 0. It returns the motion at the end of the burst, rows (v, z_s) during
 the burst, the estimated error of the last v and statistics. A method refuses a problem to which it does not apply.
-Every error estimate compares two runs of different resolution.
+`error_estimate` turns two runs of different resolution into an error.
 """
 
 import math
@@ -17,7 +17,7 @@ from contact.averaged.burst import COMPARED, averaged_run, refusals
 from contact.averaged.event_cycle import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
-from contact.drive import reference_speed
+from contact.error_estimate import calibrated_error, envelope_error, event_driven_error, reference_speed, stepped_error
 from contact.events.collocation import collocation
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
@@ -41,38 +41,21 @@ MAX_SEGMENTS = 1e8
 # the error: the truncation has no effect if events limit the segments, and the number of nodes has none if the forces
 # are polynomials (a punch).
 ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
-# Rounding errors of the velocity. DRIFT: per cycle, relative to the reference speed. SCATTER: over the root of the
-# number of segments, in units of `Problem.speed`; segments add and subtract lengths of order one, so that a wave with
-# little u_x leaves few digits. Against runs of 20 nodes the error was up to 4e-16 in 140 of 150 draws of
-# `tests/contact/aimed.py` at 1e-10, and within twice the stated one in all.
-DRIFT, SCATTER = 1e-15, 4e-16
 
 # Fixed time steps. Numbers of steps per cycle, and the smallest tolerance for which each was seen to be fine enough.
 STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
-# Order of convergence in the step size that the error estimate assumes. Spheres converge with order 1.5 to 2, punches
-# and contact dampers with order 1. Both may converge more slowly between two neighbouring step sizes.
-ORDER = 1.0
-# Every error estimate is increased by this fraction of the tolerance in `STEPS`, because two runs may agree by chance.
-FLOOR = 0.01
 # largest omega_n dt (contact resonance times step)
 MAX_STEP = 0.2
 # largest relative change of velocity in one step by the contact damper
 MAX_DAMPING = 5e-3
-# Under an envelope: largest relative change of the velocity that a cycle adds, over that of the wave's amplitude.
-# Against the oracle `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5
-# of this error.
-ENVELOPE_CHANGE = 3.0
 ENVELOPE_OUT = "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
 # SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum. A wave that is cut there
-# shifts the final position, by up to 4.2 times its amplitude (`steps.CUT`).
+# shifts the final position, by up to 4.2 times its amplitude (`error_estimate.CUT`).
 # RINGING_STEPS: minimum number of steps per cycle during the ring-down.
 SPENT, RINGING_STEPS = 1e-7, 80
 
 # Errors of the averaged method and of the fixed time steps: calibrated by the exact method in this many first cycles.
 WINDOW = 1000
-# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
-# that cannot be calibrated.
-CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
 
 
 def rest_problem(slider, orbits):
@@ -183,11 +166,10 @@ def _exact(burst):
         return _every_event(burst, *ORDERS[level][:3])
 
     def error(level, run, difference, reference):
-        # two runs may agree by chance: the error is never taken below that of the segments' truncation
-        # a slider that never moved has added nothing up
-        scatter = SCATTER * math.sqrt(burst.cycles * burst.problem.segments) if np.any(run[0]) else 0.0
-        rounding = DRIFT * burst.cycles * reference + scatter
-        return max(difference, 3e-6 * ORDERS[level][1] * reference) + rounding
+        return event_driven_error(
+            difference, truncation=ORDERS[level][1], reference=reference, cycles=burst.cycles,
+            segments=burst.problem.segments, moves=np.any(run[0]),
+        )  # fmt: skip
 
     for least in range(1, len(ORDERS)):
         try:
@@ -230,9 +212,6 @@ def _stepped(burst):
     start = _at_rest(burst)
     window = Window.of(burst)
 
-    def gain(level):
-        return (STEPS[level][0] / STEPS[level - 1][0]) ** ORDER - 1.0
-
     def follow(level):
         state = start.state.copy()
         rows = steps(
@@ -245,17 +224,19 @@ def _stepped(burst):
         )
         return _compared(rows, state), state, rows
 
+    def levels_error(level, difference, reference):
+        return stepped_error(difference, STEPS[level][0], STEPS[level - 1][0], STEPS[level][1] * reference)
+
     def in_window(level):
         coarse, fine = (
             steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
                   stride=window.burst.cycles_per_compared_row)[:, Column.VELOCITY]
             for k in (level - 1, level)
         )  # fmt: skip
-        return fine, float(np.max(np.abs(fine - coarse))) / gain(level)
+        return fine, levels_error(level, float(np.max(np.abs(fine - coarse))), 0.0)
 
     def error(level, run, difference, reference):
-        # a single difference may vanish by chance, since events fall anywhere in a step: compare the largest of many
-        estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
+        estimate = levels_error(level, difference, reference)
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
     least = _serving_steps(burst)[1]  # [1], because the level below is run for comparison
@@ -269,7 +250,7 @@ def _stepped(burst):
     every = burst.compared_per_returned_row
     return result._replace(
         run=(start, rows[every - 1 :: every]), statistics=statistics,
-        error=result.error + ENVELOPE_CHANGE * burst.bend * float(np.max(np.abs(gains))),
+        error=result.error + envelope_error(burst.bend, float(np.max(np.abs(gains)))),
     )  # fmt: skip
 
 
@@ -343,15 +324,14 @@ class Window(NamedTuple):
         """Return the error of a method's velocity at the end of the burst.
 
         `estimate` is the method's own estimate. `in_window()` returns the method's velocities in the window and its
-        estimate for them. If the true error in the window exceeds that estimate, `estimate` is scaled by their ratio.
+        estimate for them.
         """
         if self.velocities is None:
-            return UNCHECKED * estimate
+            return calibrated_error(estimate, None, 0.0)
         if self.whole:
             return abs(velocity - float(self.velocities[-1])) + self.exact_error
         velocities, stated = in_window()
-        true = float(np.max(np.abs(velocities - self.velocities)))
-        return max(BEYOND * estimate * max(1.0, CALIBRATION * true / (stated + 1e-300)), true)
+        return calibrated_error(estimate, float(np.max(np.abs(velocities - self.velocities))), stated)
 
 
 def _refined(burst, follow, error, levels, least):
@@ -396,10 +376,7 @@ def _both(work, first, second):
         return job.result(), result
 
 
-# The cheapest method comes first. Sources of the error estimates:
-# averaged: a run with half the steps and fewer nodes, and the difference of first and second order;
-# stepped: two step sizes; both this and the averaged estimate are calibrated by the exact method (`Window`);
-# exact: two collocation orders, plus rounding per cycle.
+# The cheapest method comes first.
 BURST_METHODS = {
     "averaged": Method(_averaged, _averaged_refusals),
     "stepped": Method(_stepped, lambda burst: stepped_refusals(burst.slider, burst.problem, STEPS[-2][0])),

@@ -27,9 +27,16 @@ from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
-from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
+from contact.averaged.sweep_rows import MAX_RATIO_HELD
 from contact.choice import Answer, Answered, Method, first_to_converge
-from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.drive import towards_plus
+from contact.error_estimate import (
+    first_order_error,
+    larger_wave,
+    reference_speed,
+    relative_to_reference,
+    two_orders_error,
+)
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits
 from contact.periodic.settling import long_run, mean_from_rest, reached
@@ -50,9 +57,6 @@ BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
 # Shooting would take too long if a cycle has more segments than this: a segment takes 2 to 4 us for one to three
 # contacts, and a search about 40 cycles.
 MAX_SEGMENTS = 8000.0
-# Estimated relative error of first-order averaging, divided by (f_n/f)^2. The true value was 0.1 to 1.9 at amplitudes
-# from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`).
-AVERAGING_ERROR = 3.0
 GOES_ON = (
     "without normal damping a start from rest goes on bouncing, at {:.4g} m/s in the mean: give slider.damping.normal "
     "or slider.damping.contact"
@@ -281,11 +285,9 @@ def _equilibrium(slider, orbits, ratio, method):
 
 def _first_order(slider, orbits, balance, ratio):
     """Return the first-order averaged steady state of a law that only the event-driven solver supports."""
-    error = AVERAGING_ERROR * ratio**2
+    error = first_order_error(ratio)
     if balance.held:
-        larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        # the threshold has an error: take the velocity on a wave that is larger by that error
-        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
+        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger_wave(ratio)) for orbit in orbits))
         error = relative_to_reference(on_larger_wave.speed * on_larger_wave.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
@@ -339,7 +341,7 @@ def _periodic_solution(search):
             f"the motion that repeats with the wave's period grows by {fine.growth:.6g} per cycle: the slider hops",
         )
     sticks = fine.motion.memory is None and fine.motion.sticks
-    velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
+    velocity, error = fine.speed * unit, two_orders_error(abs(fine.speed - coarse.speed), fine.unseen_error) * unit
     # velocity and error of a sticking slider are rounding errors
     velocity, error = (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
     solution = search.solution(

@@ -16,7 +16,6 @@ import numpy as np
 
 from contact import parameter_check
 from contact.answers.methods import (
-    ENVELOPE_CHANGE,
     EXACT_CYCLES,
     rest,
     rest_problem,
@@ -30,6 +29,7 @@ from contact.choice import Answer
 from contact.codes import Event, Regime
 from contact.drive import towards_plus
 from contact.envelope import Envelope
+from contact.error_estimate import envelope_error, travel_error
 from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
@@ -48,15 +48,6 @@ ENDLESS_SPANS = 10_000
 # Distances over the slip limit at rest. SETTLED: smaller displacements by slip are ignored. VISIBLE: the stopping time
 # ends with the last slip above this one.
 SETTLED, VISIBLE = 1e-12, 1e-3
-# Smallest stated error, relative to the largest of the step, its travel during the burst and the slip limit at rest.
-# Two levels may agree by chance, and the finer one has errors up to 3e-11 (90 draws of `tests/contact/aimed.py`).
-LEAST_ERROR = 2e-11
-# Error with the hysteretic law, relative to the ring amplitude: partial slip during the ring shifts the final position.
-# The shift was 0.07 to 0.37 of the ring in `tests/contact/test_stall_and_steps.py` and in five similar scenes.
-MEMORY_SHIFT = 0.5
-# Largest change of the final position over the amplitude at which a ring-down is cut: up to 4.2, in the median 0.25,
-# in 40 random motors of one to three contacts that were cut at amplitudes of 1e-5 to 3e-3.
-CUT = 5.0
 # regimes in which a contact does not slip as a whole
 HOLDING = (Regime.STICK, Regime.ANNULUS, Regime.GROW)
 
@@ -135,12 +126,6 @@ def step(
         _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
     )
     scale = max(abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed)))
-    # Fixed time steps are assumed to converge with first order: the error of the fine level is 1/(f/c - 1) times the
-    # difference, for f and c steps per cycle. The event-driven solver (0 steps) has spectral accuracy, so that the
-    # difference is the error of the coarse level.
-    factors = [1.0 / (f / c - 1.0) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c]
-    estimate = max(factors, default=1.0) * abs(fine.displacement - coarse.displacement)
-    shift = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
     frequency, bend, amplitude_left = listed[0].frequency, 0.0, 0.0
     if envelope is not None:
         bend += envelope.bend(cycles, frequency)
@@ -150,8 +135,13 @@ def step(
         amplitude_left = abs(complex(after.at(np.array([spent(after)]))[0])) * largest
     # a change of the wave in one cycle changes the slider's speed for at most the rest of the burst: with a constant
     # acceleration that is twice the cycle's share of the travel
-    unseen = 2.0 * ENVELOPE_CHANGE * bend * scale / cycles
-    return replace(fine, error=estimate + LEAST_ERROR * scale + shift + unseen + CUT * amplitude_left)
+    error = travel_error(
+        abs(fine.displacement - coarse.displacement),
+        [(f, c) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c],
+        scale=scale, ring=fine.ring if slider.law == "hysteretic" else 0.0,
+        change=envelope_error(bend, 2.0 * scale / cycles), cut=amplitude_left,
+    )  # fmt: skip
+    return replace(fine, error=error)
 
 
 class _Level(NamedTuple):

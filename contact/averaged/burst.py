@@ -19,6 +19,7 @@ import numpy as np
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
 from contact.codes import Status
+from contact.error_estimate import richardson, second_order_burst_error
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
@@ -29,13 +30,6 @@ STIFFEST, STIFFEST_STEADY = 0.1, 0.3
 HARMONICS = 8
 # number of times in the second half of a burst at which two runs are compared
 COMPARED = 24
-# The error of v(t) of second-order averaging is estimated as LEFT_OF_FIRST times the difference of the two orders plus
-# LEFT_OF_RATIO times (f_n/f)^2 times the reference speed. `tests/benchmarks/averaging_error.py` measured them: among 86
-# bursts chosen to be difficult the largest true error is 1.3 times the stated one; it is 1.5 times with half of these
-# values and 1.1 times with twice these values.
-LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
-# The midpoint rule has order 2: a run with half the steps has four times the error, hence difference/3 is the error.
-STEP_GAIN = 3.0
 STICKS = (
     "not applicable",
     "the averaged method does not apply: a contact sticks through whole cycles; use method stepped or exact",
@@ -80,7 +74,7 @@ def averaged_run(burst, motion):
 
     - step size and quadrature, from a second run with half the steps and fewer nodes;
     - for a first-order run, the difference between first and second order, both with the coarse steps;
-    - the error of second-order averaging (`LEFT_OF_FIRST`, `LEFT_OF_RATIO`).
+    - the error of second-order averaging.
     """
     cycles, tolerance, unit, turn = burst.cycles, burst.tolerance, burst.reference(), 2.0 * math.pi
     motion.turn(1)
@@ -113,10 +107,11 @@ def averaged_run(burst, motion):
     first, second = (follow(order, 2.0 * v_tolerance, per_period // 2, few) for order in (False, True))
     averaging = difference(first, second)
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
-    left = LEFT_OF_FIRST * averaging + LEFT_OF_RATIO * ratio**2 * unit
+    left = second_order_burst_error(averaging, ratio, unit)
     second_order_needed = averaging + left > 0.7 * tolerance * unit
     state, averaged_rows = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
-    steps = difference(fine, second if second_order_needed else first) / STEP_GAIN
+    # the midpoint rule, with half the steps
+    steps = richardson(difference(fine, second if second_order_needed else first), 2.0, 2)
     error = steps + left + (0.0 if second_order_needed else averaging)
     rows = np.zeros((ends.size, 2))
     rows[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]

@@ -34,6 +34,7 @@ from contact.averaged.cycle_pieces import Counted, Cycle, Mean, cycle_arrays
 from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
+from contact.error_estimate import quadrature_error, tail_error
 from contact.jit.compiled import compiled, formula, native, per_thread
 from contact.problem import changed, full_friction
 from contact.roots import narrowed, trial
@@ -66,12 +67,8 @@ class Entry(IntEnum):
     STATUS = 18
 
 
-# Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
-# RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
-NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
-# Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
-# f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
-TAIL_SHARE = 2.0
+# Nodes per smooth piece of a cycle: those of the search, and those of the answer.
+NODES, FINE_NODES = 16, 24
 # Rounding of a mean tangential force over mu F, of a sum over many contacts: what does not exceed a load by more than
 # that does not move the slider.
 ROUNDING = 1e-12
@@ -267,7 +264,7 @@ def _first_order(problem, h, close, work, out):
     # the search may stop early: Newton's step from there has an error of the square of the last step
     out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
     f = excess(problem, work.fine, h, v, work)
-    out[Entry.QUADRATURE] = RULE_ERROR * abs((f - left) / slope)
+    out[Entry.QUADRATURE] = quadrature_error((f - left) / slope)
     if slope < 0.0:
         v -= f / slope
     out[Entry.VELOCITY], out[Entry.FIRST_ORDER] = v, v
@@ -298,14 +295,11 @@ def _second_order(problem, slope, top, work, out):
     counts = second.counts
     out[Entry.VELOCITY], out[Entry.HEIGHT], out[Entry.RESIDUAL] = v, h, change
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
-    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper) and the fast motion as n^-2
-    # times that. The harmonics left out act on the mean through one more such factor. One harmonic may vanish by
-    # chance, hence the largest of the last three.
     force, last, tail = second.force, second.force.tangential_cos.size - 1, 0.0
     for k in range(max(last - 2, 0), last + 1):
         along = np.hypot(force.tangential_cos[k], force.tangential_sin[k])
         tail = max(tail, along + problem.friction * np.hypot(force.normal_cos[k], force.normal_sin[k]))
-    out[Entry.TAIL] = TAIL_SHARE * tail / (last + 2.0) ** 2
+    out[Entry.TAIL] = tail_error(tail, last + 1.0)
     return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 

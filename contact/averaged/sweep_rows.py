@@ -4,12 +4,8 @@ r"""The averaged equilibrium of many sliders and waves: one compiled loop, one e
 amplitude), so that no answer depends on its neighbours. See `equilibrium.balance_row` for the equations. One steady
 state is a sweep of one problem.
 
-The error of the velocity is the largest of
-
-- the errors by neglected harmonics, by the residual and by quadrature;
-- a share of the second-order correction, and rounding;
-- if the slider is held or hardly moves: the velocity at a larger amplitude. Averaging may have misjudged the threshold,
-  by up to 12 (f_n/f)^2 in amplitude.
+The error of the velocity is that of second-order averaging or, if this is larger and the slider is held or hardly
+moves, the change of the velocity on a larger wave: averaging may have misjudged the threshold.
 """
 
 from typing import NamedTuple
@@ -20,27 +16,18 @@ from contact.averaged.equilibrium import Entry, Work, balance_row, excess, full_
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.codes import Status, Steady
+from contact.error_estimate import averaged_stall_error, changed_waves_error, larger_wave, second_order_error
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.protocol import Law, with_numbers
 from contact.problem import SliderNumber, changed, in_units
 
-# Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the threshold of Feenstra and
-# Breedveld's slider, first order errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`).
-# At most half the amplitude is added.
-THRESHOLD_ERROR, MAX_THRESHOLD_ERROR = 12.0, 0.5
 # f_n/f up to which a slider that moves at the larger amplitude is called held, with that velocity as its error.
 # Beyond, averaging cannot tell.
 MAX_RATIO_HELD = 0.1
-# relative error of the averaged stalling load over (f_n/f)^2; true: 1.8 (`tests/contact/test_thrust.py`)
-STALL_ERROR = 3.0
 LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
 EDGE = 2e-3  # velocity over the reference speed below which the threshold is near
 MAX_AMPLITUDE_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
-CORRECTION_ERROR = 1e-4  # share of the second-order correction that is not trusted
-# Least relative error: the periodic motion of the full equations, which this is checked against, is itself known to
-# some 1e-10 (tests/contact/test_calibration.py).
-LEAST_ERROR = 1e-9
 
 
 class Sweep(NamedTuple):
@@ -121,12 +108,10 @@ def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
     problem = changed(problem, row[Entry.LOAD_SIGN] * abs(problem.load), problem.paths)
     v = row[Entry.VELOCITY]
     reference = max(abs(v), full_slip_speed(problem.paths, 0.0) / 10.0)
-    error = max(row[Entry.TAIL], row[Entry.RESIDUAL], row[Entry.QUADRATURE], LEAST_ERROR * abs(v))
-    error = max(error, CORRECTION_ERROR * abs(v - row[Entry.FIRST_ORDER]))
+    error = second_order_error(row[Entry.TAIL], row[Entry.RESIDUAL], row[Entry.QUADRATURE], v, row[Entry.FIRST_ORDER])
     if row[Entry.HELD] == 1.0 or abs(v) < EDGE * reference:
-        # Averaging may have misjudged the threshold by this factor: does the slider move on the larger wave?
-        factor = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        status = balance_row(_changed_wave(problem, factor, 0.0, 0.0, changed_paths), 0, work, changed_row)
+        larger = _changed_wave(problem, larger_wave(ratio), 0.0, 0.0, changed_paths)
+        status = balance_row(larger, 0, work, changed_row)
         difference = abs(changed_row[Entry.VELOCITY] - row[Entry.FIRST_ORDER])
         if status == Status.DONE and difference > 0.0 and ratio > MAX_RATIO_HELD:
             status = Status.NEAR_THRESHOLD
@@ -151,7 +136,7 @@ def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
     row[Entry.ERROR] = error / reference if reference > 0.0 else 0.0
     row[Entry.FROM_WAVE] = from_wave / reference if reference > 0.0 else 0.0
     row[Entry.THRUST] = max(thrust, 0.0)
-    row[Entry.THRUST_ERROR] = row[Entry.THRUST] * min(STALL_ERROR * ratio**2, 1.0)
+    row[Entry.THRUST_ERROR] = row[Entry.THRUST] * averaged_stall_error(ratio)
 
 
 @compiled
@@ -195,8 +180,7 @@ def _changed_wave(problem, factor, ratio_change, phase_change, out):
 def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_row):
     """Return the change of the first-order velocity `base` by the wave's relative error; inf if it cannot be computed.
 
-    It is the root of the sum of three squares: the changes by another amplitude (larger or smaller, whichever changes
-    more), by another ratio u_x/u_z and by another phase between u_x and u_z.
+    See `changed_waves_error`.
     """
     if wave_error == 0.0:
         return 0.0
@@ -209,7 +193,7 @@ def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_row
     smaller = _change(_changed_wave(problem, 1.0 - step, 0.0, 0.0, changed_paths), base, slope, work, changed_row)
     ratio = _change(_changed_wave(problem, 1.0, step, 0.0, changed_paths), base, slope, work, changed_row)
     phase = _change(_changed_wave(problem, 1.0, 0.0, step, changed_paths), base, slope, work, changed_row)
-    return np.sqrt(max(larger, smaller) ** 2 + (ratio**2 + phase**2)) * wave_error / step
+    return changed_waves_error(larger, smaller, ratio, phase) * wave_error / step
 
 
 @compiled

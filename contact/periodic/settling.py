@@ -24,6 +24,7 @@ import numpy as np
 from contact.averaged.event_cycle import Balance
 from contact.body import at_phase, tangential_amplitude
 from contact.codes import Count, Tangential
+from contact.error_estimate import BATCHES, batch_mean_error, two_orders_error, two_starts_error
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion, rest_state
@@ -57,7 +58,6 @@ STEPS_PER_CYCLE, MAX_STEP = 64, 0.2
 # largest number of segments (some seconds) and of cycles in a run
 BUDGET, MAX_CYCLES = 600_000, 30_000
 MEMORY = 4.0  # cost of a segment with the hysteretic law over that with the elastic law: 2.0 to 4.0 in four bursts
-BATCHES, STUDENT = 16, 2.13  # number of batch means, and Student's factor for 95 % with 15 degrees of freedom
 # A contact with a tangential resonance above this times the wave frequency moves with the surface from the start.
 SLOW = 5.0
 
@@ -118,7 +118,7 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     difference = abs(first.speed - second.speed)
     if not settled:
         better = second if second.period or second.sticks else first
-        return replace(better, error=max(first.error, second.error, difference), starts=2)
+        return replace(better, error=two_starts_error(first, second), starts=2)
     if _together(first, second, _same_speed(first.speed, problem)):
         return first
     # the transient is irregular, or several steady motions exist: a start may keep the mean velocity of the transient
@@ -176,7 +176,7 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target:
         return _matter_of_chance(absent, arrived, reference_speed, target.speed)
     # neither: what they do instead
     run = second if second.period or second.sticks else first
-    run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+    run = replace(run, error=two_starts_error(first, second), starts=2)
     difference = abs(run.speed - target.speed) + run.error
     if difference <= near.same:
         return Reached()
@@ -377,27 +377,22 @@ def _repeating(motion, begin, period, gap, passed):
         coarse.turn(passed)
         coarse.begin()
     coarse.turn(period)
-    error = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
+    difference = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     speed = float(motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
-        speed=speed, error=error + gap, period=period, sticks=False, cycles=period, passed=passed, motion=motion
-    )
+        speed=speed, error=two_orders_error(difference, gap), period=period, sticks=False, cycles=period, passed=passed,
+        motion=motion,
+    )  # fmt: skip
 
 
 def _mean(motion, cycles, passed, rate):
-    """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error.
-
-    The drift is the change from the first to the second half of the batches. If v relaxes with `rate`, only the share
-    `settled` of the remaining change is seen in it, so that the errors are divided by this share.
-    """
+    """Return the mean over `cycles` more cycles from batch means, during which v relaxes with `rate`."""
     motion.begin()
     batch_cycles = max(1, cycles // BATCHES)
     velocities = motion.turn(batch_cycles * BATCHES, stride=1)[:, Column.MEAN_VELOCITY]
     means = velocities.reshape(BATCHES, batch_cycles).mean(axis=1)
-    spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
-    half = BATCHES // 2
-    drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))
     settled = -math.expm1(-rate * 2.0 * math.pi * 0.5 * BATCHES * batch_cycles)
+    error, spread, drift = batch_mean_error(means, settled)
     if drift > 3.0 * spread or settled < 0.2:
         raise ConvergenceError(
             "not settled",
@@ -405,6 +400,6 @@ def _mean(motion, cycles, passed, rate):
             f"{drift * motion.problem.speed:.2g} m/s; raise the dampers or follow a burst",
         )
     return LongRun(
-        speed=float(np.mean(means)), error=(spread + drift) / settled, period=0, sticks=False,
+        speed=float(np.mean(means)), error=error, period=0, sticks=False,
         cycles=batch_cycles * BATCHES, passed=passed, motion=motion,
     )  # fmt: skip

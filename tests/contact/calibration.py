@@ -72,7 +72,7 @@ def drawn(number: int):
 def checked(number: int) -> list[ContactChecked]:
     """Return the answers of every way that applies to one draw."""
     import contact
-    from contact.drive import relative_to_reference
+    from contact.error_estimate import relative_to_reference
 
     slider, orbits, cycles = drawn(number)
     truths = {"burst": _burst_truth(slider, orbits, cycles), "steady": _steady_truth(slider, orbits)}

@@ -10,7 +10,8 @@ from contact import ConvergenceError, burst, steady, threshold_amplitude, thresh
 from contact.answers.methods import rest_problem
 from contact.answers.thresholds import release_amplitude
 from contact.averaged.event_cycle import opposed
-from contact.drive import reference_speed, towards_plus
+from contact.drive import towards_plus
+from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from studies.evidence.stability import contact as part

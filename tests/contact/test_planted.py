@@ -7,7 +7,7 @@ import pytest
 
 from contact import steady
 from contact.codes import Regime
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.jit import compiled
