@@ -36,7 +36,7 @@ ENVELOPE_CHANGE = 3.0
 # that cannot be calibrated.
 CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
 # Second-order averaging of a burst: shares of the difference of the two orders and of (f_n/f)^2 times the reference
-# speed. `tests/benchmarks/averaging_error.py` measured them: among 86 bursts chosen to be difficult the largest true
+# speed. `tests/benchmarks/averaging_error.py` measured them: among 86 difficult bursts the largest true
 # error is 1.3 times the stated one; it is 1.5 times with half of these values and 1.1 times with twice these values.
 LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
 # Travel. LEAST_TRAVEL_ERROR: relative; two levels may agree by chance, and the finer one has errors up to 3e-11 (90

@@ -158,8 +158,8 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
     if averaged_answer.error <= tolerance * guess:
         return averaged_answer
     try:
-        found = full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
-        return found.judged(tolerance, guess)
+        answer = full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
+        return answer.judged(tolerance, guess)
     except ConvergenceError as failed:
         reason = f"the full motion near the stall was not found: {failed}"
         return replace(averaged_answer, reasons=(*averaged_answer.reasons, reason)).judged(tolerance, guess)

@@ -1,8 +1,7 @@
 r"""Three methods to compute the motion during a burst: event-driven, fixed time steps and averaged.
 
-Each method starts from a slider at rest at phase 0. It returns the motion at the end of the burst, rows (v, z_s) during
-the burst, the estimated error of the last v and statistics. A method refuses a problem to which it does not apply.
-`error_estimate` turns two runs of different resolution into an error.
+Each method starts from a slider at rest at phase 0. It returns the motion at the end of the burst, its record (v, z_s),
+the error of the last v (`error_estimate`) and statistics. A method refuses a problem to which it does not apply.
 """
 
 import math
@@ -71,7 +70,7 @@ def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
     """
     begun, state = problem._replace(paths=_times(problem.paths, factor)), rest_state(slider, problem)
     motion = Motion(begun, grid=collocation(nodes), truncation=truncation)
-    motion.place(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
+    motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
     motion.problem = problem
     return motion
 
@@ -86,7 +85,7 @@ def _times(paths, factor):
 def silence(motion):
     """Return a copy of the motion that continues from the state at phase 0 without the wave."""
     still = motion.copy()
-    still.place(*motion.state[:3], motion.state[3:], problem=without_wave(motion.problem))
+    still.set_state(*motion.state[:3], motion.state[3:], problem=without_wave(motion.problem))
     still.begin()
     return still
 
@@ -103,7 +102,7 @@ def shaped_steps(slider, problem, least: int) -> int:
 def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RINGING_STEPS):
     """Move the slider in fixed time steps while the surface rings down.
 
-    Returns (times in s from the end of the burst, rows). There are about `samples` rows, or one per cycle if it is 0.
+    Returns (times in s from the end of the burst, record) of about `samples` samples, or one per cycle if it is 0.
     """
     frequency = motion.problem.omega / (2.0 * math.pi)
     number = shaped_steps(slider, motion.problem, least)
@@ -111,8 +110,8 @@ def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RI
     stride = max(1, cycles // samples) if samples else 1
     cycles -= cycles % stride
     shape = envelope.at(np.arange(cycles + 1) / frequency)
-    rows = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
-    return stride * np.arange(1, len(rows) + 1) / frequency, rows
+    record = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
+    return stride * np.arange(1, len(record) + 1) / frequency, record
 
 
 def spent(envelope):
@@ -129,7 +128,7 @@ def spent(envelope):
 
 
 class Burst(NamedTuple):
-    """A burst from rest that returns a row every `stride` cycles; `envelope` as in `time_stepping.steps`."""
+    """A burst from rest that returns a sample every `stride` cycles; `envelope` as in `time_stepping.steps`."""
 
     slider: Slider
     orbits: tuple[Orbit, ...]
@@ -141,14 +140,14 @@ class Burst(NamedTuple):
     bend: float = 0.0  # `Envelope.bend`
 
     @property
-    def cycles_per_compared_row(self) -> int:
-        """Number of cycles between two compared rows, a divisor of `stride`."""
+    def cycles_per_compared_sample(self) -> int:
+        """Number of cycles between two compared samples, a divisor of `stride`."""
         return largest_divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
 
     @property
-    def compared_per_returned_row(self) -> int:
-        """Number of compared rows for each returned row."""
-        return self.stride // self.cycles_per_compared_row
+    def compared_per_returned_sample(self) -> int:
+        """Number of compared samples for each returned one."""
+        return self.stride // self.cycles_per_compared_sample
 
     def allowed(self, velocity: float) -> float:
         """Return the allowed error of a velocity, both scaled."""
@@ -173,28 +172,28 @@ def _exact(burst):
 
     for least in range(1, len(ORDERS)):
         try:
-            _, (_, motion, rows), result = _refined(burst, follow, error, ORDERS, least)
+            _, (_, motion, record), result = _refined(burst, follow, error, ORDERS, least)
             break
         except ConvergenceError:  # with few nodes the solver may report events without end: try the next level
             if least == len(ORDERS) - 1:
                 raise
-    every = burst.compared_per_returned_row
-    return result._replace(run=(motion, rows[every - 1 :: every]), statistics=motion.events())
+    every = burst.compared_per_returned_sample
+    return result._replace(run=(motion, record[every - 1 :: every]), statistics=motion.events())
 
 
 def _every_event(burst, nodes, truncation, longest):
-    """Return (velocities to compare, motion, rows) of one event-driven run."""
+    """Return (velocities to compare, motion, record) of one event-driven run."""
     problem = burst.problem._replace(longest=longest * burst.problem.longest)
     motion = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
     motion.begin()
-    rows = motion.turn(burst.cycles, stride=burst.cycles_per_compared_row)
+    record = motion.turn(burst.cycles, stride=burst.cycles_per_compared_sample)
     motion.problem = burst.problem
-    return _compared(rows, motion.state), motion, rows
+    return _compared(record, motion.state), motion, record
 
 
-def _compared(rows, state):
+def _compared(record, state):
     """Return the velocities in the second half of a burst and at its end."""
-    return np.append(rows[len(rows) // 2 :, Column.VELOCITY], state[At.VELOCITY])
+    return np.append(record[len(record) // 2 :, Column.VELOCITY], state[At.VELOCITY])
 
 
 def _exact_refusals(burst):
@@ -214,15 +213,15 @@ def _stepped(burst):
 
     def follow(level):
         state = start.state.copy()
-        rows = steps(
+        record = steps(
             burst.problem,
             state,
             burst.cycles,
             STEPS[level][0],
-            stride=burst.cycles_per_compared_row,
+            stride=burst.cycles_per_compared_sample,
             envelope=burst.envelope,
         )
-        return _compared(rows, state), state, rows
+        return _compared(record, state), state, record
 
     def levels_error(level, difference, reference):
         return stepped_error(difference, STEPS[level][0], STEPS[level - 1][0], STEPS[level][1] * reference)
@@ -230,7 +229,7 @@ def _stepped(burst):
     def in_window(level):
         coarse, fine = (
             steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
-                  stride=window.burst.cycles_per_compared_row)[:, Column.VELOCITY]
+                  stride=window.burst.cycles_per_compared_sample)[:, Column.VELOCITY]
             for k in (level - 1, level)
         )  # fmt: skip
         return fine, levels_error(level, float(np.max(np.abs(fine - coarse))), 0.0)
@@ -240,16 +239,16 @@ def _stepped(burst):
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
     least = _serving_steps(burst)[1]  # [1], because the level below is run for comparison
-    level, (_, state, rows), result = _refined(burst, follow, error, STEPS, least)
+    level, (_, state, record), result = _refined(burst, follow, error, STEPS, least)
     start.state[:] = state
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
-    gains = np.diff(rows[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_row
-    every = burst.compared_per_returned_row
+    gains = np.diff(record[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_sample
+    every = burst.compared_per_returned_sample
     return result._replace(
-        run=(start, rows[every - 1 :: every]), statistics=statistics,
+        run=(start, record[every - 1 :: every]), statistics=statistics,
         error=result.error + envelope_error(burst.bend, float(np.max(np.abs(gains)))),
     )  # fmt: skip
 
@@ -274,16 +273,16 @@ def _averaged(burst):
     """Integrate the averaged equations."""
     window = Window.of(burst)
 
-    def follow(asked):
-        return averaged_run(asked, rest(asked.slider, asked.orbits, asked.problem, nodes=14, truncation=1e-11))
+    def follow(part):
+        return averaged_run(part, rest(part.slider, part.orbits, part.problem, nodes=14, truncation=1e-11))
 
     def in_window():
-        _, rows, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_row))
-        return rows[:, Column.VELOCITY], error
+        _, record, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_sample))
+        return record[:, Column.VELOCITY], error
 
-    motion, rows, error, statistics = follow(burst)
+    motion, record, error, statistics = follow(burst)
     velocity = float(motion.state[At.VELOCITY])
-    return Result((motion, rows), window.error(error, velocity, in_window), burst.allowed(velocity), statistics)
+    return Result((motion, record), window.error(error, velocity, in_window), burst.allowed(velocity), statistics)
 
 
 def _averaged_refusals(burst):
@@ -386,7 +385,7 @@ METHODS = ("auto", *BURST_METHODS)
 
 
 def run(method: str, burst: Burst) -> Choice:
-    """Return the run (motion at the end, rows) of a burst, its error and the method used.
+    """Return the run (motion at the end, record) of a burst, its error and the method used.
 
     Method "auto" uses the exact method up to `EXACT_CYCLES` cycles; if it fails, and for longer bursts, the cheapest
     one within the tolerance. Only the exact method accumulates the energies in the motion's sums.

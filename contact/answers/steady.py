@@ -27,7 +27,7 @@ from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
-from contact.averaged.sweep_rows import MAX_RATIO_HELD
+from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer, Answered, Method, first_to_converge
 from contact.drive import towards_plus
 from contact.error_estimate import (
@@ -49,7 +49,7 @@ METHODS = ("auto", "exact", "averaged")
 # takes a third to all of the time; in seven draws at ratios of 22 to 136 both gave the same velocity.
 # SETTLE: largest number of cycles to follow before shooting if it fails from the averaged equilibrium; also the
 # smallest number of cycles for the mean velocity of an undamped bounce. Shooting failed at first in 3 of 190 searches
-# for drawn motors; two of these motions were found after 191 and 200 cycles.
+# for drawn motors; two of these searches ended after 191 and 200 cycles.
 SLOWEST_WAVE, SETTLE = 20.0, 200
 # That mean covers this many bounce periods, but at most this many wave cycles (less than a second). In 40 draws the
 # mean over 80 periods was 0.45 of that over 20 in the median, and more than twice as large in 4.
@@ -222,7 +222,7 @@ class _Search(NamedTuple):
 
     @property
     def hops(self):
-        """Whether averaging is no substitute for a periodic motion that was not found."""
+        """Whether averaging is no substitute for a periodic motion that is not known."""
         # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
         adhesive = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
         unstable = self.failure is not None and self.failure.status == "unstable"
@@ -435,7 +435,7 @@ def _of_long_run(search, run):
 
 
 # In the order in which they are tried. The averaged method answers for a slider that friction holds, and for one that
-# keeps its height but whose periodic motion was not found; a long run from rest answers for the others.
+# keeps its height but whose periodic motion is not known; a long run from rest answers for the others.
 STEADY_METHODS = {
     "shooting": Method(_shooting, _shooting_refusals),
     "averaged": Method(_averaged, _averaged_refusals),

@@ -1,4 +1,4 @@
-r"""Steps of the motor: displacement by a burst of N cycles, and number of cycles for a given displacement.
+r"""Steps of the motor: displacement by a burst of N cycles, and number of cycles for a required displacement.
 
 A step consists of a burst from rest and the motion after it, until the contacts stick and the slider only rings about
 its final position. Envelopes may describe the wave's amplitude during the burst and the ring-down of the surface after
@@ -181,9 +181,9 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
     velocity, ringing_time, ringing_travel, ringing_steps = float(motion.state[2]), 0.0, 0.0, 0
     if after is not None:
         ringing_steps = _shaped_steps(slider, problem, level.ringing_steps, COARSE.ringing_steps)
-        times, rows = ring_down(slider, motion, after, least=ringing_steps)
+        times, record = ring_down(slider, motion, after, least=ringing_steps)
         ringing_time = float(times[-1]) if times.size else 0.0
-        ringing_travel = _distance(rows)
+        ringing_travel = _distance(record)
     still_travel, last_slip, ring = _stopped(slider, motion)
     during, stopping = (side * problem.length * burst_travel, side * problem.length * (ringing_travel + still_travel))
     result = Step(
@@ -269,9 +269,9 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
     return _distance(steps(problem, motion.state, cycles, number, envelope=shape)), number
 
 
-def _distance(rows) -> float:
-    """Return the scaled travel over cycles, one per row."""
-    return float(2.0 * math.pi * np.sum(rows[:, Column.MEAN_VELOCITY]))
+def _distance(record) -> float:
+    """Return the scaled travel over cycles, one per sample."""
+    return float(2.0 * math.pi * np.sum(record[:, Column.MEAN_VELOCITY]))
 
 
 @dataclass

@@ -1,6 +1,6 @@
 r"""Wave amplitudes at which a slider starts to move (threshold) and at which contact is first lost (release).
 
-Both are given as factors on the orbits. The averaged theory below assumes a slider that is heavy on the wave's time
+Both are factors on the orbits. The averaged theory below assumes a slider that is heavy on the wave's time
 scale. It rides at a constant height h such that the cycle mean of the normal forces balances the preload,
 <sum P_i> = preload. The approach of contact i is z_i = h + h_i + Re(U_i exp(i omega t)), where h_i is its height.
 
@@ -14,7 +14,7 @@ Without a load, and with u_x and u_z in quadrature, the threshold is |U_x|^2 + c
 The normal force p(z) is a homogeneous function. Hence, at equal heights, approach and orbits grow by the same factor,
 and the preload determines this factor.
 
-*Threshold, other cases.* These thresholds are found by bisection of the averaged equilibrium, to a relative accuracy
+*Threshold, other cases.* These thresholds follow from bisection of the averaged equilibrium, to a relative accuracy
 of 1e-5:
 
 - A hysteretic contact slips in an annulus before it slips as a whole. Its deformation depends on the previous cycle and

@@ -67,9 +67,9 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
 
 
 def averaged_run(burst, motion):
-    """Return (motion, rows, error, statistics) of a `methods.Burst` of at least 3 cycles.
+    """Return (motion, record, error, statistics) of a `methods.Burst` of at least 3 cycles.
 
-    `motion` is the motion at phase 0; it is advanced to the end of the burst. The rows are (v, z_s), where z_s excludes
+    `motion` is the motion at phase 0; it is advanced to the end of the burst. The record has (v, z_s); z_s excludes
     the motion within a cycle. `error` is that of v, scaled. It is the sum of three parts:
 
     - step size and quadrature, from a second run with half the steps and fewer nodes;
@@ -86,19 +86,19 @@ def averaged_run(burst, motion):
     late, stop = np.isin(phases, compared), turn * (cycles - 2)
 
     def follow(second_order, v_tolerance, per_period, nodes):
-        """Return (final state, rows) of a run with `per_period` steps per bounce and this relative tolerance on v."""
-        state, rows = motion.carried.slider.copy(), np.zeros((phases.size, 2))
+        """Return (final state, record) of a run with `per_period` steps per bounce and this relative tolerance on v."""
+        state, record = motion.carried.slider.copy(), np.zeros((phases.size, 2))
         rule = quadrature(nodes)
-        span = Span(stop, v_tolerance * unit, per_period, rule, int(second_order), phases, rows)
+        span = Span(stop, v_tolerance * unit, per_period, rule, int(second_order), phases, record)
         why = response(burst.problem, state, span, HARMONICS)
         if why != Status.DONE:
             raise ConvergenceError(*(STICKS if why == Status.STICKS else UNSETTLED))
-        return state, rows
+        return state, record
 
     def difference(one, other):
         """Return the largest difference in v between two runs over the second half of the burst."""
-        (state, rows), (other_state, other_rows) = one, other
-        apart = np.abs(rows - other_rows)[late, Column.VELOCITY]
+        (state, record), (other_state, other_record) = one, other
+        apart = np.abs(record - other_record)[late, Column.VELOCITY]
         return max(float(np.max(apart)), abs(float(state[At.VELOCITY] - other_state[At.VELOCITY])))
 
     v_tolerance = max(min(tolerance, 1e-3), 1e-9)
@@ -109,19 +109,19 @@ def averaged_run(burst, motion):
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
     left = second_order_burst_error(averaging, ratio, unit)
     second_order_needed = averaging + left > 0.7 * tolerance * unit
-    state, averaged_rows = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
+    state, averaged_record = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
     # the midpoint rule, with half the steps
     steps = richardson(difference(fine, second if second_order_needed else first), 2.0, 2)
     error = steps + left + (0.0 if second_order_needed else averaging)
-    rows = np.zeros((ends.size, 2))
-    rows[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    rows[inner] = averaged_rows[np.searchsorted(phases, at)]
+    record = np.zeros((ends.size, 2))
+    record[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
+    record[inner] = averaged_record[np.searchsorted(phases, at)]
     # The contacts slip within a cycle, so that the deformations at its start do not matter. The first cycle, started
     # with zero deformations, gives those at phase 0. The second cycle starts from the averaged state with these
     # deformations and is the last cycle of the burst.
-    motion.place(*state, 0.0)
+    motion.set_state(*state, 0.0)
     motion.turn(1)
-    motion.place(*state, motion.carried.deformation)
+    motion.set_state(*state, motion.carried.deformation)
     motion.turn(1)
-    rows[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    return motion, rows, error, {"cycles": cycles, "order": 2 if second_order_needed else 1}
+    record[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
+    return motion, record, error, {"cycles": cycles, "order": 2 if second_order_needed else 1}

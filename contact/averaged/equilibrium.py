@@ -12,7 +12,7 @@ function `left(problem, means, v)`, the mean force that is left to accelerate th
     `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
     `event_cycle.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
     `bounce.Heights`           several heights of a bounce
-    `pillar_motion`            many contacts with their own places, stiffnesses and weights, on a wave that they load
+    `pillar_motion`            many contacts with their own positions, stiffnesses and weights, on a wave that they load
 
 For balls on a prescribed wave this search is compiled as a whole. `pillar_equilibrium` gives the same velocity of first
 order (4e-13 apart for 1 to 8 balls), but takes 9 to 4 times the CPU time for one state of 1 to 8 balls and 45 to 10
@@ -41,9 +41,9 @@ from contact.roots import narrowed, trial
 
 
 class Entry(IntEnum):
-    """Columns of an answer: of the equilibrium, and from REGIME on what `sweep_rows` adds.
+    """Columns of an answer: of the equilibrium, and from REGIME on what `sweep_kernel` adds.
 
-    Scaled, and SI units where `sweep_rows` returns them; errors are over max(|v|, omega |u_x|/10).
+    Scaled, and SI units where `sweep_kernel` returns them; errors are over max(|v|, omega |u_x|/10).
     """
 
     VELOCITY = 0  # mean
@@ -178,7 +178,7 @@ def balanced_speed(problem, means, least, largest, fastest, close):
 
     `least` and `largest` bound the mean tangential force of a cycle at rest: the slider is held under a load between
     them. `fastest` is the speed beyond which every contact slips all the time; the search ends where a step is below
-    `close` of its range. Of `problem` the friction coefficient, preload, load and tangential damping are asked.
+    `close` of its range. Of `problem` the friction coefficient, preload, load and tangential damping are used.
     """
     friction = full_friction(problem)
     if least - problem.load > ROUNDING * friction:
@@ -213,7 +213,7 @@ def balanced_speed(problem, means, least, largest, fastest, close):
 
 
 @compiled
-def balance_row(problem, harmonics, work, out):
+def solve_equilibrium(problem, harmonics, work, out):
     """Fill an equilibrium, its columns by `Entry`; return the reason for ending.
 
     `harmonics` of the fast motion; 0: first order. The load is taken with the sign with which it opposes the unloaded
@@ -305,7 +305,7 @@ def _second_order(problem, slope, top, work, out):
 
 @native("t f1 t f1")
 def _mean_forces(problem, speeds, work, out):
-    """Fill the mean tangential forces of cycles at given velocities; return 0."""
+    """Fill the mean tangential forces of cycles at these velocities; return 0."""
     h = riding(problem, work.fine)
     for k in range(speeds.size):
         cycle(problem, h, speeds[k], work.fine, work.first)
@@ -314,7 +314,7 @@ def _mean_forces(problem, speeds, work, out):
 
 
 def mean_tangential_forces(problem, speeds):
-    """Return the mean tangential forces, scaled, of cycles at given scaled velocities, of first order."""
+    """Return the mean tangential forces, scaled, of cycles at these scaled velocities, of first order."""
     out = np.empty(len(speeds))
     _mean_forces(problem, speeds, work_arrays(1), out)
     return out

@@ -152,7 +152,7 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
 def mean_tangential_force(problem, height, speed, deformations):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, started from `deformations`."""
     motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
-    motion.place(-height, 0.0, speed, deformations)
+    motion.set_state(-height, 0.0, speed, deformations)
     for turn in range(6):
         before = motion.carried.deformation.copy()
         motion.tally[:], motion.sums[:] = 0, 0.0

@@ -83,7 +83,7 @@ def pillar_motion(
         coarser = motion
         try:
             motion = truncated_motion(pillars, wave, load, True, coarser, number)
-        except ConvergenceError:  # this number has no equilibrium that is found from `coarser`; perhaps the next has
+        except ConvergenceError:  # this number has no equilibrium within reach of `coarser`; perhaps the next has
             if number == NUMBERS[-1]:
                 raise
             continue

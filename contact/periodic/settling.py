@@ -132,9 +132,9 @@ def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, 
     _refuse_unless_affordable(problem, math.inf)
     motion = Motion(problem, grid=collocation(10), truncation=1e-7)
     position, normal_velocity, velocity = begin[:3]
-    motion.place(position, normal_velocity, velocity, begin[3:])
-    rows = motion.turn(cycles, stride=1)
-    return float(np.mean(rows[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
+    motion.set_state(position, normal_velocity, velocity, begin[3:])
+    record = motion.turn(cycles, stride=1)
+    return float(np.mean(record[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
 
 
 def _same_speed(speed, problem):
@@ -251,46 +251,46 @@ def run_from(problem, begin, rate, near=None):
     `near`, if it repeats, or if a quarter of the budget is spent; the mean is then taken over the cycles to come.
     """
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
-    motion.place(*begin[:3], begin[3:])
+    motion.set_state(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
-    rows, stuck, eventual = np.empty((0, 3)), 0, None
+    record, stuck, eventual = np.empty((0, 3)), 0, None
     while True:
         motion.begin()
-        rows = np.vstack([rows, motion.turn(block, stride=1)])
+        record = np.vstack([record, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[Count.SEGMENTS] + motion.tally[Count.HALVINGS])
         stuck = stuck + block if motion.sticks else 0
         if stuck >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
-                velocities=rows[:, Column.VELOCITY],
+                velocities=record[:, Column.VELOCITY],
             )  # fmt: skip
-        if near is not None and _arrived(rows, near):
-            return _arrival(motion, rows, passed, near)
-        period, gap = _period(rows)
+        if near is not None and _arrived(record, near):
+            return _arrival(motion, record, passed, near)
+        period, gap = _period(record)
         if period:
             run = _repeating(motion, begin, period, gap, passed)
             close = near is not None and abs(run.speed - near.speed) <= near.same
-            return replace(run, arrived=close, velocities=rows[:, Column.VELOCITY])
+            return replace(run, arrived=close, velocities=record[:, Column.VELOCITY])
         if near is not None and passed > MAX_REGULAR and eventual is None:
             eventual = _eventual(problem, motion, near)
             if abs(eventual - near.speed) <= near.same:
-                return _arrival(motion, rows, passed, near)
+                return _arrival(motion, record, passed, near)
         if spent > 0.25 * budget or passed > MAX_CYCLES // 4:
             run = _mean(motion, max(BATCHES, passed), passed, rate)
             return replace(
-                run, velocities=rows[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
+                run, velocities=record[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
             )
         # the next block takes at most a twentieth of the budget
         block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
 
 
-def _arrival(motion, rows, passed, near):
+def _arrival(motion, record, passed, near):
     """Return the result of a run that has reached the known motion."""
     return LongRun(
         speed=near.speed, error=near.same, period=1, sticks=False, cycles=1, passed=passed, motion=motion,
-        arrived=True, velocities=rows[:, Column.VELOCITY],
+        arrived=True, velocities=record[:, Column.VELOCITY],
     )  # fmt: skip
 
 
@@ -307,8 +307,8 @@ def _eventual(problem, motion, near):
     if 2.0 * math.pi / STEPS_PER_CYCLE * largest_resonance(problem) > MAX_STEP or problem.limit_slope == 0.0:
         return math.nan
     cycles = int(DECAYED * near.decay_cycles)
-    rows = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
-    return float(np.mean(rows[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
+    record = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
+    return float(np.mean(record[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
 
 
 def relaxation_rate(problem):
@@ -335,25 +335,25 @@ def _refuse_unless_affordable(problem, rate):
         )
 
 
-def _arrived(rows, near):
+def _arrived(record, near):
     """Return True if the last four cycles ended within `CLOSE` of the known motion."""
-    late = np.abs(rows[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
+    late = np.abs(record[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
     close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
     return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
 
-def _period(rows):
+def _period(record):
     """Return (period in cycles or 0, estimated distance from the periodic motion).
 
-    The rows of the last three periods are compared with those one period before. `ratio` is that of this difference to
+    The samples of the last three periods are compared with those one period before. `ratio` is this difference over
     the same difference two periods earlier, and the distance is the sum of a geometric series with this ratio.
     """
     for period in range(1, PERIODS + 1):
-        if len(rows) < 6 * period:
+        if len(record) < 6 * period:
             break
-        late = rows[-3 * period :] - rows[-4 * period : -period]
-        early = rows[-5 * period : -2 * period] - rows[-6 * period : -3 * period]
-        scale = 1.0 + np.max(np.abs(rows[-3 * period :]))
+        late = record[-3 * period :] - record[-4 * period : -period]
+        early = record[-5 * period : -2 * period] - record[-6 * period : -3 * period]
+        scale = 1.0 + np.max(np.abs(record[-3 * period :]))
         gap, former = float(np.max(np.abs(late))), float(np.max(np.abs(early)))
         if gap > REPEATS * scale:
             continue
@@ -373,7 +373,7 @@ def _repeating(motion, begin, period, gap, passed):
     if motion.memory is None:
         coarse.state[:], coarse.regime[:], coarse.sign[:] = before.state, before.regime, before.sign
     else:  # the memory is stored on the nodes of one order: repeat the whole run at the lower order
-        coarse.place(*begin[:3], begin[3:])
+        coarse.set_state(*begin[:3], begin[3:])
         coarse.turn(passed)
         coarse.begin()
     coarse.turn(period)

@@ -62,7 +62,7 @@ def periodic(
 ) -> Periodic:
     """Return the periodic motion at one order of collocation.
 
-    Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if that is given.
+    Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if there is one.
     `truncation` is that of `Motion`. Before the search the full motion is followed for `settle` cycles.
     """
     cycle = _CycleMap(balance.problem, nodes, truncation)
@@ -96,7 +96,7 @@ class _CycleMap:
         if self.motion.memory is not None:  # the memory of a hysteretic contact is part of the state
             self.motion = self.base.copy()
         motion = self.motion
-        motion.place(*y[:3], y[3:])
+        motion.set_state(*y[:3], y[3:])
         motion.begin()
         motion.turn(1)
         if not np.max(np.abs(motion.state)) < BOUND:

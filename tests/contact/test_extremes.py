@@ -151,7 +151,7 @@ def drift(s, A, cycles):
     """Return how far a slider moves in two stretches of time, event by event from rest, scaled."""
     problem = rest_problem(s, (orbit(A),))
     motion = Motion(problem, grid=collocation(10), truncation=1e-8)
-    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0)
+    motion.set_state(-s.rest_approach(1) / problem.length, 0.0, 0.0)
     rows = motion.turn(2 * cycles, stride=1)[:, 2]
     return float(np.mean(rows[:cycles])), float(np.mean(rows[cycles:]))
 
