@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from fem.condense.electrodes import electrode_potentials, transducer_ports
+from fem.condense.electrodes import electrode_potentials, is_port, transducer_ports
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -124,7 +124,7 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
         free = np.stack(uncharged, axis=1)
         among = free.T @ by_strip.charges @ free
         ports = ports - free @ np.linalg.pinv(among, rcond=1e-8) @ (free.T @ by_strip.charges @ ports)
-    two = [each for each in transducers if {"+", "-"} <= set(each.signs)]
+    two = [each for each in transducers if is_port(each)]
     charges = ports.T @ by_strip.charges @ ports
     return DirectSolution(
         names=tuple(each.name for each in two),

@@ -4,8 +4,8 @@ A transducer is an array of massless, perfectly conducting, equipotential finger
 the fingers alternate: finger 0 belongs to the positive electrode and finger 1 to the negative one, and two fingers and
 two gaps make a period.  Split fingers ("++--") are four to a period.  Any other arrangement is a pattern with
 one sign per finger: "+" and "-" are the two electrodes, "0" is a finger that is omitted (withdrawal weighting), and "o"
-is an open strip, whose potential is such that it carries no net charge.  A row of "o" is an open reflector, a row of
-"+" a shorted one.
+is an open strip, whose potential is such that it carries no net charge.  Fingers "o" alone are an open reflector,
+fingers "+" alone a shorted one.
 """
 
 from dataclasses import dataclass

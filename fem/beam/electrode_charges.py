@@ -11,6 +11,7 @@ import numpy as np
 from fem.beam.beam_of_charges import ChargeSheet
 from fem.beam.lateral import sheet_spectrum
 from fem.condense.columns import distinct_columns
+from fem.condense.electrodes import charged
 from fem.results.evaluation import left_edge
 from fem.results.solution import Solution
 
@@ -84,8 +85,8 @@ def all_charges(solution: Solution) -> tuple[ElectrodeCharges, ...]:
 
 def _finger_numbers(finger: np.ndarray, signs: str) -> np.ndarray:
     """Number of each node's finger, counting the fingers "+" and "-" only; -1 on an open strip."""
-    charged = np.array([sign in "+-" for sign in signs])
-    return np.where(charged, np.cumsum(charged) - 1, -1)[finger - finger[0]]
+    connected = charged(signs)
+    return np.where(connected, np.cumsum(connected) - 1, -1)[finger - finger[0]]
 
 
 def _unit_dipole(x: np.ndarray, number: np.ndarray) -> np.ndarray:

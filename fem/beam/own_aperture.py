@@ -1,4 +1,4 @@
-"""Response of a transducer with fingers of finite length to its own charges, which vary along the fingers.
+"""Response of a transducer with fingers of finite length to waves, voltages and its own charges.
 
 The fingers end at y = +-W/2.  Along y the charge is computed by Galerkin's method.  It is a sum of sheets, each uniform
 over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and
@@ -47,6 +47,7 @@ import numpy as np
 from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import StripPotential
+from fem.condense.electrodes import charged
 from fem.condense.transducer import finger_ports
 from fem.geometry import Transducer
 from fem.waveguide.network import Scatterer, Sheet
@@ -95,7 +96,7 @@ def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNK
 
     ``fineness``: number of finer sets of STEPS that are skipped; ``most``: largest number of sheets on all fingers.
     """
-    fingers, aperture = sum(sign in "+-" for sign in transducer.signs), transducer.aperture
+    fingers, aperture = np.count_nonzero(charged(transducer.signs)), transducer.aperture
     sets = [  # for each set of STEPS, without sheets that would be too short
         np.array([aperture, *(shorter for shorter in ends if shorter > SHORTEST_SHEET * aperture)])
         for ends in ([aperture - 2 * step * transducer.period for step in steps] for steps in STEPS)
@@ -334,15 +335,15 @@ def _change_by_charges(
     section = scatterer.modes.section
     medium, unit = section.solid, section.length_unit
     scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
-    charged = np.flatnonzero([sign in "+-" for sign in signs])
-    offsets = np.subtract.outer(charged, charged) + len(signs) - 1  # index of each pair of fingers in ``change``
+    numbers = np.flatnonzero(charged(signs))
+    offsets = np.subtract.outer(numbers, numbers) + len(signs) - 1  # index of each pair of fingers in ``change``
     charges, mixed, moments = (
         scale * unit**power * each[..., offsets]
         for power, each in enumerate((change.charges, change.mixed, change.moments))
     )
     polarisability = -change.polarisability / (scale * unit**2)
     inverse = np.linalg.inv(np.minimum.outer(lengths, lengths))  # O^-1
-    sheets, fingers = len(lengths), len(charged)
+    sheets, fingers = len(lengths), len(numbers)
     size = sheets * fingers
 
     def stacked(each: np.ndarray) -> np.ndarray:

@@ -23,8 +23,8 @@ to their own charges, as in the section.  Open strips always respond as in the s
 """
 
 from collections.abc import Callable
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import combinations
 from threading import Lock
 
@@ -40,6 +40,7 @@ from fem.beam.own_aperture import (
     finger_coupling,
     sheet_lengths,
 )
+from fem.condense.electrodes import charged
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.exceptions import InputError
@@ -169,8 +170,7 @@ class OwnApertures:
 
     def coupling(self, network: Network, transducer: Transducer, lengths: np.ndarray) -> Coupling:
         """Coupling at the frequency of the network."""
-        section, frequency = network.modes.section, network.modes.frequency
-        section = section.full
+        section, frequency = network.modes.section.full, network.modes.frequency
         if self.limits is None:
             modes = network.modes if section is network.modes.section else guided_modes(section, frequency)
             return finger_coupling(line_source(modes), transducer, lengths, self.mirror_width)
@@ -206,50 +206,23 @@ class OwnApertures:
 
 def _solved(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
     """Fields of the cascade's ports, with one potential per finger."""
-    network, transducers = cascade.network, cascade.transducers
-    section = network.modes.section
-    surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
-    refuse_short_apertures(transducers, 2 * np.pi / surface)
-    lengths, kept = _sheets_and_modes(network, transducers, fineness)
-    travel = _travel(network, transducers, kept, lengths, own_apertures.mirror_width)
-    outside, changes = _from_forces(network, transducers, kept, lengths, own_apertures.mirror_width)
-    responses = _responses(own_apertures, cascade, kept, lengths, changes)
-    network = replace(network, scatterers=tuple(each.scatterer for each in responses))
-    return replace(cascade, network=network).solved(_port_solution(network, responses, travel, outside, kept))
+    modes = cascade.network.modes
+    surface = modes.wavenumbers[modes.rayleigh].real.mean() / modes.section.length_unit
+    refuse_short_apertures(cascade.transducers, 2 * np.pi / surface)
+    beams = _Beams.of(cascade.network, cascade.transducers, fineness, own_apertures.mirror_width)
+    outside, changes = beams.from_forces()
+    responses = _responses(own_apertures, beams, changes)
+    network = replace(cascade.network, scatterers=tuple(each.scatterer for each in responses))
+    fields = _port_solution(network, responses, beams.travel(), outside, beams.kept)
+    return replace(cascade, network=network).solved(fields)
 
 
-def _sheets_and_modes(
-    network: Network, transducers: tuple[Transducer, ...], fineness: int
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Lengths of the sheets of each transducer, and numbers of the modes that couple transducers, within MAX_WAVES."""
-    # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next one.
-    between = np.diff(network.segments[1:-1], axis=1).ravel()
-    gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
-    kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
-    decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
-    needed = int(np.count_nonzero(decay < NEEDED))
-    lengths = []
-    for each in transducers:
-        fingers = max(sum(sign in "+-" for sign in each.signs), 1)
-        most_sheets = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
-        most = MAX_UNKNOWNS if len(transducers) == 1 else min(MAX_UNKNOWNS, most_sheets * fingers)
-        lengths.append(sheet_lengths(each, fineness, most))
-    most_modes = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
-    return lengths, np.sort(kept[np.argsort(decay, kind="stable")[:most_modes]])
-
-
-def _responses(
-    own_apertures: OwnApertures,
-    cascade: StatorCascade,
-    kept: np.ndarray,
-    lengths: list[np.ndarray],
-    changes: list[np.ndarray],
-) -> list[ApertureResponse]:
+def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.ndarray]) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
-    network = cascade.network
+    network, kept = beams.network, beams.kept
     responses, couplings, by_kind = [], {}, {}
     for index, (plain, transducer, own_lengths) in enumerate(
-        zip(network.scatterers, cascade.transducers, lengths, strict=True)
+        zip(network.scatterers, beams.transducers, beams.lengths, strict=True)
     ):
         kind = id(plain), transducer.aperture
         if kind not in couplings:
@@ -304,48 +277,134 @@ def _port_solution(
     )
 
 
-def _travel(
-    network: Network,
-    transducers: tuple[Transducer, ...],
-    kept: np.ndarray,
-    lengths: list[np.ndarray],
-    mirror_width: float | None,
-) -> np.ndarray:
-    """Matrix from the amplitudes that are sent to those that arrive.
+@dataclass(frozen=True, kw_only=True)
+class _Beams:
+    """Waves between the transducers of a cascade, and from forces: vectors of amplitudes in a fixed order.
 
-    Its rows and columns are ordered by transducer and sheet, then waves to the right, waves to the left.  With B of
-    `aperture_coupling`, the amplitudes c_b on the sheets b of one transducer arrive on the sheets of another, at the
-    distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l), (O / L)_cb = O_cb / L_c, because B is a mean
-    over the receiving sheet.
+    They are ordered by transducer and sheet, then waves to the right and waves to the left, then by mode.
     """
-    modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
-    edges = [  # left and right line of each transducer
-        (left, left + each.piece.width) for left, each in zip(network.positions, network.scatterers, strict=True)
-    ]
-    first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
-    out = np.zeros((first[-1], first[-1]), dtype=complex)
-    overlaps = [np.minimum.outer(each, each) / each[:, None] for each in lengths]  # O / L
-    for one, other in combinations(range(len(edges)), 2):
-        gap, pair = edges[other][0] - edges[one][1], (transducers[one], transducers[other])
-        to_other = aperture_coupling(
-            modes.wavenumbers[kept] / unit,
-            lengths[one],
-            lengths[other],
-            (sum(edges[other]) - sum(edges[one])) / 2 * unit,
-            mirror_width,
-            pair[1].center_y - pair[0].center_y,
-        )
-        to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
-        for sender, receiver, mean_beams, phase in (
-            (one, other, to_other, modes.wavenumbers[kept] * gap),
-            (other, one, to_one, -modes.backwards[kept] * gap),
-        ):
-            amplitudes = np.tensordot(np.linalg.inv(overlaps[receiver]), mean_beams, axes=1)
-            block = out[first[receiver] : first[receiver + 1], first[sender] : first[sender + 1]]
-            block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
-            direction, each = int(sender > receiver), np.arange(m)  # direction: 0 to the right, 1 to the left
-            block[:, direction, each, :, direction, each] = np.moveaxis(amplitudes * np.exp(-1j * phase), 2, 0)
-    return out
+
+    network: Network
+    transducers: tuple[Transducer, ...]
+    lengths: list[np.ndarray]  # of the sheets of each transducer, m
+    kept: np.ndarray  # numbers of the modes that couple transducers
+    mirror_width: float | None
+
+    @classmethod
+    def of(
+        cls, network: Network, transducers: tuple[Transducer, ...], fineness: int, mirror_width: float | None
+    ) -> "_Beams":
+        """Return the sheets and modes within MAX_WAVES."""
+        # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next.
+        between = np.diff(network.segments[1:-1], axis=1).ravel()
+        gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
+        kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
+        decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
+        needed = int(np.count_nonzero(decay < NEEDED))
+        lengths = []
+        for each in transducers:
+            fingers = max(int(np.count_nonzero(charged(each.signs))), 1)
+            most_sheets = MAX_WAVES // max(2 * needed * len(transducers), 1)  # forces alone do not change the sheets
+            most = MAX_UNKNOWNS if len(transducers) == 1 else min(MAX_UNKNOWNS, most_sheets * fingers)
+            lengths.append(sheet_lengths(each, fineness, most))
+        most_modes = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
+        kept = np.sort(kept[np.argsort(decay, kind="stable")[:most_modes]])
+        return cls(network=network, transducers=transducers, lengths=lengths, kept=kept, mirror_width=mirror_width)
+
+    @cached_property
+    def first(self) -> np.ndarray:
+        """Number of the first wave of each transducer, and the number of all waves."""
+        return np.cumsum([0, *(2 * len(self.kept) * len(each) for each in self.lengths)])
+
+    @cached_property
+    def overlaps(self) -> list[np.ndarray]:
+        """O / L of the sheets of each transducer, (O / L)_cb = O_cb / L_c."""
+        return [np.minimum.outer(each, each) / each[:, None] for each in self.lengths]
+
+    def travel(self) -> np.ndarray:
+        """Matrix from the amplitudes that are sent to those that arrive.
+
+        With B of `aperture_coupling`, the amplitudes c_b on the sheets b of one transducer arrive on the sheets of
+        another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l), because B is a mean over
+        the receiving sheet.
+        """
+        modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.kept)
+        lines, lengths, numbers = self.network.lines, self.lengths, np.arange(m)
+        out = np.zeros((self.first[-1], self.first[-1]), dtype=complex)
+        for one, other in combinations(range(len(lines)), 2):
+            gap = lines[other][0] - lines[one][1]
+            to_other = aperture_coupling(
+                modes.wavenumbers[self.kept] / unit,
+                lengths[one],
+                lengths[other],
+                (sum(lines[other]) - sum(lines[one])) / 2 * unit,
+                self.mirror_width,
+                self.transducers[other].center_y - self.transducers[one].center_y,
+            )
+            to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
+            for sender, receiver, mean_beams, phase in (
+                (one, other, to_other, modes.wavenumbers[self.kept] * gap),
+                (other, one, to_one, -modes.backwards[self.kept] * gap),
+            ):
+                amplitudes = np.tensordot(np.linalg.inv(self.overlaps[receiver]), mean_beams, axes=1)
+                block = out[self._waves(receiver), self._waves(sender)]
+                block = block.reshape(len(lengths[receiver]), 2, m, len(lengths[sender]), 2, m)
+                direction = int(sender > receiver)  # 0 to the right, 1 to the left
+                arriving = np.moveaxis(amplitudes * np.exp(-1j * phase), 2, 0)
+                block[:, direction, numbers, :, direction, numbers] = arriving
+        return out
+
+    def from_forces(self) -> tuple[np.ndarray | None, list[np.ndarray]]:
+        """Waves that arrive directly from the strips of force, and their change from finger to finger.
+
+        The amplitudes (waves, ports) are those at the centre of a transducer, None without a force.  A force of a width
+        w sends its waves as a sheet of charge of this length does.
+
+        The changes A of the module docstring are (sheets, fingers, 2 modes, forces) for each transducer: on each finger
+        the mean over a sheet is B of equation (1) at the distance of the finger instead of that of the centre.
+        """
+        network, m, forces = self.network, len(self.kept), list(self.network.forces)
+        out = np.zeros((self.first[-1], len(network.ports)), dtype=complex)
+        changes = [
+            np.zeros((len(own), np.count_nonzero(charged(each.signs)), 2, m, len(forces)), dtype=complex)
+            for own, each in zip(self.lengths, self.transducers, strict=True)
+        ]
+        for number, index, gap in _force_gaps(network):
+            direction = int(gap < 0)  # 0 to the right, 1 to the left
+            amplitudes = self._from_force(number, index, gap)
+            out[self._waves(index), number].reshape(-1, 2, m)[:, direction] = amplitudes[0]
+            on_fingers = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
+            changes[index][:, :, direction, :, forces.index(number)] = on_fingers
+        return out if forces else None, [each.reshape(*each.shape[:2], 2 * m, len(forces)) for each in changes]
+
+    def _from_force(self, number: int, index: int, gap: float) -> np.ndarray:
+        """Amplitudes of a force's waves at a transducer's centre, then on its fingers, (1 + fingers, sheets, modes)."""
+        network, modes, unit = self.network, self.network.modes, self.network.modes.section.length_unit
+        port, force, transducer = network.ports[number], network.forces[number], self.transducers[index]
+        k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
+        from_centre = (
+            np.flatnonzero(charged(transducer.signs)) - (len(transducer.signs) - 1) / 2
+        )  # of fingers, in pitches
+        finger_x = (transducer.center + from_centre * transducer.pitch) / unit
+        to_centre = abs(gap) + network.scatterers[index].piece.width / 2
+        mean_beams = [
+            aperture_coupling(
+                k[self.kept] / unit,
+                port.width * unit,
+                self.lengths[index],
+                distance * unit,
+                self.mirror_width,
+                transducer.center_y - port.center * unit,
+                tangential=port.component == "x",
+            )
+            for distance in (to_centre, *abs(finger_x - port.position))
+        ]
+        amplitudes = np.linalg.solve(self.overlaps[index], np.array(mean_beams))
+        return amplitudes * (sent * np.exp(-1j * k * abs(gap)))[self.kept]
+
+    def _waves(self, index: int) -> slice:
+        """Numbers of a transducer's waves."""
+        return slice(self.first[index], self.first[index + 1])
 
 
 def _force_gaps(network: Network) -> list[tuple[int, int, float]]:
@@ -353,65 +412,9 @@ def _force_gaps(network: Network) -> list[tuple[int, int, float]]:
 
     The gap is the distance to the nearest line of the transducer, length units; positive if it lies on the right.
     """
-    edges = [(left, left + each.piece.width) for left, each in zip(network.positions, network.scatterers, strict=True)]
     positions = [(number, network.ports[number].position) for number in network.forces]
     return [
         (number, index, left - position if left > position else right - position)
         for number, position in positions
-        for index, (left, right) in enumerate(edges)
+        for index, (left, right) in enumerate(network.lines)
     ]
-
-
-def _from_forces(
-    network: Network,
-    transducers: tuple[Transducer, ...],
-    kept: np.ndarray,
-    lengths: list[np.ndarray],
-    mirror_width: float | None,
-) -> tuple[np.ndarray | None, list[np.ndarray]]:
-    """Waves that arrive directly from the strips of force, and their change from finger to finger.
-
-    The amplitudes (waves, ports) are those at the centre of a transducer, None without a force; their rows are those of
-    `_travel`.  A force of a width w sends its waves as a sheet of charge of this length does.
-
-    The changes A of the module docstring are (sheets, fingers, 2 modes, forces) for each transducer: on each finger the
-    mean over a sheet is B of equation (1) at the distance of the finger instead of that of the centre.
-    """
-    modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
-    first = np.cumsum([0, *(2 * m * len(each) for each in lengths)])
-    out = np.zeros((first[-1], len(network.ports)), dtype=complex)
-    numbers = list(network.forces)
-    finger_x = [  # middles of the fingers "+" and "-" of each transducer, length units
-        (each.center + (np.flatnonzero([sign in "+-" for sign in each.signs]) - (len(each.signs) - 1) / 2) * each.pitch)
-        / unit
-        for each in transducers
-    ]
-    changes = [
-        np.zeros((len(own), len(fingers), 2, m, len(numbers)), dtype=complex)
-        for own, fingers in zip(lengths, finger_x, strict=True)
-    ]
-    for number, index, gap in _force_gaps(network):
-        port, force, own_lengths = network.ports[number], network.forces[number], lengths[index]
-        k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        direction = int(gap < 0)  # 0 to the right, 1 to the left
-        to_centre = abs(gap) + network.scatterers[index].piece.width / 2
-        mean_beams = [
-            aperture_coupling(
-                k[kept] / unit,
-                port.width * unit,
-                own_lengths,
-                distance * unit,
-                mirror_width,
-                transducers[index].center_y - port.center * unit,
-                tangential=port.component == "x",
-            )
-            for distance in (to_centre, *abs(finger_x[index] - port.position))
-        ]
-        overlaps = np.minimum.outer(own_lengths, own_lengths) / own_lengths[:, None]  # O / L, as in `_travel`
-        amplitudes = np.linalg.solve(overlaps, np.array(mean_beams))  # at the centre, then on each finger
-        amplitudes *= (sent * np.exp(-1j * k * abs(gap)))[kept]
-        block = out[first[index] : first[index + 1], number].reshape(len(own_lengths), 2, m)
-        block[:, direction] = amplitudes[0]
-        on_fingers = np.swapaxes(amplitudes[1:] - amplitudes[0], 0, 1)
-        changes[index][:, :, direction, :, numbers.index(number)] = on_fingers
-    return out if numbers else None, [each.reshape(*each.shape[:2], 2 * m, len(numbers)) for each in changes]

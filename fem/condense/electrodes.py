@@ -109,11 +109,20 @@ class MeshElectrodes:
                 self.tied[index] = vertices
 
 
+def charged(signs: str) -> np.ndarray:
+    """True for the fingers "+" and "-" of a pattern, which an electrode connects, shape (fingers,)."""
+    return np.array([sign in "+-" for sign in signs], dtype=bool)
+
+
+def is_port(transducer: Transducer) -> bool:
+    """True if a transducer has both electrodes, between which a voltage can stand."""
+    return {"+", "-"} <= set(transducer.signs)
+
+
 def transducer_ports(transducer: Transducer, mean: bool) -> tuple[Port, ...]:
     """Ports of a transducer: the voltage of two electrodes, and their mean potential unless it is arbitrary."""
-    electrodes = {"+", "-"} & set(transducer.signs)
-    own = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
-    return (*own, Port(kind="mean", name=transducer.name)) if electrodes and mean else own
+    own = (Port(kind="voltage", name=transducer.name),) if is_port(transducer) else ()
+    return (*own, Port(kind="mean", name=transducer.name)) if mean and charged(transducer.signs).any() else own
 
 
 def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.ndarray:

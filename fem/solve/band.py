@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Circuit, Drive
+from fem.condense.electrodes import is_port
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.error_estimate import LEVELS, first_level
@@ -65,7 +66,7 @@ class Band:
     @property
     def port_names(self) -> tuple[str, ...]:
         """Transducers that are ports, from left to right."""
-        return tuple(each.name for each in self.model.transducers if {"+", "-"} <= set(each.signs))
+        return tuple(each.name for each in self.model.transducers if is_port(each))
 
     def wave(self, frequency: float, drive: str | Drive) -> SurfaceWave:
         """Surface motion at a frequency of the band (Hz).

@@ -7,6 +7,7 @@ import numpy as np
 
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
+from fem.condense.electrodes import is_port
 from fem.discretize.error_estimate import refine_stator
 from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator, Transducer
@@ -120,7 +121,7 @@ def _difference(fine: PortFields, coarse: PortFields) -> tuple[float]:
 
 
 def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
-    names = tuple(each.name for each in transducers if {"+", "-"} <= set(each.signs))
+    names = tuple(each.name for each in transducers if is_port(each))
     if not names:
         raise InputError("transducer", "must have two electrodes, at least one of them, and none has")
     return names

@@ -16,7 +16,7 @@ for the amplitudes of all waves together.
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -228,12 +228,14 @@ class Network:
     numbers: tuple[np.ndarray, ...]  # for each scatterer: the ports that determine its potentials
 
     @cached_property
+    def lines(self) -> list[tuple[float, float]]:
+        """Positions of the left and of the right line of each scatterer, length units."""
+        return [(left, left + each.piece.width) for left, each in zip(self.positions, self.scatterers, strict=True)]
+
+    @cached_property
     def segments(self) -> np.ndarray:
         """Ends of the uniform segments before, between and after the scatterers, shape (scatterers + 1, 2)."""
-        edges = [self.start]
-        for position, scatterer in zip(self.positions, self.scatterers, strict=True):
-            edges += [position, position + scatterer.piece.width]
-        return np.array([*edges, self.stop]).reshape(-1, 2)
+        return np.array([self.start, *chain.from_iterable(self.lines), self.stop]).reshape(-1, 2)
 
     def survivors(self, length: float) -> np.ndarray:
         """Indices of the modes that are not negligible after a length; the constant potential carries no power."""
