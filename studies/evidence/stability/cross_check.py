@@ -136,5 +136,5 @@ def _rows(problem, stepped, resolution, begin, cycles):
     if stepped:
         return steps(problem, begin.copy(), cycles, resolution)
     motion = Motion(problem, grid=collocation(resolution), truncation=10.0 ** (1 - resolution))
-    motion.place(*begin[:3], begin[3:])
+    motion.set_state(*begin[:3], begin[3:])
     return motion.turn(cycles, stride=1)
