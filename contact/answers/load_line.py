@@ -18,10 +18,9 @@ from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
 from contact.averaged.sweep import mean_motion
 from contact.choice import Answer
-from contact.drive import towards_plus
 from contact.error_estimate import averaged_stall_error, search_error
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.problem import scaled
 from contact.slider import Slider
 

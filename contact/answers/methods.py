@@ -208,39 +208,25 @@ def _exact_refusals(burst):
 
 def _stepped(burst):
     """Run fixed time steps, refined until the estimated error is within the tolerance."""
-    start = _at_rest(burst)
     window = Window.of(burst)
 
     def follow(level):
-        state = start.state.copy()
-        record = steps(
-            burst.problem,
-            state,
-            burst.cycles,
-            STEPS[level][0],
-            stride=burst.cycles_per_compared_sample,
-            envelope=burst.envelope,
-        )
-        return _compared(record, state), state, record
+        return _every_step(burst, level)
 
     def levels_error(level, difference, reference):
         return stepped_error(difference, STEPS[level][0], STEPS[level - 1][0], STEPS[level][1] * reference)
 
     def in_window(level):
-        coarse, fine = (
-            steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
-                  stride=window.burst.cycles_per_compared_sample)[:, Column.VELOCITY]
-            for k in (level - 1, level)
-        )  # fmt: skip
+        coarse, fine = (_every_step(window.burst, k)[2][:, Column.VELOCITY] for k in (level - 1, level))
         return fine, levels_error(level, float(np.max(np.abs(fine - coarse))), 0.0)
 
     def error(level, run, difference, reference):
         estimate = levels_error(level, difference, reference)
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
-    least = _serving_steps(burst)[1]  # [1], because the level below is run for comparison
-    level, (_, state, record), result = _refined(burst, follow, error, STEPS, least)
-    start.state[:] = state
+    small = [k for k, (number, _) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
+    # the coarsest level with small enough steps is run for comparison only
+    level, (_, motion, record), result = _refined(burst, follow, error, STEPS, small[1])
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
@@ -248,20 +234,18 @@ def _stepped(burst):
     gains = np.diff(record[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_sample
     every = burst.compared_per_returned_sample
     return result._replace(
-        run=(start, record[every - 1 :: every]), statistics=statistics,
+        run=(motion, record[every - 1 :: every]), statistics=statistics,
         error=result.error + envelope_error(burst.bend, float(np.max(np.abs(gains)))),
     )  # fmt: skip
 
 
-def _serving_steps(burst):
-    """Return the levels of `STEPS` whose steps are small enough for the slider's resonances and dampers."""
-    return [k for k, (number, *_) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
-
-
-def _at_rest(burst):
-    """Return the motion at the start of a burst."""
+def _every_step(burst, level):
+    """Return (velocities to compare, motion, record) of one run with the fixed time steps of a level of `STEPS`."""
     factor = burst.envelope[0] if burst.envelope.size else 1.0
-    return rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
+    motion = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
+    number, stride = STEPS[level][0], burst.cycles_per_compared_sample
+    record = steps(burst.problem, motion.state, burst.cycles, number, stride=stride, envelope=burst.envelope)
+    return _compared(record, motion.state), motion, record
 
 
 def largest_divisor(number, most):

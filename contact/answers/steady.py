@@ -29,7 +29,6 @@ from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer, Answered, Method, first_to_converge
-from contact.drive import towards_plus
 from contact.error_estimate import (
     first_order_error,
     larger_wave,
@@ -38,7 +37,7 @@ from contact.error_estimate import (
     two_orders_error,
 )
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import periodic
 from contact.problem import scaled

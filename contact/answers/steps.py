@@ -27,14 +27,13 @@ from contact.answers.methods import (
 )
 from contact.choice import Answer
 from contact.codes import Event, Regime
-from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.error_estimate import envelope_error, travel_error
 from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 

@@ -41,12 +41,11 @@ import numpy as np
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
-from contact.drive import towards_plus
 from contact.error_estimate import averaged_threshold_error, bounds_error
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
 from contact.law.user import UserLaw
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.sticking import least, normal_motion, room_to_stick
 from contact.problem import scaled
 from contact.roots import bracketed

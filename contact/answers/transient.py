@@ -22,11 +22,10 @@ from contact import parameter_check
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.choice import Answer, Answered
-from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.slider import Slider
 
 

@@ -18,11 +18,10 @@ from contact.averaged.event_cycle import balanced
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.body import at_phase
 from contact.choice import Answer, Answered
-from contact.drive import towards_plus
 from contact.error_estimate import two_orders_error
 from contact.events.segment import Sample
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import periodic
 from contact.slider import Slider

@@ -153,7 +153,7 @@ def full_slip_speed(paths, c):
 
 @formula
 def load_direction(largest):
-    """Return +1 or -1, the direction of motion that a load opposes, of `drive.towards_plus` orbits.
+    """Return +1 or -1, the direction of motion that a load opposes, of `orbit.towards_plus` orbits.
 
     It is that of the unloaded slider: -1 where even the largest mean force of a cycle at rest is negative. The load on
     a slider that the wave does not move without it acts against the crests.

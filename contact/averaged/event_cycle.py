@@ -54,7 +54,7 @@ class Balance:
 
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
-    """Return the averaged equilibrium; the wave crests must drive towards +x (`drive.towards_plus`)."""
+    """Return the averaged equilibrium; the wave crests must drive towards +x (`orbit.towards_plus`)."""
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
     elastic_height = riding_approach(problem)
     if problem.law.kind != Tangential.RECIPROCAL:

@@ -29,9 +29,8 @@ from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.body import Paths
 from contact.codes import Status, Steady
-from contact.drive import towards_plus
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
 

@@ -10,10 +10,10 @@ from contact import ConvergenceError, burst, steady, threshold_amplitude, thresh
 from contact.answers.methods import rest_problem
 from contact.answers.thresholds import release_amplitude
 from contact.averaged.event_cycle import opposed
-from contact.drive import towards_plus
 from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
+from contact.orbit import towards_plus
 from studies.evidence.stability import contact as part
 from studies.evidence.stability.contact import RANGES, SWEPT, VARIED, built, corner, motor
 from studies.evidence.stability.cross_check import cross_check

@@ -22,9 +22,9 @@ from contact import (
 )
 from contact.answers import load_line as stalls
 from contact.answers import methods
-from contact.drive import towards_plus
 from contact.error_estimate import averaged_stall_error
 from contact.events.energy import Sum
+from contact.orbit import towards_plus
 from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
 from tests.oracles.contact_stop import TRAVEL, V, extrapolated
