@@ -148,7 +148,7 @@ class _Antiderivatives:
         for integrand in self.integrands:
             before = np.cumsum(self.half_widths[:, None] * np.tensordot(whole, integrand, axes=(0, 1)), axis=0)
             out = np.append(np.zeros((1, before.shape[1])), before, axis=0)[panel]
-            for each in np.unique(panel):
+            for each in set(panel.tolist()):
                 out[panel == each] += weights[panel == each] @ integrand[each]
             results.append(out)
         return results[0], results[1]
