@@ -20,7 +20,7 @@ from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table
 from tests.contact.motors import slider as slider_of
-from tests.studies.settings import assigned
+from tests.studies.settings import assigned, changed
 
 
 class Surface(SimpleNamespace):
@@ -35,9 +35,7 @@ class Surface(SimpleNamespace):
 
 
 def scene(name, *settings) -> Scene:
-    table = read_table(name)
-    table = assigned(table, *settings)
-    return resolved(Scene.from_table("", table))
+    return resolved(changed(name, *settings))
 
 
 def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -> Record:

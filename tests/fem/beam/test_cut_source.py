@@ -9,7 +9,7 @@ from scipy.special import fresnel
 
 from fem.beam.beam_of_section import surface_beam
 from fem.beam.cut_source import TILT, LateralPolynomials, ReducedSection, cut_source, surface_unknowns
-from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
+from tests.fem.stators import comb, constants, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 
 
@@ -188,13 +188,7 @@ def test_response_of_the_half_space():
     """
     solid = lossless(*CUTS["128YX"])
     source = half_space("128YX").source
-    field = HalfSpaceField(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        frequency=source.frequency,
-    )
+    field = HalfSpaceField(**constants(solid), frequency=source.frequency)
     turn = 1 + 0.07j
     vectors = source.wavenumber * turn * np.array([(0.93, 0.2), (-0.4, 0.7), (0.5, 0.0), (0.1, 0.03), (0.01, 0.3)])
     expected = abs(field.response(*vectors.T, turn))
