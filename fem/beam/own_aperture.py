@@ -1,4 +1,4 @@
-"""Response of a transducer with fingers of finite length to its own charges, which vary along the fingers.
+"""Response of a transducer with fingers of finite length to waves, voltages and its own charges.
 
 The fingers end at y = +-W/2.  Along y the charge is computed by Galerkin's method.  It is a sum of sheets, each uniform
 over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and

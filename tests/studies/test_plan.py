@@ -43,10 +43,13 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def compiled():
-    """Have the kernels of the contact and the modules of Python on disk, which a plan does not count."""
-    words = [sys.executable, "-m", "tests.studies.predictions", "twente-contact", "1e-3", AMPLITUDES]
-    for more in ([], ["wave.burst=1e-3"], ["wave.burst=0.03"]):
-        subprocess.run([*words, *more], capture_output=True, check=True)
+    """Have the kernels of the contact and the modules of Python on disk, which a plan does not count.
+
+    The burst of a stator needs kernels of the growing wave, which a burst of a given wave does not.
+    """
+    for name, tolerance, *settings in (SCENES[key] for key in ("contact", "short burst", "long burst", "burst")):
+        words = [sys.executable, "-m", "tests.studies.predictions", name, str(tolerance), *settings]
+        subprocess.run(words, capture_output=True, check=True)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 from scipy.special import fresnel
 
 from fem.beam.beam_of_section import surface_beam
-from fem.beam.cut_source import TILT, LateralPolynomials, ReducedSection, cut_source, surface_unknowns
+from fem.beam.cut_source import TILT, LateralPolynomials, LateralSection, cut_source, surface_unknowns
 from tests.fem.stators import comb, constants, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 
@@ -166,7 +166,7 @@ def test_basis_of_the_skimming_waves():
     matrices = LateralPolynomials.of(section, beam.source.frequency, wavenumber)
     unit = np.eye(section.size)
     opposite = beam.source.reduced.opposite
-    whole = ReducedSection(unit, matrices, unit[surface_unknowns(section)], None, opposite, 0.0)
+    whole = LateralSection(unit, matrices, unit[surface_unknowns(section)], None, opposite, 0.0)
     signs, distances = (-1.0) ** np.arange(111), 14e-3 + np.arange(111) * np.pi / wavenumber
 
     def arriving(source):
