@@ -27,7 +27,7 @@ from studies.chain import run
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report import surface_map
-from studies.scene import Scene, read_table
+from studies.scene import Scene
 from studies.view import field_data, gallery_pictures, movie, wave_page
 from studies.view.options import Wanted
 from studies.view.overlays import electrodes, shown_fingers
@@ -38,7 +38,7 @@ from studies.view.section import beam_sheet, magnification, piece, sheets
 from studies.view.views import RIGHT, View, frames, limits, near, span_views, views
 from tests.studies.legible import assert_legible
 from tests.studies.pixels import BALL, BARE, BLACK, MM, PINK, SolidPicture, Window, close, ink, runs, values
-from tests.studies.settings import assigned
+from tests.studies.settings import SHORT, changed
 
 CHROMIUM = shutil.which("chromium")
 
@@ -61,17 +61,9 @@ def moved(found, phase, factor):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A small driven motor that has been run."""
-    table = read_table("twente-left")
-    settings = ["stator.length=24 mm", "stator.thickness=3 mm", "transducer.0.center=5 mm"]
-    settings += [
-        "transducer.0.period=0.98 mm",
-        "transducer.0.finger_pairs=3",
-        "slider.position=14.123 mm",
-        "drive.voltage=60",
-    ]
-    table = assigned(table, *settings)
+    scene = changed("twente-left", *SHORT, "stator.thickness=3 mm", "drive.voltage=60")
     folder = tmp_path_factory.mktemp("run")
-    write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
+    write_run(run(scene, tolerance=1e-2), folder, field=False)
     return folder
 
 
@@ -101,12 +93,9 @@ def computed(found, folder, monkeypatch):
 @pytest.fixture(scope="module")
 def long(tmp_path_factory):
     """Seventy wavelengths of the seed's stator beside a transducer, absorbing ends, without a slider."""
-    table = read_table("twente-left")
-    del table["slider"]
-    for setting in ("stator.length=95 mm", "transducer.0.period=0.98 mm", "drive.voltage=1"):
-        table = assigned(table, setting)
+    alone = "stator.length=95 mm", "transducer.0.period=0.98 mm", "drive.voltage=1", "-slider"
     folder = tmp_path_factory.mktemp("long")
-    write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
+    write_run(run(changed("twente-left", *alone), tolerance=1e-2), folder, field=False)
     return run_field(folder)
 
 
@@ -114,8 +103,8 @@ def long(tmp_path_factory):
 def given(tmp_path_factory):
     """A run whose scene gives the surface motion."""
     folder = tmp_path_factory.mktemp("given")
-    table = assigned(read_table("twente-contact"), "wave.normal_amplitude=[3e-9, 10e-9]")
-    write_run(run(Scene.from_table("", table), tolerance=1e-3), folder, field=False)
+    scene = changed("twente-contact", "wave.normal_amplitude=[3e-9, 10e-9]")
+    write_run(run(scene, tolerance=1e-3), folder, field=False)
     return folder
 
 
