@@ -221,7 +221,7 @@ def mutual_admittance(
     forward, across = turn(widest if along is None else along)
     between = np.array([other.center - one.center, other.center_y - one.center_y])
     distance, offset = float(between @ forward), float(between @ across)
-    source = line_source(modes)
+    source = line_source(modes, "charge")
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
     # A mode is kept if its amplitude is more than exp(-LOCAL) after a wavelength, more than exp(-MAX_DECAY_EXPONENT)

@@ -186,7 +186,8 @@ def _sum_of_modes(source: LineSource, r: np.ndarray) -> np.ndarray:
     """G at increasing distances, shape (n,)."""
     k, potentials = source.wavenumbers, source.potential
     total = source.slope / np.pi * np.log(r).astype(complex)
-    reached = np.searchsorted(r, DECAYED / np.maximum(-k.imag, np.finfo(float).tiny))  # number of distances
+    decay = np.maximum(-k.imag, DECAYED / np.finfo(float).max)  # the quotient of a wave without decay is finite
+    reached = np.searchsorted(r, DECAYED / decay)  # number of distances
     z = np.concatenate([mode * r[:count] for mode, count in zip(k, reached, strict=True)])  # all modes at once
     small = abs(z) < SERIES
     hankel = np.empty_like(z)
