@@ -7,7 +7,6 @@ step; a subclass in `fem.condense.size` counts these steps without computing any
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -161,7 +160,6 @@ def _left_half(count: int) -> int:
     return 2 ** ((count - 1).bit_length() - 1)
 
 
-@lru_cache(maxsize=2)  # kept for the error estimate of a beam, which asks for the same again (`SurfaceBeam.coarser`)
 def finger_ports(transducer: FingerColumns, signs: str) -> tuple[FingerColumns, np.ndarray]:
     """FingerColumns of a transducer with one potential for each finger "+" or "-", from left to right.
 
