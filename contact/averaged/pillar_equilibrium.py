@@ -249,7 +249,7 @@ class Equilibrium:
         return columns.T[np.ix_(active, active)]
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
-        """Return the equilibrium under a load, or at a fixed velocity over omega if `w` is given.
+        """Return the equilibrium under a load, or at the fixed velocity over omega `w`.
 
         `side`: sign of the motion before a velocity of zero.
         """
