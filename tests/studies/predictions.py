@@ -10,19 +10,8 @@ import time
 
 from studies.chain import run
 from studies.evidence.own_process import peak_memory
-from studies.scene import Scene, read_table
-from tests.studies.settings import assigned
-
-
-def changed(name: str, *settings: str) -> Scene:
-    """Return a shipped scene with some keys set; ``-slider`` leaves that block out."""
-    table = read_table(name)
-    for setting in settings:
-        if setting.startswith("-"):
-            del table[setting[1:]]
-        else:
-            table = assigned(table, setting)
-    return Scene.from_table("", table)
+from studies.scene import Scene
+from tests.studies.settings import changed
 
 
 def used(scene: Scene, tolerance: float) -> dict:

@@ -18,13 +18,7 @@ from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
 from studies.scene import read_table
-from tests.studies.settings import assigned
-
-
-def changed(name, *settings):
-    table = read_table(name)
-    table = assigned(table, *settings)
-    return Scene.from_table("", table)
+from tests.studies.settings import changed
 
 
 @pytest.fixture(scope="module")

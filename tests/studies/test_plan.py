@@ -10,7 +10,7 @@ from studies.__main__ import main
 from studies.chain import run
 from studies.report.explanation import COMPILE, MEMORY_WITHIN, TIME_WITHIN, explanation, plan
 from studies.scene import Scene, shipped_scenes
-from tests.studies.predictions import changed
+from tests.studies.settings import changed
 
 TWO = 'drive.voltage=["10 V", "20 V"]'
 AMPLITUDES = 'wave.normal_amplitude=["2 nm", "5 nm"]'
