@@ -20,8 +20,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from contact.convergence_error import ConvergenceError
 from contact.drive import relative_to_reference
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 
 OK, ABOVE_TOLERANCE = "ok", "above tolerance"

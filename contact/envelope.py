@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.input_error import InputError
+from contact.exceptions import InputError
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from contact import bounds
-from contact.input_error import InputError
+from contact import parameter_check
+from contact.exceptions import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +33,9 @@ class Orbit:
     tangential: complex
 
     def __post_init__(self):
-        object.__setattr__(self, "frequency", bounds.positive("orbit.frequency", self.frequency, "Hz"))
-        object.__setattr__(self, "normal", bounds.finite_complex("orbit.normal", self.normal, "m"))
-        object.__setattr__(self, "tangential", bounds.finite_complex("orbit.tangential", self.tangential, "m"))
+        object.__setattr__(self, "frequency", parameter_check.positive("orbit.frequency", self.frequency, "Hz"))
+        object.__setattr__(self, "normal", parameter_check.finite_complex("orbit.normal", self.normal, "m"))
+        object.__setattr__(self, "tangential", parameter_check.finite_complex("orbit.tangential", self.tangential, "m"))
 
     @property
     def omega(self) -> float:

@@ -10,10 +10,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.body import height_under
 from contact.codes import Shape, Tangential
-from contact.input_error import InputError
+from contact.exceptions import InputError
 from contact.law import elastic, hysteretic, normal
 from contact.law.falling import FallingFriction
 from contact.law.protocol import Law, slip_limit
@@ -87,14 +87,14 @@ class Slider:
         if not isinstance(self.law, str) or (self.law not in LAWS and self.law.endswith(".py")):
             object.__setattr__(self, "friction", UserLaw.of(self.law))
             object.__setattr__(self, "law", "elastic")
-        for rule, units in (bounds.positive, POSITIVE), (bounds.non_negative, NON_NEGATIVE):
+        for rule, units in (parameter_check.positive, POSITIVE), (parameter_check.non_negative, NON_NEGATIVE):
             for name, unit in units.items():
                 object.__setattr__(self, name, rule(f"slider.{name}", getattr(self, name), unit))
-        bounds.choice("slider.law", self.law, LAWS)
-        bounds.choice("slider.shape", self.shape, normal.SHAPES)
+        parameter_check.choice("slider.law", self.law, LAWS)
+        parameter_check.choice("slider.shape", self.shape, normal.SHAPES)
         if np.ndim(self.heights) != 1:
             raise InputError("slider.heights", "must be a list of heights in m", self.heights)
-        heights = tuple(bounds.finite("slider.heights", height, "m") for height in self.heights)
+        heights = tuple(parameter_check.finite("slider.heights", height, "m") for height in self.heights)
         object.__setattr__(self, "heights", heights if any(heights) else ())
         if self.shape == "punch" and self.law == "hysteretic":
             raise InputError("slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"')
@@ -114,7 +114,7 @@ class Slider:
             if getattr(self, name) != wanted:
                 raise InputError(f"slider.{name}", f"must be {wanted!r} {only}", getattr(self, name))
         if isinstance(self.friction, FallingFriction):
-            bounds.positive("slider.friction_coefficient", self.friction_coefficient, "")
+            parameter_check.positive("slider.friction_coefficient", self.friction_coefficient, "")
         else:
             _ = self._tried  # refuses a law that cannot be evaluated
 

@@ -57,12 +57,11 @@ _PUBLIC = {
     "solve.p_matrix": "cascade_admittance p_matrix PMatrix",
     "solve.reflector": "Reflector reflector",
     "beam.surface_beam": "BeamError SurfaceBeam",
-    "beam.from_section": "beam_refusal surface_beam",
+    "beam.beam_of_section": "beam_refusal surface_beam",
     "beam.crossed_beam": "crossed_beam CrossedBeam",
-    "beam.rows": "rows_of",
+    "beam.crossed_rows": "rows_of",
     "direct": "direct_solution sparse_solution",
-    "convergence_error": "ConvergenceError",
-    "input_error": "InputError",
+    "exceptions": "ConvergenceError InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
@@ -70,7 +69,7 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str):
-    """Import a public name from its module when it is first asked for: importing the package stays cheap."""
+    """Import a public name from its module on first use: importing the package stays cheap."""
     if name not in _HOME:
         raise AttributeError(f"module 'fem' has no attribute {name!r}")
     return getattr(import_module(f"fem.{_HOME[name]}"), name)

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from fem.condense.electrodes import electrode_potentials, is_port, transducer_ports
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -21,7 +22,7 @@ from fem.layout import check_layout
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import charge_currents, electrode_potentials, transducer_ports
+from fem.waveguide.port_fields import charge_currents
 
 MATRIX_TYPE = 6  # of Pardiso: complex symmetric
 # Raised without pypardiso, without MKL, or by another version of pypardiso's private interface
@@ -35,7 +36,7 @@ class DirectSolution:
     names: tuple[str, ...]  # transducers that are ports, from left to right
     admittances: np.ndarray  # shape (ports, ports): short-circuit admittance matrix, S
     unknowns: int
-    # places x (m) -> u_x and u_z in m per V at each port, shape (2, places, ports)
+    # positions x (m) -> u_x and u_z in m per V at each port, shape (2, positions, ports)
     surface: Callable = field(repr=False)
 
 
@@ -95,8 +96,8 @@ def direct_solution(
     system = _assembled(basis, body, 2 * np.pi * frequency * wavelength)
     if stator.ends == "absorbing":
         modes = guided_modes(section, frequency)
-        for place, ends in ((across[0], modes.left_impedance), (across[-1], modes.right_impedance)):
-            system = system - _at_line(basis, section, place, ends)
+        for position, ends in ((across[0], modes.left_impedance), (across[-1], modes.right_impedance)):
+            system = system - _at_line(basis, section, position, ends)
     electrodes = _electrode_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
     held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
     reduced = _reduced_solution(system, basis, names, electrodes, held, wavelength, units(stator.solid))
@@ -123,13 +124,13 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
         free = np.stack(uncharged, axis=1)
         among = free.T @ by_strip.charges @ free
         ports = ports - free @ np.linalg.pinv(among, rcond=1e-8) @ (free.T @ by_strip.charges @ ports)
-    two = [each for each in transducers if {"+", "-"} <= set(each.signs)]
+    two = [each for each in transducers if is_port(each)]
     charges = ports.T @ by_strip.charges @ ports
     return DirectSolution(
         names=tuple(each.name for each in two),
         admittances=charge_currents(charges * np.minimum.outer(*2 * [[each.aperture for each in two]]), frequency),
         unknowns=by_strip.unknowns,
-        surface=lambda places: by_strip.surface(places) @ ports,
+        surface=lambda positions: by_strip.surface(positions) @ ports,
     )
 
 
@@ -173,12 +174,12 @@ def _assembled(basis, body: Medium, angular: float):
     return (sum(parts) + kron(xz.T, csr_matrix(body.xz.T))).tocsr()
 
 
-def _at_line(basis, section: Section, place: float, ends: np.ndarray):
+def _at_line(basis, section: Section, position: float, ends: np.ndarray):
     """An end's matrix over the section's nodes, carried over to the hierarchical basis of the mesh."""
     from scipy.sparse import csr_matrix
 
     nodes = section.nodes / section.length_unit
-    probes = basis.probes(np.stack([np.full(len(nodes), place), nodes])).tocsr()
+    probes = basis.probes(np.stack([np.full(len(nodes), position), nodes])).tocsr()
     columns = [FIELD_COLUMN[name] for name in section.solid.fields]
     dofs = section.dofs[:, columns].reshape(-1)
     carried = _by_field(probes, len(columns))[np.flatnonzero(dofs >= 0)]
@@ -199,15 +200,15 @@ def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np
         groups = [transducer.strips("+"), transducer.strips("-"), *(strip[None] for strip in transducer.strips("o"))]
         for group in groups:
             edges = group / wavelength
-            chosen = mesh.facets_satisfying(
+            facets = mesh.facets_satisfying(
                 lambda x, edges=edges: (
                     (abs(x[1]) < 1e-12) & np.any((x[0] > edges[:, :1]) & (x[0] < edges[:, 1:]), axis=0)
                 )
             )
-            if not len(chosen):
+            if not len(facets):
                 electrodes.append((np.empty(0, dtype=int), np.empty(0, dtype=int)))
                 continue
-            dofs = basis.get_dofs(chosen)
+            dofs = basis.get_dofs(facets)
             vertices = np.unique(next(iter(dofs.nodal.values())))
             electrodes.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))
     return electrodes
@@ -254,8 +255,8 @@ def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_p
     charges = reduced[fixed] @ solution * (stress / potential**2)
     nodal = expand @ solution / potential
 
-    def surface(places: np.ndarray) -> np.ndarray:
-        points = np.stack([np.asarray(places) / wavelength, np.zeros(len(places))])
+    def surface(positions: np.ndarray) -> np.ndarray:
+        points = np.stack([np.asarray(positions) / wavelength, np.zeros(len(positions))])
         probes = basis.probes(points)
         return np.stack([probes @ nodal[names.index(name) :: len(names)] for name in ("ux", "uz")])
 

@@ -1,11 +1,11 @@
 """The stator and its transducers: the sagittal section, x along the surface, z out of it, body at z < 0.
 
-A transducer is a row of massless, perfectly conducting, equipotential fingers of equal width and pitch.  By default
+A transducer is an array of massless, perfectly conducting, equipotential fingers of equal width and pitch.  By default
 the fingers alternate: finger 0 belongs to the positive electrode and finger 1 to the negative one, and two fingers and
-two gaps make a period.  Split fingers ("++--") are four to a period.  Any other arrangement is given by a pattern with
+two gaps make a period.  Split fingers ("++--") are four to a period.  Any other arrangement is a pattern with
 one sign per finger: "+" and "-" are the two electrodes, "0" is a finger that is omitted (withdrawal weighting), and "o"
-is an open strip, whose potential is such that it carries no net charge.  A row of "o" is an open reflector, a row of
-"+" a shorted one.
+is an open strip, whose potential is such that it carries no net charge.  Fingers "o" alone are an open reflector,
+fingers "+" alone a shorted one.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
@@ -81,7 +81,7 @@ class Stator:
 
     @cached_property
     def placement(self) -> Placement:
-        """Position of each meshed piece in the row of pieces, and both ends of the uniform part of the stator."""
+        """Position of each meshed piece in the cascade, and both ends of the uniform part of the stator."""
         return placement(self.pieces, length=self.length, thickness=self.depth)
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
@@ -256,10 +256,10 @@ def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
     return max(gaps)
 
 
-def covers(transducer: Transducer, place: tuple[float, float]) -> bool:
+def covers(transducer: Transducer, point: tuple[float, float]) -> bool:
     """True if a point (x, y) in m lies within the rectangle of a transducer's fingers."""
     across = turn(transducer.angle)
-    own, corners = across @ np.array(place), transducer.corners @ across.T
+    own, corners = across @ np.array(point), transducer.corners @ across.T
     return bool(np.all((own >= corners.min(axis=0)) & (own <= corners.max(axis=0))))
 
 

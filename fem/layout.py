@@ -1,12 +1,12 @@
-"""Rules for the places of transducers and meshed pieces on a stator, and for what a piece is made of."""
+"""Rules for the positions of transducers and meshed pieces on a stator, and for what a piece is made of."""
 
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer, separation
-from fem.input_error import InputError
 from fem.materials.solids import Solid
 from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
 from fem.mesh.placement import Placement, is_step

@@ -1,8 +1,11 @@
-"""No test replaces or reads a private part of another module by its name in a string, where ruff does not see it."""
+"""Names: no test takes a private part of another module by a string, which ruff does not see; none hides a module."""
 
 import ast
 import re
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
+from types import ModuleType
 
 import pytest
 
@@ -42,3 +45,19 @@ def test_no_private_name_is_looked_up_by_a_string():
 )
 def test_a_private_name_in_a_string_is_seen(text, names):
     assert private_names(text) == names
+
+
+def packages(name: str) -> list:
+    """Return a package and all packages below it."""
+    package = import_module(name)
+    below = [each.name for each in iter_modules(package.__path__) if each.ispkg]
+    return [package, *(inner for each in below for inner in packages(f"{name}.{each}"))]
+
+
+@pytest.mark.parametrize("root", ["fem", "contact", "studies"])
+def test_no_public_name_hides_a_module_of_its_package(root):
+    # `import fem.circuit.touchstone` would give the function
+    for package in packages(root):
+        modules = {each.name for each in iter_modules(package.__path__)}
+        hiding = [each for each in getattr(package, "__all__", ()) if each in modules]
+        assert [each for each in hiding if not isinstance(getattr(package, each), ModuleType)] == [], package.__name__

@@ -16,8 +16,8 @@ from collections.abc import Callable
 
 from contact.answers.load_line import mean_traction
 from contact.averaged.sweep import mean_motion
-from contact.convergence_error import ConvergenceError
 from contact.drive import drive_direction
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 

@@ -12,15 +12,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.answers.steady import SteadyState, steady
 from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import STALL_ERROR
 from contact.choice import Answer
-from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
@@ -238,7 +238,7 @@ def load_line(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int,
         As for `steady`.
     """
     listed = as_orbits(orbits)
-    bounds.count("points", points, 2)
+    parameter_check.count("points", points, 2)
     stalled = stall(slider, listed, tolerance=tolerance)
     direction = np.sign(mean_motion(replace(slider, load=0.0), listed).velocity)
     loads = stalled.value * np.linspace(0.0, 1.0, points)

@@ -17,11 +17,11 @@ from contact.averaged.burst import COMPARED, averaged_run, refusals
 from contact.averaged.event_cycle import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
-from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
+from contact.exceptions import ConvergenceError
 from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.problem import Problem, largest_resonance, scaled, without_wave

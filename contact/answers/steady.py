@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.answers.ledger import Ledger, ledger
 from contact.averaged.bounce import speed_lost
 from contact.averaged.burst import STIFFEST_STEADY, refusals
@@ -29,8 +29,8 @@ from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.choice import Answer, Answered, Method, first_to_converge
-from contact.convergence_error import ConvergenceError
 from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits
 from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import periodic
@@ -135,8 +135,8 @@ def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: floa
     """
     begun = time.perf_counter()
     listed = as_orbits(orbits)
-    bounds.positive("tolerance", tolerance, "")
-    bounds.choice("method", method, METHODS)
+    parameter_check.positive("tolerance", tolerance, "")
+    parameter_check.choice("method", method, METHODS)
     solution = _closed(slider, listed) or _searched(slider, listed, method)
     reference = reference_speed(solution.velocity, listed) or 1.0
     near = solution.method == "averaged" and solution.velocity == 0.0

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.answers.methods import (
     ENVELOPE_CHANGE,
     EXACT_CYCLES,
@@ -28,11 +28,11 @@ from contact.answers.methods import (
 )
 from contact.choice import Answer
 from contact.codes import Event, Regime
-from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.events.energy import Sum
 from contact.events.segment import Column
+from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -128,7 +128,7 @@ def step(
     Step
     """
     listed = as_orbits(orbits)
-    cycles = bounds.count("cycles", cycles, 1)
+    cycles = parameter_check.count("cycles", cycles, 1)
     if slider.static_friction(len(listed)) <= slider.load:
         raise ConvergenceError("runaway", "friction cannot hold the load, so the slider never stops; lower slider.load")
     (fine, fine_steps), (coarse, coarse_steps) = (
@@ -230,7 +230,7 @@ def cycles_for(
         Status "out of reach" if 2^21 cycles, about 2 million, do not reach the displacement.
     """
     listed = as_orbits(orbits)
-    wanted = bounds.positive("displacement", displacement, "m")
+    wanted = parameter_check.positive("displacement", displacement, "m")
     known = {0: Step(cycles=0, **dict.fromkeys(Step.__annotations__.keys() - {"cycles"}, 0.0))}
 
     def shape(number):

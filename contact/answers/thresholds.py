@@ -41,8 +41,8 @@ import numpy as np
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
-from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
+from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
 from contact.law.user import UserLaw
 from contact.orbit import Orbit, as_orbits

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.choice import Answer, Answered
@@ -130,11 +130,11 @@ def burst(
     begun = clock.perf_counter()
     listed = as_orbits(orbits)
     after, fading = after if isinstance(after, tuple) else (after, None)
-    bounds.positive("duration", duration, "s")
-    bounds.non_negative("after", after, "s")
-    bounds.positive("tolerance", tolerance, "")
-    bounds.count("samples", samples, 2)
-    bounds.choice("method", method, METHODS)
+    parameter_check.positive("duration", duration, "s")
+    parameter_check.non_negative("after", after, "s")
+    parameter_check.positive("tolerance", tolerance, "")
+    parameter_check.count("samples", samples, 2)
+    parameter_check.choice("method", method, METHODS)
     frequency = listed[0].frequency
     cycles = max(1, round(duration * frequency))
     share = cycles / frequency / (cycles / frequency + after)

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.answers.methods import rest, rest_problem, silence
 from contact.averaged.event_cycle import balanced
 from contact.averaged.sweep_rows import MAX_RATIO_HELD
 from contact.body import at_phase
 from contact.choice import Answer, Answered
-from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.events.segment import Sample
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import periodic
@@ -101,10 +101,10 @@ def contact_history(
     History
     """
     listed = as_orbits(orbits)
-    bounds.choice("stage", stage, STAGES)
-    bounds.non_negative("skip", skip, "cycles")
-    bounds.positive("cycles", cycles, "cycles")
-    bounds.positive("points_per_cycle", points_per_cycle, "")
+    parameter_check.choice("stage", stage, STAGES)
+    parameter_check.non_negative("skip", skip, "cycles")
+    parameter_check.positive("cycles", cycles, "cycles")
+    parameter_check.positive("points_per_cycle", points_per_cycle, "")
     side, driven = towards_plus(listed)
     if stage == "start":
         problem, other_error = rest_problem(slider, driven), 0.0

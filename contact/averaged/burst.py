@@ -19,8 +19,8 @@ import numpy as np
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
 from contact.codes import Status
-from contact.convergence_error import ConvergenceError
 from contact.events.segment import At, Column
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 from contact.slider import Slider
 

@@ -14,8 +14,8 @@ import math
 import numpy as np
 
 from contact.averaged.riding import riding_height
-from contact.convergence_error import ConvergenceError
 from contact.drive import drive_direction
+from contact.exceptions import ConvergenceError
 from contact.law.elastic import back_load
 from contact.law.normal import load
 from contact.orbit import Orbit

@@ -20,10 +20,10 @@ from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_s
 from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
-from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 from contact.problem import Problem, full_friction, immobile, scaled
 from contact.roots import bracketed

@@ -19,7 +19,7 @@ is much larger than the relative change of the amplitude, and a change of the ph
 
 import numpy as np
 
-from contact.convergence_error import ConvergenceError
+from contact.exceptions import ConvergenceError
 
 # Unknowns up to which a dense matrix is solved: a motor with a few balls then spares the import of scipy.linalg, 0.15 s
 MAX_DENSE = 64

@@ -13,7 +13,7 @@ from contact.averaged.cycle_mean import Each, MeanForces, forces_of
 from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.pillar_cycle import PillarCycle
-from contact.convergence_error import ConvergenceError
+from contact.exceptions import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
 

@@ -24,7 +24,7 @@ import numpy as np
 from contact.averaged.cycle_mean import MeanForces
 from contact.averaged.pillar_cycle import PillarCycle
 from contact.body import height_under
-from contact.convergence_error import ConvergenceError
+from contact.exceptions import ConvergenceError
 from contact.law.normal import approach
 
 CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave amplitudes

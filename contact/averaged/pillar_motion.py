@@ -3,12 +3,11 @@
 import math
 from dataclasses import replace
 
-from contact import bounds
+from contact import parameter_check
 from contact.averaged.pillar_results import PillarLoadLine, PillarMotion
 from contact.averaged.pillar_slider import PillarSlider
 from contact.averaged.pillars import PassingWave, Pillars
-from contact.convergence_error import ConvergenceError
-from contact.input_error import InputError
+from contact.exceptions import ConvergenceError, InputError
 
 HARMONICS = "harmonics"  # value of `loading` that includes the overtones of the wave
 # Numbers of harmonics to try, until the error of the velocity by those left out is below OVERTONE_ERROR. The error is
@@ -67,7 +66,7 @@ def pillar_motion(
     >>> bool(abs(loaded.ledger_residual) < 1e-12)
     True
     """
-    load = bounds.non_negative("load", load, "N")
+    load = parameter_check.non_negative("load", load, "N")
     if loading != HARMONICS:
         return truncated_motion(pillars, wave, load, loading, near, 1)
     if pillars.backing == "soft" or pillars.shape != "punch":
@@ -128,7 +127,7 @@ def pillar_load_line(
 
     `points` is the number of motions, at least 2. The other parameters are those of `pillar_motion`.
     """
-    points = bounds.count("points", points, 2)
+    points = parameter_check.count("points", points, 2)
     free = pillar_motion(pillars, wave, loading=loading)
     if free.held:
         raise ConvergenceError("not applicable", "the slider is at rest without a load: it has no load line")

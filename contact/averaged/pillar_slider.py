@@ -13,8 +13,7 @@ from contact.averaged.pillar_cycle import PillarCycle
 from contact.averaged.pillar_equilibrium import SPEED, Balance, Equilibrium
 from contact.averaged.pillar_results import PillarMotion, SearchState
 from contact.codes import Status
-from contact.convergence_error import ConvergenceError
-from contact.input_error import InputError
+from contact.exceptions import ConvergenceError, InputError
 
 LOADED = 0.05  # loading number above which the slider acts back on the wave if `loading` is None
 FULL_SLIP = 1.001  # safety factor on the velocity above which every contact slips through the whole cycle

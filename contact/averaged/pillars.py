@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contact import bounds
-from contact.input_error import InputError
+from contact import parameter_check
+from contact.exceptions import InputError
 from contact.law.normal import SHAPES, stiffness
 from contact.slider import Slider
 
@@ -95,16 +95,16 @@ class Pillars:
                 raise InputError(f"pillars.{name}", "must be positive", float(value.min()), unit)
             object.__setattr__(self, name, np.broadcast_to(value, x.shape))
         for name, unit, rule in (
-            ("friction_coefficient", "", bounds.positive), ("preload", "N", bounds.positive),
-            ("tangential_damping", "N s/m", bounds.non_negative), ("load_height", "m", bounds.finite),
-            ("curvature", "1/m", bounds.finite),
+            ("friction_coefficient", "", parameter_check.positive), ("preload", "N", parameter_check.positive),
+            ("tangential_damping", "N s/m", parameter_check.non_negative), ("load_height", "m", parameter_check.finite),
+            ("curvature", "1/m", parameter_check.finite),
         ):  # fmt: skip
             object.__setattr__(self, name, rule(f"pillars.{name}", getattr(self, name), unit))
-        at = tuple(bounds.finite("pillars.preload_at", each, "m") for each in self.preload_at)
+        at = tuple(parameter_check.finite("pillars.preload_at", each, "m") for each in self.preload_at)
         object.__setattr__(self, "preload_at", at)
-        bounds.choice("pillars.shape", self.shape, SHAPES)
-        bounds.choice("pillars.tilt", self.tilt, TILTS)
-        bounds.choice("pillars.backing", self.backing, BACKINGS)
+        parameter_check.choice("pillars.shape", self.shape, SHAPES)
+        parameter_check.choice("pillars.tilt", self.tilt, TILTS)
+        parameter_check.choice("pillars.backing", self.backing, BACKINGS)
         if self.backing == "soft" and self.tilt != "held":
             rule = 'must be "held" with a soft backing, which has no plane to tilt'
             raise InputError("pillars.tilt", rule, self.tilt)
@@ -190,7 +190,7 @@ def balls_of(slider: Slider, x, y=0.0, *, radius=None, weights=1.0) -> Pillars:
     x = np.atleast_1d(np.asarray(x, dtype=float))
     radii = np.broadcast_to(np.asarray(slider.radius if radius is None else radius, dtype=float), x.shape)
     for each in radii:
-        bounds.positive("radius", each, "m")
+        parameter_check.positive("radius", each, "m")
     k_n = stiffness(radii, slider.effective_modulus, slider.contact_shape)
     return Pillars(
         x=x, y=np.broadcast_to(np.asarray(y, dtype=float), x.shape), normal_stiffness=k_n,
@@ -243,15 +243,15 @@ class PassingWave:
 
     def __post_init__(self):
         for name, unit in (("frequency", "Hz"), ("wavelength", "m")):
-            object.__setattr__(self, name, bounds.positive(f"wave.{name}", getattr(self, name), unit))
+            object.__setattr__(self, name, parameter_check.positive(f"wave.{name}", getattr(self, name), unit))
         for name, unit in (("ratio", ""), ("forward", "m"), ("backward", "m")):
-            object.__setattr__(self, name, bounds.finite_complex(f"wave.{name}", getattr(self, name), unit))
-        object.__setattr__(self, "compliance", bounds.non_negative("wave.compliance", self.compliance, "1/Pa"))
+            object.__setattr__(self, name, parameter_check.finite_complex(f"wave.{name}", getattr(self, name), unit))
+        object.__setattr__(self, "compliance", parameter_check.non_negative("wave.compliance", self.compliance, "1/Pa"))
         object.__setattr__(self, "orbit", 1j * self.ratio)
         if self.compliance > 0.0:
             if self.strip_width is None:
                 raise InputError("wave.strip_width", "is required with wave.compliance: Gamma acts per width")
-            object.__setattr__(self, "strip_width", bounds.positive("wave.strip_width", self.strip_width, "m"))
+            object.__setattr__(self, "strip_width", parameter_check.positive("wave.strip_width", self.strip_width, "m"))
 
     @property
     def omega(self) -> float:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
@@ -29,8 +29,8 @@ from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_rows import Sweep, solve_rows
 from contact.body import Paths
 from contact.codes import Status, Steady
-from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
@@ -114,7 +114,7 @@ def steady_sweep(
     """
     factors = np.asarray(factors, float)
     for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
-        bounds.non_negative("factors", factor, "")
+        parameter_check.non_negative("factors", factor, "")
     rows = _entries(sliders, waves, which, factors.ravel(), wave_errors, threads)
     return _answer(rows.reshape(*factors.shape, -1))
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, travel
 from contact.codes import Count, Event, Regime, Status
-from contact.convergence_error import ConvergenceError
 from contact.events import event_driven, segment
 from contact.events.collocation import Collocation
 from contact.events.energy import Sum
 from contact.events.segment import At, Column, Sample
 from contact.events.transitions import open_regimes
+from contact.exceptions import ConvergenceError
 from contact.law import elastic, hysteretic, normal
 from contact.problem import Problem
 from contact.slider import Slider

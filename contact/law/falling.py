@@ -23,9 +23,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import bounds
+from contact import parameter_check
 from contact.codes import Tangential
-from contact.input_error import InputError
+from contact.exceptions import InputError
 from contact.jit.compiled import formula
 from contact.law.elastic import back_load, coulomb, deformation, friction_energy
 from contact.law.normal import load, mean_pressure, slope
@@ -55,8 +55,8 @@ class FallingFriction:
 
     def __post_init__(self):
         for name, rule, unit in (
-            ("sliding", bounds.non_negative, ""), ("speed", bounds.positive, "m/s"),
-            ("high_pressure", bounds.positive, ""), ("pressure", bounds.positive, "Pa"),
+            ("sliding", parameter_check.non_negative, ""), ("speed", parameter_check.positive, "m/s"),
+            ("high_pressure", parameter_check.positive, ""), ("pressure", parameter_check.positive, "Pa"),
         ):  # fmt: skip
             value = getattr(self, name)
             if value is not None:

@@ -35,7 +35,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.codes import Tangential
-from contact.input_error import InputError
+from contact.exceptions import InputError
 from contact.jit.compiled import callback, formula
 from contact.law import elastic
 from contact.law.normal import load

@@ -24,11 +24,11 @@ import numpy as np
 from contact.averaged.event_cycle import Balance
 from contact.body import at_phase, tangential_amplitude
 from contact.codes import Count, Tangential
-from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column, Sample
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
 from contact.problem import full_friction, largest_resonance, scaled

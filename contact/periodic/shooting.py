@@ -14,10 +14,10 @@ import numpy as np
 
 from contact.averaged.event_cycle import Balance
 from contact.codes import Count
-from contact.convergence_error import ConvergenceError
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
+from contact.exceptions import ConvergenceError
 
 # the search stops if the state exceeds this many units of length
 BOUND = 1e6

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, approach, approach_rate, at_phase, contact_force, harmonic_response
-from contact.convergence_error import ConvergenceError
+from contact.exceptions import ConvergenceError
 from contact.law.normal import load, slope
 from contact.law.protocol import slip_limit
 from contact.problem import Problem

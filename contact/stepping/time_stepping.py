@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, at_phase, body_force, contact_force, travel
-from contact.convergence_error import ConvergenceError
 from contact.events.segment import At, Column
+from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
 from contact.law.normal import force as elastic_force
 from contact.law.protocol import slip_limit, slip_rate

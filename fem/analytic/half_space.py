@@ -15,8 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
-from fem.convergence_error import ConvergenceError
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
 
@@ -140,9 +139,9 @@ def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
             _amplitude=amplitude / scale,
             _potential_unit=body.potential_unit,
         )
-    found = "only a shear-horizontal wave" if waves else "no surface wave"
+    exists = "only a shear-horizontal wave" if waves else "no surface wave"
     raise ConvergenceError(
-        f"{solid.name} ({solid.frame}), surface {surface}: {found} below the limiting velocity "
+        f"{solid.name} ({solid.frame}), surface {surface}: {exists} below the limiting velocity "
         f"{limit * unit:.1f} m/s; the Rayleigh wave of this cut is leaky. Try another orientation"
     )
 
@@ -197,11 +196,11 @@ def _expanded(amplitudes: np.ndarray, names: tuple[str, ...], potential_unit: fl
     """Displacement (..., 3) and potential (...) in V/m of scaled amplitudes (..., fields)."""
     displacement = np.zeros((*amplitudes.shape[:-1], 3), dtype=complex)
     potential = np.zeros(amplitudes.shape[:-1], dtype=complex)
-    for place, name in enumerate(names):
+    for index, name in enumerate(names):
         if name == "phi":
-            potential[...] = amplitudes[..., place] * potential_unit
+            potential[...] = amplitudes[..., index] * potential_unit
         else:
-            displacement[..., _DISPLACEMENTS.index(name)] = amplitudes[..., place]
+            displacement[..., _DISPLACEMENTS.index(name)] = amplitudes[..., index]
     return displacement, potential
 
 

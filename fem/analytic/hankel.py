@@ -57,16 +57,16 @@ def scaled_hankel(order: int, z: np.ndarray) -> np.ndarray:
 
 def _near(order: int, w: np.ndarray) -> np.ndarray:
     """exp(w) K_n(w) by the cells' series, shape (points,)."""
-    place = np.log(w) / CELL
-    cells, which = np.unique(np.round(place), return_inverse=True)
+    position = np.log(w) / CELL
+    cells, which = np.unique(np.round(position), return_inverse=True)
     new = np.array([cell for cell in cells if (order, cell) not in _series])
     if len(new):
         circle = np.exp(2j * np.pi * np.arange(POINTS) / POINTS)
         values = _integral(order, new[:, None] * CELL + CELL * circle)
-        found = np.fft.fft(values, axis=1)[:, :TERMS] / POINTS
-        _series.update({(order, cell): own for cell, own in zip(new, found, strict=True)})
+        coefficients_of_new = np.fft.fft(values, axis=1)[:, :TERMS] / POINTS
+        _series.update({(order, cell): own for cell, own in zip(new, coefficients_of_new, strict=True)})
     coefficients = np.stack([_series[order, cell] for cell in cells], axis=1)
-    local = place - cells[which]
+    local = position - cells[which]
     total = coefficients[-1, which]
     for each in coefficients[-2::-1]:
         total *= local

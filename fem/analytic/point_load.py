@@ -6,8 +6,8 @@ formalism's matrix N3, with m in the direction of k and n the normal, turned tog
 
     L(psi) = -1/pi int_0^pi N3 dtheta,   N3 = R T^-1 R^T - Q,   Q = m c m, R = m c n, T = n c n,
 
-T. C. T. Ting, Anisotropic Elasticity, Oxford 1996, eqs. 7.6-3 and 6.4-14. No eigenvalue is found, so that isotropic and
-other degenerate solids are no exception. The imaginary part is odd in k and has no mean.
+T. C. T. Ting, Anisotropic Elasticity, Oxford 1996, eqs. 7.6-3 and 6.4-14. No eigenvalue is computed, so that isotropic
+and other degenerate solids are no exception. The imaginary part is odd in k and has no mean.
 
 A force F that is spread over a circle of radius a like that of a rigid flat punch, 1/sqrt(a^2 - r^2), moves all points
 of the circle alike, by F/(2 a) times the mean of C over psi: the integral over |k| of sin(k a)/(k a) exp(i k.x) is the

@@ -1,7 +1,7 @@
-"""Quasi-static estimate of a transducer: charges of an infinite row of strips, radiated as one Rayleigh wave.
+"""Quasi-static estimate of a transducer: charges of an infinite array of strips, radiated as one Rayleigh wave.
 
 The estimate is drawn beside computed values.  It neglects reflections by the fingers, bulk waves, bottom and ends, and
-is accurate to about ten per cent if the fingers reflect little.  In an infinite row of strips of pitch p and
+is accurate to about ten per cent if the fingers reflect little.  In an infinite array of strips of pitch p and
 metallisation m, let one strip have 1 V and all others 0 V.  Its charge has the Fourier transform (Peach 1981; Datta and
 Hunsinger 1980; Morgan, *Surface Acoustic Wave Filters*, 2007, chapter 5)
 
@@ -58,7 +58,7 @@ def surface_permittivity(solid: Solid, surface: str = "vacuum") -> float:
 
 
 def end_excess(solid: Solid, surface: str = "vacuum") -> float:
-    """Apparent lengthening of a finger at each end, in periods, in a row of alternating + and - fingers.
+    """Apparent lengthening of a finger at each end, in periods, in an array of alternating + and - fingers.
 
     A finger that is longer by this at both ends, without end effect, has the same total charge.  For charges
     exp(-i k.r) the permittivity of a dielectric half-space, times |k|, is the square root of a quadratic form in k_x
@@ -122,7 +122,7 @@ class TransducerEstimate:
 
     @property
     def capacitance(self) -> float:
-        """Capacitance between the electrodes, F, with grounded strips continuing the row on both sides."""
+        """Capacitance between the electrodes, F, with grounded strips continuing the array on both sides."""
         transducer = self.transducer
         potentials = np.array([COMB_POTENTIALS[sign] for sign in transducer.signs])
         strip = np.arange(len(potentials))

@@ -22,7 +22,7 @@ fall with v (Lothe and Barnett 1976).
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
+from fem.exceptions import ConvergenceError
 from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import christoffel
 from fem.materials.medium import Medium
@@ -78,7 +78,7 @@ class SurfaceImpedance:
         return self.upper + 1j * self.inverse @ self.of_all_fields(velocity)
 
     def _condensed(self, full: np.ndarray) -> np.ndarray:
-        """Impedance of the displacements: phi is eliminated by its own row, Z_pu u + (Z_pp - gap) phi = 0."""
+        """Impedance of the displacements: phi is eliminated by its own equation, Z_pu u + (Z_pp - gap) phi = 0."""
         m = self.displaced
         stiff = full[np.ix_(m, m)]
         if not self.electric:

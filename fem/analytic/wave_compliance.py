@@ -14,7 +14,7 @@ Compare Auld, *Acoustic Fields and Waves in Solids* II (1973), sections 10 and 1
 import numpy as np
 
 from fem.analytic.half_space import BELOW_LIMIT, falling_root, rayleigh, surface_impedance
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.materials import Solid
 
 # Step of the angle in the five-point derivative, which is accurate to 1e-11: steps of half and twice the size agree.

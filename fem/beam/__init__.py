@@ -1,8 +1,8 @@
 """The field of finite apertures and of forces on strips in three dimensions, from charges, forces and guided modes.
 
-electrode_charges - line_source, cut_source (modes sent by a line of charge or force) - emitters (sums of the waves of
-all charges or forces) - lateral (integral over k_y) - own_aperture (a transducer's response to its own charges) -
-reception (of beams by other transducers) - faces (reflecting ends) - surface_beam (where charges and forces become a
-beam) - from_section (the beam of a solved section, forces beside transducers) - rows, mutual_admittance, crossed_beam
-(turned transducers).
+lateral (integral over k_y) - line_source, cut_source (modes sent by a line of charge or force) - beam_of_charges
+(charges and forces become a beam) - electrode_charges (of a solved section) - faces (reflecting ends) -
+point_potential, own_aperture (a transducer's response to waves and its own charges) - reception (of beams by other
+transducers) - surface_beam (motion and its error) - beam_of_section (the beam of a solved section, forces beside
+transducers) - crossed_rows, crossed_beam (turned transducers).
 """

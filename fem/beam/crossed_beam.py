@@ -3,9 +3,9 @@
 Parallel transducers that lie one behind the other, so that one section can contain them, form a row.  In a solid
 isotropic about z every row is a section problem of the same stator in its own axes, s along its waves and t across.
 Each row sends a `SurfaceBeam` in its axes, and the beams add up.  The rows are coupled through their charges
-(mutual_admittance.py).
+(crossed_rows.py).
 
-Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at given voltages
+Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at fixed voltages
 (to that beam the fingers are bare surface), and the electrostatic coupling of the rows.  Scattering within a row is
 included (reception.py).
 """
@@ -16,12 +16,12 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.beam.electrode_charges import ElectrodeCharges, all_charges
-from fem.beam.mutual_admittance import mutual_admittance
+from fem.beam.beam_of_section import aperture_beam
+from fem.beam.crossed_rows import Row, admittances_of_rows, driven_names, row_circuit, row_drive, rows_of
 from fem.beam.reception import with_apertures
-from fem.beam.rows import Row, driven_names, rows_of
-from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
+from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
+from fem.condense.electrodes import is_port
 from fem.geometry import Stator, Transducer, turn
 from fem.layout import check_plan
 from fem.materials import isotropic_about_normal
@@ -168,7 +168,7 @@ class CrossedBeam:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
             raise BeamError(
-                f"places must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
+                f"points must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )
         s, t = (each.ravel() for each in np.broadcast_arrays(*row.local(x, y)))
         if len(s) > FEW and not row.along_an_axis:
@@ -267,89 +267,39 @@ def crossed_beam(
     ValueError
         If the layout is impossible.
     """
+    _refuse(stator, width, transducers)
+    drive = as_drive(drive)
+    points = np.array(places or ((stator.length / 2, 0.0),)).T
+    rows = rows_of(stator, width, transducers, drive)
+    waves = [
+        solve(
+            row.stator, row.transducers, row_drive(drive, row), tuple(dict.fromkeys(map(float, row.local(*points)[0])))
+        )
+        for row in rows
+    ]
+    fields = [with_apertures(wave.solution.fields) for wave in waves]
+    admittances, names = admittances_of_rows(transducers, rows, [each.circuit for each in waves], fields)
+    circuit = solve_circuit(admittances, names, transducers, drive, frequency)
+    beams = []
+    for row, wave, row_fields in zip(rows, waves, fields, strict=True):
+        own_circuit = row_circuit(circuit, row_fields.names, row)
+        if not driven_names(row, drive):
+            wave = surface_wave(
+                Solution(fields=wave.solution.fields, circuit=own_circuit),
+                relative_error=wave.relative_error,
+                admittance_error=wave.admittance_error,
+            )
+        beams.append(aperture_beam(wave, Solution(fields=row_fields, circuit=own_circuit)))
+    return CrossedBeam(rows=rows, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
+
+
+def _refuse(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an error for an impossible layout, and a BeamError for one that is not covered."""
     check_plan(stator, width, transducers)
     if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         raise BeamError(
             "transducers at an angle or beside one another need a solid isotropic about z and absorbing ends"
         )
     for each in transducers:
-        if not {"+", "-"} <= set(each.signs):
+        if not is_port(each):
             raise BeamError(f"transducer {each.name!r} must have + and - fingers beside transducers at an angle")
-    drive = as_drive(drive)
-    points = np.array(places or ((stator.length / 2, 0.0),)).T
-    rows = rows_of(stator, width, transducers, drive)
-    waves = [
-        solve(
-            row.stator, row.transducers, _row_drive(drive, row), tuple(dict.fromkeys(map(float, row.local(*points)[0])))
-        )
-        for row in rows
-    ]
-    fields = [with_apertures(wave.solution.fields) for wave in waves]
-    admittances, names = _admittances(transducers, rows, waves, fields, frequency)
-    circuit = solve_circuit(admittances, names, transducers, drive, frequency)
-    beams = []
-    for row, wave, row_fields in zip(rows, waves, fields, strict=True):
-        row_circuit = _row_circuit(circuit, row_fields.names, row)
-        if not driven_names(row, drive):
-            wave = surface_wave(
-                Solution(fields=wave.solution.fields, circuit=row_circuit),
-                relative_error=wave.relative_error,
-                admittance_error=wave.admittance_error,
-            )
-        beams.append(aperture_beam(wave, Solution(fields=row_fields, circuit=row_circuit)))
-    return CrossedBeam(rows=rows, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
-
-
-def _row_drive(drive: Drive, row: Row) -> Drive:
-    """Drive for solving one row alone; a row without sources is driven at its first transducer."""
-    sources = {each.name: drive.sources[each.name] for each in row.transducers if each.name in drive.sources}
-    return replace(drive, sources=sources) if any(sources.values()) else Drive(sources={row.transducers[0].name: 1.0})
-
-
-def _row_circuit(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
-    """Part of the circuit at the ports of a row; if none is driven, the power balance takes all ports as sources."""
-    index = [circuit.names.index(name) for name in names]
-    sources = [index.index(at) for at in circuit.sources if at in index] or range(len(index))
-    return replace(
-        circuit,
-        names=names,
-        voltages=circuit.voltages[index],
-        currents=circuit.currents[index],
-        sources=tuple(sources),
-        aperture=next(each.aperture for each in row.transducers if each.name == names[sources[0]]),
-    )
-
-
-def _admittances(transducers, rows, waves, fields, frequency) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Admittance matrix of all ports in S, and their names."""
-    first = np.cumsum([0, *(len(each.names) for each in fields)])
-    out = np.zeros((first[-1],) * 2, dtype=complex)
-    for start, each in zip(first, fields, strict=False):
-        own = slice(start, start + len(each.names))
-        out[own, own] = each.admittances
-    plan = {each.name: each for each in transducers}
-    charges = [_unit_charges(wave, each) for wave, each in zip(waves, fields, strict=True)]
-    for one in range(len(rows)):
-        for other in range(one):
-            for i, senders in enumerate(charges[one]):
-                for j, receivers in enumerate(charges[other]):
-                    mutual = sum(
-                        mutual_admittance(
-                            fields[one].modes,
-                            (plan[a.name], plan[b.name]),
-                            (a.center, b.center),
-                            (rows[one].angle, rows[other].angle),
-                            (q, p),
-                        )
-                        for a, q in zip(fields[one].transducers, senders, strict=True)
-                        for b, p in zip(fields[other].transducers, receivers, strict=True)
-                    )
-                    pair = first[one] + i, first[other] + j
-                    out[pair] = out[pair[::-1]] = mutual
-    return out, tuple(name for each in fields for name in each.names)
-
-
-def _unit_charges(wave: SurfaceWave, fields) -> list[tuple[ElectrodeCharges, ...]]:
-    """Charges of all transducers of a row for 1 V at each of its ports in turn, the other ports at zero."""
-    ports, circuit = len(fields.names), wave.circuit
-    return [all_charges(Solution(fields=fields, circuit=replace(circuit, voltages=volts))) for volts in np.eye(ports)]

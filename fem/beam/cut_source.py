@@ -76,19 +76,21 @@ class Poles(NamedTuple):
     """Modes of both directions at one k_y.
 
     ``wavenumbers`` (modes,) are in rad/m; ``right`` is True for modes that run to the right, ``surface`` for those of
-    the surface wave.  ``column`` and ``row`` (modes, 3): residues of u per load and of the transposed response.
+    the surface wave.  ``column`` and ``transposed`` (modes, 3): residues of u per load and of the transposed response.
     """
 
     wavenumbers: np.ndarray
     right: np.ndarray
     surface: np.ndarray
     column: np.ndarray
-    row: np.ndarray
+    transposed: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
 class CutSource:
-    """Surface motion of the modes sent by 1 C/m or 1 N/m on the line x = 0 of a section, at any lateral wavenumber.
+    """`ModeSource` in any crystal cut.
+
+    It has the surface motion of the modes sent by 1 C/m or 1 N/m on the line x = 0, at any lateral wavenumber.
 
     Attributes
     ----------
@@ -105,7 +107,9 @@ class CutSource:
     surface_only : bool
         True if the field is that of the surface wave alone.
     static : float
-        As in `LineSource`; here 0, because the modes contain the pole at k = 0.
+        0, because the modes contain the pole at k = 0.
+    omits_oblique : bool
+        As of `ModeSource`.
     kept_poles : dict
         Poles at the nodes of the rules that were integrated so far, by the number of nodes and the last node.
     """
@@ -116,6 +120,7 @@ class CutSource:
     wavenumber: float
     surface_only: bool = False
     static: float = 0.0
+    omits_oblique: bool = True
     load: Load = "charge"
     kept_poles: dict = field(default_factory=dict, repr=False, compare=False)
 
@@ -142,12 +147,9 @@ class CutSource:
         return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
 
     def branches(
-        self, reach: float, distance: float, _resolved: float, mirror_width, spacing: float = 1.0
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
     ) -> Iterator[Branch]:
-        """Waves to both sides, at the nodes of a rule for points with a lateral reach of at most ``reach`` (m).
-
-        The parameters are those of `LineSource.branches`; ``_resolved`` has no effect here.
-        """
+        """Waves to both sides: as of `ModeSource`; all modes are kept, whatever the length ``resolved``."""
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
         options: dict = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
@@ -156,11 +158,17 @@ class CutSource:
         rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
         yield from self._branches_at(rule, distance)
 
-    def plane(self, _resolved: float) -> Iterator[Branch]:
+    def plane(self, resolved: float) -> Iterator[Branch]:
         """Waves at k_y = 0, for fields that do not depend on y."""
         for branch in self._branches_at(PLANE, 0.0):
             if branch.signs[0][0] > 0:
                 yield branch
+
+    def static_motion(
+        self, distance: np.ndarray, above: np.ndarray, below: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Zero: the modes contain the pole at k = 0."""
+        return np.zeros_like(distance), np.zeros_like(distance)
 
     def _branches_at(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule, without those that decay within ``distance`` (m)."""
@@ -176,7 +184,7 @@ class CutSource:
                     kept = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
                     kept &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
                     along.append(side * sign * each.wavenumbers[kept])
-                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.row)[kept])
+                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.transposed)[kept])
                 count = max(len(each) for each in along)
                 k, u = (np.full((count, len(poles)), -1j * self.wavenumber), np.zeros((3, count, len(poles)), complex))
                 for node, (some, moved) in enumerate(zip(along, motion, strict=True)):
@@ -206,7 +214,8 @@ class CutSource:
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
         The field of a unit load is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
-        u of v_p times l_p . e, of a charge phi of l_p.  ``row`` has v_p . e times u of l_p, the transposed response.
+        u of v_p times l_p . e, of a charge phi of l_p.  ``transposed``, of the transposed response, has v_p . e times u
+        of l_p.
 
         The modes have wavenumbers ``k``, ``shapes`` in the reduced basis, left shapes ``left`` at the surface (4, m)
         and powers ``carried``.
@@ -237,8 +246,8 @@ class CutSource:
             factors[section.solid.mirror_y] = 1j
         shapes, left = factors * (self.reduced.surface @ shapes), factors.conj() * left
         scale, at = load_scale(section.solid, self.load), SURFACE_FIELDS.index(LOADED[self.load])
-        column, row = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
-        return Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
+        column, transposed = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
+        return Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], transposed.T[kept])
 
 
 def surface_unknowns(section: Section) -> list[int]:

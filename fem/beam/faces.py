@@ -184,11 +184,11 @@ class Faces:
         c = np.linalg.solve(np.eye(len(kept)) - round_trip, r_0[kept] @ (b + e_left * (r_l[kept] @ a)))  # (2)
         from_right = r_l @ (a + e_right * c)  # (1), all modes
         from_left = r_0 @ (b + e_left * from_right[kept])
-        rows = [modes.section.full.surface_dofs[name] for name in ("ux", "uy", "uz")]
+        on_surface = [modes.section.full.surface_dofs[name] for name in ("ux", "uy", "uz")]
         # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
         factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]
         motion = [
-            (factors * shapes[rows])[:, None] * amplitudes.T
+            (factors * shapes[on_surface])[:, None] * amplitudes.T
             for shapes, amplitudes in ((modes.right, from_left), (modes.left, from_right))
         ]
         return np.stack([forward, backward]), np.stack(motion)

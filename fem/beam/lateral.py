@@ -129,25 +129,30 @@ def lateral_rule(
 
 
 class Waves(Protocol):
-    """Waves with a quadrature rule, and the signs of k_y for which they hold, each with factors of u_x, u_y and u_z."""
+    """Waves at the nodes of a quadrature rule."""
 
-    rule: LateralRule
-    signs: tuple
+    @property
+    def rule(self) -> LateralRule:
+        """The rule."""
+
+    @property
+    def signs(self) -> tuple:
+        """Signs of k_y for which the waves hold, each with its factors of u_x, u_y and u_z."""
 
 
 class Points(NamedTuple):
-    """Points of the surface, in which x and y occur repeatedly: number i is (places[column[i]], lines[row[i]]), m."""
+    """Points of the surface, in which x and y occur repeatedly: number i is (x[column[i]], y[line[i]]), m."""
 
-    places: np.ndarray
-    lines: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
     column: np.ndarray
-    row: np.ndarray
+    line: np.ndarray
 
     @classmethod
     def of(cls, x: np.ndarray, y: np.ndarray) -> "Points":
         """Return the points of coordinates in m, two arrays of one dimension."""
-        (places, column), (lines, row) = (np.unique(each, return_inverse=True) for each in (x, y))
-        return cls(places, lines, column, row)
+        (distinct_x, column), (distinct_y, line) = (np.unique(each, return_inverse=True) for each in (x, y))
+        return cls(distinct_x, distinct_y, column, line)
 
 
 def inverse_transform(
@@ -159,10 +164,10 @@ def inverse_transform(
 
         u(x, y) = sum over both signs of k_y and the nodes n of  w_n / 2  u^(x, k_y) exp(-i k_y y),
 
-    where ``spectra`` maps the spectra s of the sheets, (sheets, n), to the spectra u^ at the different x, (places, 3,
+    where ``spectra`` maps the spectra s of the sheets, (sheets, n), to the spectra u^ at the different x, (x, 3,
     n).  ``thinned``: False between mirrors, where the sum is exact and the first three rules are the same.
     """
-    column, row = points.column, points.row
+    column, line = points.column, points.line
     sent, count = None, len(column)
     lateral, weights = waves.rule.nodes, waves.rule.weights / 2
     narrow = None if np.all(waves.rule.share == 1.0) else weights * waves.rule.share
@@ -173,7 +178,7 @@ def inverse_transform(
         # sheets centred on y = 0 have the same spectrum at both signs of k_y: the sum over the charges is done once
         if sent is None or centers.any():
             sent = spectra(uniform * np.exp(1j * sign * np.outer(centers, lateral)))
-        phases = np.exp(-1j * sign * np.outer(lateral, points.lines))
+        phases = np.exp(-1j * sign * np.outer(lateral, points.y))
         # every second node has twice the weight; between mirrors no rule is thinned
         half, quarter = (2, 4) if thinned else (1, 1)
         rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
@@ -183,12 +188,12 @@ def inverse_transform(
                 continue
             weighted = factors[:, None] * sent[..., ::step] * own[::step]
             # where most pairs (x, y) are requested, a matrix product for all pairs is cheaper than a sum per point
-            if len(sent) * len(points.lines) <= FULL_GRID * count:
-                total[rule] += (weighted @ phases[::step])[column, :, row].T
+            if len(sent) * len(points.y) <= FULL_GRID * count:
+                total[rule] += (weighted @ phases[::step])[column, :, line].T
             else:
                 for start in range(0, count, CHUNK):
                     some = slice(start, start + CHUNK)
-                    total[rule][:, some] += np.einsum("pcn,np->cp", weighted[column[some]], phases[::step, row[some]])
+                    total[rule][:, some] += np.einsum("pcn,np->cp", weighted[column[some]], phases[::step, line[some]])
     return total
 
 

@@ -27,7 +27,7 @@ with w_0 the value at the surface.  The pole at k = 0 of a floating section then
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -68,9 +68,54 @@ class Branch(NamedTuple):
     signs: tuple
 
 
+class ModeSource(Protocol):
+    """Response of the bare stator to a load on the line x = 0: `LineSource`, or `CutSource` in any crystal cut."""
+
+    @property
+    def static(self) -> complex:
+        """u_x of the pole at k = 0, m per unit of load; 0 without one."""
+
+    @property
+    def error(self) -> float:
+        """Relative error of the modes at k_y != 0."""
+
+    @property
+    def omits_oblique(self) -> bool:
+        """True if waves whose power leaves at more than 45 degrees are neglected."""
+
+    @property
+    def surface_mode(self) -> "ModeSource":
+        """The same source with the surface wave alone."""
+
+    def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
+        """Wavenumber along x of the surface wave at real lateral wavenumbers, rad/m."""
+
+    def branches(
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
+    ) -> Iterator[Branch]:
+        """Waves to both sides, for points at least ``distance`` from the load and at most ``reach`` beside it (m).
+
+        Modes that are local to the load may be omitted, those that decay by more than exp(-LOCAL) over the length
+        ``resolved`` (m).  ``spacing``: factor on the distance of the nodes in k_y.
+        """
+
+    def plane(self, resolved: float) -> Iterator[Branch]:
+        """The same modes at k_y = 0, for fields that do not depend on y: a rule of one node with weight 1."""
+
+    def static_motion(
+        self, distance: np.ndarray, above: np.ndarray, below: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """u_x and u_y in m of the pole at k = 0 by a unit of load per metre of a sheet.
+
+        ``distance``: along x from the load, m; ``above``, ``below``: from the point to the sheet's ends along y, m.
+        """
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LineSource:
-    """Surface motion of the modes that a load of 1 C/m or 1 N/m on the line x = 0 excites to its right.
+    """`ModeSource` in a solid isotropic about z.
+
+    It has the surface motion of the modes that a load of 1 C/m or 1 N/m on the line x = 0 excites to its right.
 
     Attributes
     ----------
@@ -105,7 +150,8 @@ class LineSource:
     potential: np.ndarray = field(repr=False)
     static: complex
     slope: complex
-    error: float = 0.0  # relative error of the modes at k_y != 0; here they are exact
+    error: float = 0.0  # the modes at k_y != 0 are exact
+    omits_oblique: bool = False
 
     @property
     def surface_mode(self) -> "LineSource":
@@ -142,11 +188,7 @@ class LineSource:
     def branches(
         self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
     ) -> Iterator[Branch]:
-        """Waves to both sides, for points at least ``distance`` from the charges and at most ``reach`` beside them (m).
-
-        Modes that decay by more than exp(-LOCAL) over the length ``resolved`` are omitted.  ``spacing``: factor on the
-        distance of the nodes in k_y.
-        """
+        """Waves to both sides: as of `ModeSource`."""
         highest = highest_wavenumber(self.wavenumbers)
         fade = evanescent(highest, max(distance, resolved))
         rule = lateral_rule(highest, reach, fade, mirror_width, coarser=spacing)
@@ -164,10 +206,11 @@ class LineSource:
         """The same modes at k_y = 0, for fields that do not depend on y: a rule of one node with weight 1."""
         yield from self._both_sides(PLANE, *self._turned(self._lasting(0.0, resolved), PLANE.nodes))
 
-    def static_motion(self, distance: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple:
-        """u_x and u_y in m of the pole at k = 0, where kappa = -i |k_y|, by a unit of load per metre of a sheet.
+    def static_motion(
+        self, distance: np.ndarray, above: np.ndarray, below: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """u_x and u_y in m of the pole at k = 0, where kappa = -i |k_y|: as of `ModeSource`.
 
-        ``distance``: along x from the load, m; ``above``, ``below``: from the point to the sheet's ends along y, m.
         The integral over k_y of a charge is a Laplace transform: sum of arctan(b / |x|) / pi for u_x and difference of
         log(x^2 + b^2) / 2 pi for u_y, with b = ``above`` and ``below``.  That of a force is minus its slope in |x|.
         """

@@ -1,6 +1,6 @@
 """Response of a transducer with fingers of finite length to its own charges, which vary along the fingers.
 
-The fingers end at y = +-W/2.  Along y the charge is found by Galerkin's method.  It is a sum of sheets, each uniform
+The fingers end at y = +-W/2.  Along y the charge is computed by Galerkin's method.  It is a sum of sheets, each uniform
 over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and
 oscillates near both ends (`sheet_lengths`).  The potential of every finger is integrated over the same sheets (it is
 tested by them).  Let Z(x) be the potential of a line of charge in the section, where all is infinitely long in y.  The
@@ -20,8 +20,25 @@ half-space,
     M = -(a^2 / 2) (d phi / d x) / [x d Z / d x],    x << wavelength,                                           (2)
 
 where x dZ/dx hardly depends on x, because Z is a logarithm there; it is taken at x = a.
+
+Massless fingers scatter by their charges alone.  Let q_b be the charges of a transducer's fingers on sheet b (a vector
+over the fingers), a_b the amplitudes of the arriving waves, U_b the potentials of the fingers that would cause q_b in
+the section, O_cb = min(L_c, L_b) the overlaps of the sheets, and V the potentials of the fingers by the voltages.
+Then, with the matrices Q_a and Q_U of the section,
+
+    q_b = Q_a a_b + Q_U U_b,                                                                                    (3)
+    sum_b O_cb U_b - sum_b D_cb q_b = L_c V     for all sheets c.                                               (4)
+
+Sheet 0 is the whole aperture, so that L_c = O_c0 and O^-1 L V = V on sheet 0, zero on the others.  With this, (3) in
+(4) gives the system that `aperture_response` solves for the U of all sheets,
+
+    (1 - O^-1 D Q_U) U = [V on sheet 0] + O^-1 D Q_a a.                                                         (5)
+
+A force sends waves of amplitudes a_b at the transducer's centre and a_b + A_bf at finger f.  By (3) the change A has
+the same effect as additional potentials (Q_U^-1 Q_a A)_f, which are added to the right side of (5).
 """
 
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -30,7 +47,10 @@ import numpy as np
 from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import StripPotential
+from fem.condense.electrodes import charged
+from fem.condense.transducer import finger_ports
 from fem.geometry import Transducer
+from fem.waveguide.network import Scatterer, Sheet
 
 # Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
 ACROSS = 4
@@ -76,7 +96,7 @@ def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNK
 
     ``fineness``: number of finer sets of STEPS that are skipped; ``most``: largest number of sheets on all fingers.
     """
-    fingers, aperture = sum(sign in "+-" for sign in transducer.signs), transducer.aperture
+    fingers, aperture = np.count_nonzero(charged(transducer.signs)), transducer.aperture
     sets = [  # for each set of STEPS, without sheets that would be too short
         np.array([aperture, *(shorter for shorter in ends if shorter > SHORTEST_SHEET * aperture)])
         for ends in ([aperture - 2 * step * transducer.period for step in steps] for steps in STEPS)
@@ -132,7 +152,7 @@ def _strip_potential(source: LineSource, distances: tuple[float, ...], aperture:
 def finger_coupling(
     source: LineSource, transducer: Transducer, lengths: np.ndarray, mirror_width: float | None = None
 ) -> Coupling:
-    """Change of a transducer's potentials by its own charges, for sheets of the given lengths (m).
+    """Change of a transducer's potentials by its own charges, for sheets of the lengths (m).
 
     D_cb(x) of equation (1) is evaluated at all distances between points on two fingers and averaged over them with the
     weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
@@ -170,3 +190,172 @@ def _change_of_potential(source: LineSource, lengths: np.ndarray, distances: np.
     if source.slope:
         change -= np.multiply.outer(np.outer(lengths, lengths), change[0, 0].mean(keepdims=True)) / lengths[0] ** 2
     return change
+
+
+@dataclass(frozen=True, kw_only=True)
+class ApertureResponse:
+    """Response of a transducer to the waves that arrive on each of its sheets, to its ports and to forces.
+
+    The columns of the arrays are, for every sheet, the modes from the left and those from the right; then the ports;
+    then for each force the change of its waves from finger to finger.
+    """
+
+    scatterer: Scatterer
+    lengths: np.ndarray
+    # (2 n, 2 modes): incident fields on both lines, for a unit amplitude of each mode
+    arriving: np.ndarray = field(repr=False)
+    # (2 n, 2 modes + fingers): total fields on both lines, for unit modes and unit finger potentials
+    lines: np.ndarray = field(repr=False)
+    potentials: np.ndarray = field(repr=False)  # U, (sheets, fingers, columns)
+    sent: np.ndarray = field(repr=False)  # (sheets 2 modes, columns): amplitudes to the right and to the left
+    # first moments of the fingers' reactions that the section does not have, (sheets, fingers, columns)
+    dipoles: np.ndarray = field(repr=False)
+
+    def sheets(self, weights: np.ndarray) -> tuple[Sheet, ...]:
+        """Fields of the sheets for a combination of the columns, ``weights`` of shape (columns, ports)."""
+        waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
+        potentials = self.potentials @ weights
+        return tuple(
+            Sheet(
+                length=float(length),
+                sides=np.concatenate([self.lines @ np.concatenate([waves[at], potentials[at]]), potentials[at]]),
+                dipoles=self.dipoles[at] @ weights,
+            )
+            for at, length in enumerate(self.lengths)
+        )
+
+    def incoming(self, weights: np.ndarray) -> np.ndarray:
+        """Mean over the aperture of the incident waves on both lines, (2 n, ports)."""
+        waves = weights[: len(self.sent)].reshape(len(self.lengths), -1, weights.shape[1])
+        return self.arriving @ np.tensordot(self.lengths / self.lengths[0], waves, axes=1)
+
+
+class _InSection(NamedTuple):
+    """Response of a transducer in the section to unit modes from both sides and unit finger potentials.
+
+    The columns are the modes from the left, those from the right, and the fingers.
+    """
+
+    lines: np.ndarray  # (2 n, 2 modes + fingers): fields on both lines
+    charge_by_waves: np.ndarray  # Q_a, (fingers, 2 modes), of reactions
+    charge_by_potentials: np.ndarray  # Q_U, (fingers, fingers)
+    leaving: np.ndarray  # (2 modes, 2 modes + fingers): waves sent, without those that pass the bare surface
+    effective: np.ndarray  # Q_U^-1 Q_a, (fingers, 2 modes): finger potentials that have the effect of a wave
+    dipoles: np.ndarray  # (fingers, fingers): dipole moment of each finger per charge on each finger
+
+
+def aperture_response(
+    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling, of_forces: np.ndarray
+) -> ApertureResponse:
+    """Response of a transducer with fingers of finite length, from that of the section: equation (5).
+
+    ``kept``: modes by which the transducers are coupled; ``of_forces``: changes A of the amplitudes from finger to
+    finger (`reception`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
+    """
+    scatterer, moments = _by_fingers(plain, signs)
+    modes, at, m, sheets = scatterer.modes, scatterer.at, len(kept), len(lengths)
+    fingers, ports = scatterer.potentials.shape
+    arriving = np.zeros((at.ports.start, 2 * m), dtype=complex)
+    arriving[at.left, :m] = modes.right[:, kept]
+    arriving[at.right, m:] = modes.left[:, kept]
+    section = _in_section(scatterer, moments, kept, arriving)
+    change_by_charge, added = _change_by_charges(scatterer, signs, lengths, change, section.dipoles)
+
+    size, waves = sheets * fingers, sheets * 2 * m
+    before_forces = waves + ports
+    columns = before_forces + of_forces.shape[-1]
+    by_arriving = np.zeros((sheets, fingers, columns), dtype=complex)  # Q_a a
+    load = np.zeros((sheets, fingers, columns), dtype=complex)  # right side of (5)
+    for sheet in range(sheets):
+        by_arriving[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] = section.charge_by_waves
+    load[0, :, waves:before_forces] = scatterer.potentials
+    load[..., before_forces:] = np.einsum("fp,sfpn->sfn", section.effective, of_forces)
+    load += (change_by_charge @ by_arriving.reshape(size, columns)).reshape(load.shape)
+    by_potentials = (change_by_charge.reshape(size, sheets, fingers) @ section.charge_by_potentials).reshape(size, size)
+    finger_potentials = np.linalg.solve(np.eye(size) - by_potentials, load.reshape(size, columns)).reshape(load.shape)
+    charges = by_arriving + section.charge_by_potentials @ finger_potentials  # equation (3)
+
+    sent = section.leaving[:, 2 * m :] @ finger_potentials
+    for sheet in range(sheets):
+        sent[sheet, :, sheet * 2 * m : (sheet + 1) * 2 * m] += section.leaving[:, : 2 * m]
+    return ApertureResponse(
+        scatterer=scatterer,
+        lengths=lengths,
+        arriving=arriving,
+        lines=section.lines,
+        potentials=finger_potentials,
+        sent=sent.reshape(waves, columns),
+        dipoles=(added @ charges.reshape(size, columns)).reshape(finger_potentials.shape),
+    )
+
+
+def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
+    """Scatterer with one potential per finger, and the matrix from its sides to the dipoles of the fingers."""
+    electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
+    superelement, dipoles = finger_ports(scatterer.columns, signs)
+    own = scatterer.potentials[electrodes]
+    return Scatterer(piece=superelement, modes=scatterer.modes, potentials=own), dipoles
+
+
+def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arriving: np.ndarray) -> _InSection:
+    """Response in the section; ``arriving``: incident fields on both lines, (2 n, 2 modes), ``moments``: by sides."""
+    modes, width, at, m = scatterer.modes, scatterer.piece.width, scatterer.at, len(kept)
+    fingers = len(scatterer.potentials)
+    incident = np.concatenate([arriving, np.zeros((len(arriving), fingers))], axis=1)
+    potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
+    lines = scatterer.sides(incident, potentials)
+    sides = np.concatenate([lines, potentials])
+    reactions = scatterer.piece.matrix[at.ports] @ sides
+    by_waves, by_potentials = reactions[:, : 2 * m], reactions[:, 2 * m :]
+    # In a floating section the same potential on all fingers causes no charge; a constant removes this null vector.
+    gauge = abs(np.diag(by_potentials)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
+    dipoles = np.linalg.solve((by_potentials + gauge).T, (moments @ sides[:, 2 * m :]).T).T
+    effective = np.linalg.solve(by_potentials + gauge, by_waves)
+    passed = np.append(np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width))
+    outgoing = lines - incident
+    leaving = np.concatenate(
+        [modes.right_amplitudes(outgoing[at.right])[kept], modes.left_amplitudes(outgoing[at.left])[kept]]
+    )
+    leaving[:, : 2 * m] -= np.diag(passed)
+    return _InSection(lines, by_waves, by_potentials, leaving, effective, dipoles)
+
+
+def _change_by_charges(
+    scatterer: Scatterer, signs: str, lengths: np.ndarray, change: Coupling, dipoles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """O^-1 D of equation (5), and the dipoles that the change of the potentials adds, per charge (reaction).
+
+    Both are matrices over the fingers of all sheets, (sheets fingers, sheets fingers).  ``change`` has the blocks of
+    `Coupling`: C of charges to potentials, X of dipoles to potentials, Y of dipoles to gradients.  A charge has the
+    dipoles P of the section, ``dipoles``, and causes the gradient G of the potential on each finger; with the
+    polarisability alpha of a strip this adds the dipoles A, which act back on the potentials by G^T (reciprocity):
+
+        G = X^T + Y P,    A = alpha O^-1 G,    D = C + X P + P^T G + G^T A.
+    """
+    section = scatterer.modes.section
+    medium, unit = section.solid, section.length_unit
+    scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
+    numbers = np.flatnonzero(charged(signs))
+    offsets = np.subtract.outer(numbers, numbers) + len(signs) - 1  # index of each pair of fingers in ``change``
+    charges, mixed, moments = (
+        scale * unit**power * each[..., offsets]
+        for power, each in enumerate((change.charges, change.mixed, change.moments))
+    )
+    polarisability = -change.polarisability / (scale * unit**2)
+    inverse = np.linalg.inv(np.minimum.outer(lengths, lengths))  # O^-1
+    sheets, fingers = len(lengths), len(numbers)
+    size = sheets * fingers
+
+    def stacked(each: np.ndarray) -> np.ndarray:
+        """One matrix over the fingers of all sheets, from (sheets, sheets, fingers, fingers)."""
+        return each.transpose(0, 2, 1, 3).reshape(size, size)
+
+    def projected(each: np.ndarray) -> np.ndarray:
+        """O^-1 times a matrix over the fingers of all sheets; O mixes the sheets of each finger alone."""
+        return np.tensordot(inverse, each.reshape(sheets, fingers, size), axes=1).reshape(size, size)
+
+    by_sheets = np.swapaxes(mixed, 2, 3) + moments @ dipoles  # G
+    direct = stacked(charges + mixed @ dipoles + dipoles.T @ by_sheets)
+    gradient = stacked(by_sheets)
+    added = polarisability * projected(gradient)
+    return projected(direct + gradient.T @ added), added

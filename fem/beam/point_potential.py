@@ -61,10 +61,10 @@ class PointPotential:
         )
         nodes = chebyshev_nodes(-1.0, 1.0, TERMS)
         low, high = self.edges[:-1, None], self.edges[1:, None]
-        places = (low + high) / 2 + (high - low) / 2 * nodes
-        values = _sum_of_modes(source, np.sort(places, axis=None))
-        order = np.argsort(np.argsort(places, axis=None))
-        self._coefficients = values[order].reshape(places.shape) @ np.linalg.inv(chebvander(nodes, TERMS - 1)).T
+        r = (low + high) / 2 + (high - low) / 2 * nodes
+        values = _sum_of_modes(source, np.sort(r, axis=None))
+        order = np.argsort(np.argsort(r, axis=None))
+        self._coefficients = values[order].reshape(r.shape) @ np.linalg.inv(chebvander(nodes, TERMS - 1)).T
 
     def __call__(self, distances: np.ndarray) -> np.ndarray:
         """G at distances in m, an array of any shape."""
@@ -139,7 +139,7 @@ class _Antiderivatives:
         self.from_values = chebint(np.eye(TERMS), lbnd=-1) @ to_coefficients
 
     def __call__(self, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Both integrals up to the places ``stops`` along y in m, shape (stops, x) each."""
+        """Both integrals up to the positions ``stops`` along y in m, shape (stops, x) each."""
         panel = np.clip(np.searchsorted(self.edges, stops) - 1, 0, len(self.half_widths) - 1)
         local = (stops - self.edges[panel]) / self.half_widths[panel] - 1
         weights = chebvander(local, TERMS) @ self.from_values * self.half_widths[panel, None]

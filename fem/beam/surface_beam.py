@@ -1,18 +1,12 @@
 """Surface beam: motion of the surface in three dimensions, by the charges on fingers of finite length and by forces.
 
 The fingers end at y = +-W/2, and motions are per volt of the source.  The charge of a finger is a sum of sheets, each
-uniform over |y| < L_b / 2 (electrode_charges.py).  In a solid isotropic about z with absorbing ends there is one sheet
-over the whole aperture and several shorter ones, whose charges follow from the mean potentials over the fingers
-(own_aperture.py, reception.py).  In other cuts and between reflecting ends the charge is that of the section, uniform
-along y.  For every lateral wavenumber k_y the bare stator's response to the charge is a sum of guided modes p
-(line_source.py).  The charges q_j at x_j < x contribute at x, for a sheet of length W,
-
-    u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
-
-and those to the right of x contribute a similar sum over the modes that run to the left.  The contributions of all
-transducers add up, also between and under the fingers, because massless fingers scatter by their charges alone.  Free
-and clamped ends add the waves that they reflect at each k_y (faces.py).  On the axis y = 0, u_y vanishes by symmetry.
-A force on a strip |y - y_0| < W / 2 is a sheet of one node at x_j, whose modes are those that a force excites.
+uniform over |y| < L_b / 2 (electrode_charges.py), whose waves add up, also between and under the fingers, because
+massless fingers scatter by their charges alone (beam_of_charges.py).  In a solid isotropic about z with absorbing ends
+there is one sheet over the whole aperture and several shorter ones, whose charges follow from the mean potentials over
+the fingers (own_aperture.py, reception.py).  In other cuts and between reflecting ends the charge is that of the
+section, uniform along y.  Free and clamped ends add the waves that they reflect at each k_y (faces.py).  On the axis
+y = 0, u_y vanishes by symmetry.
 
 Limits: the field is not resolved within a wavelength of the fingers' ends, because evanescent modes with a shorter
 range are cut off at the edge of the aperture.  A strongly coupled plate mode near its cut-off changes the charge all
@@ -26,26 +20,22 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from fem.beam.cut_source import CutSource, cut_source
-from fem.beam.electrode_charges import ChargeSheet, ElectrodeCharges, all_charges, sheets_of_forces
-from fem.beam.emitters import Emitter, Strip
-from fem.beam.faces import Faces, faces, with_all_displacements
+from fem.beam.beam_of_charges import ChargeSheet, EmittedBeam, Emitter, Strip
+from fem.beam.electrode_charges import ElectrodeCharges, all_charges
+from fem.beam.faces import Faces
 from fem.beam.lateral import EVANESCENT, RULES, Points, inverse_transform
-from fem.beam.line_source import LineSource, Load, line_source
+from fem.beam.line_source import ModeSource
 from fem.beam.own_aperture import STEPS, sheet_lengths
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
-from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 
-# Distances from the nearest charge, in wavelengths, between the groups of points that share a quadrature rule in k_y.
-GROUPS = (1.0, 8.0)
 # The charge along a finger is a sum of steps (sheets of several lengths).  Its error over the change that fewer steps
 # make: with the finest steps (measured: 0.2 to 0.4, test_finger_ends.py), and where a limit has left fewer (rms over 24
-# places of five layouts on PZT-8 and PZT-4, 6 to 30 finger pairs of 15 and 20 wavelengths, against 22 steps: 0.5 to
-# 1.6, at single places 2.4).
+# points of five layouts on PZT-8 and PZT-4, 6 to 30 finger pairs of 15 and 20 wavelengths, against 22 steps: 0.5 to
+# 1.6, at single points 2.4).
 COARSER_SHARE, FEWER_SHARE = 0.5, 2.0
 # Offsets along y, in half Fresnel lengths, at which that change is taken; the first is the point itself.
 NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
@@ -55,15 +45,10 @@ NEIGHBOURS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
 # with 20 wavelengths; 0.0087 periods with 1.5 and 0.0066 with 5.  Where a limit has left fewer steps, those nearest to
 # the ends are missing in all that are compared: up to 0.15 periods with 5 and 0.25 with 9 (test_reception.py).
 ACROSS_SHARE, END_PERIODS, FEWER_END_PERIODS = 0.0015, 0.01, 0.1
-# Part of the section's amplitude to which its error is at least relative.  At 144 places of twente and twente-left the
+# Part of the section's amplitude to which its error is at least relative.  At 144 points of twente and twente-left the
 # error exceeds twice its estimate as often with 0.5 as with 1 (8 and 4 %, beside fingers and in minima), and more often
 # with 0 (9 and 6 %); the truth is the solution two levels finer.
 SECTION_SHARE = 0.5
-CHUNK = 2000  # points for which distances are tabulated at a time, to limit memory
-# The spacing of the nodes in k_y is halved, at most MAX_HALVINGS times, while the rule with every second node differs
-# by more than UNCONVERGED of the motion.  It is too wide where the power of a wave leaves obliquely: such a wave grows
-# along the complex contour, and the more the farther the point is.
-UNCONVERGED, MAX_HALVINGS = 0.03, 4
 TINY = 1e-300  # avoids division by zero
 
 
@@ -81,7 +66,7 @@ class SurfaceBeam:
         Solution of the section.
     solution : Solution
         Voltages and currents if each transducer receives the mean of the beams over its aperture.
-    source : LineSource or CutSource
+    source : ModeSource
         Response of the bare stator to a line of charge; without transducers to the first force.
     charges : tuple of ElectrodeCharges
         One per transducer, from left to right.
@@ -109,7 +94,7 @@ class SurfaceBeam:
 
     wave: SurfaceWave
     solution: Solution = field(repr=False)
-    source: LineSource | CutSource = field(repr=False)
+    source: ModeSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
     centers: tuple[float, ...]
@@ -168,12 +153,13 @@ class SurfaceBeam:
         of_rule = e_2**2 / np.clip(e_4, np.maximum(e_2, TINY), 1.0) * largest / size
         of_rule = of_rule + abs(fine - narrow).max(axis=0) / size  # an earlier end of the integral
         if self.faces is not None:  # the static part of the reflection depends on |k_y|
-            static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
+            x_of_points, y_of_points = (each.ravel() for each in np.broadcast_arrays(x, y))
+            static = self._returned(self.faces, x_of_points, y_of_points, self.faces.static)
             of_rule = of_rule + abs(static[0, 0]).reshape(size.shape) / size
         # 2. and 3. in m, computed once for each distinct x
-        places, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
-        at_places = (self.wave.motion(places), self.motion_beyond_modes(places))
-        section, beyond_modes = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in at_places)
+        positions, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
+        at_positions = (self.wave.motion(positions), self.motion_beyond_modes(positions))
+        section, beyond_modes = (abs(each).max(axis=0)[where.reshape(size.shape)] for each in at_positions)
         beyond_modes = np.maximum(beyond_modes, self.source.error * section)
         if self.strips:  # transducers receive less than in the section, where beams do not spread
             spread = self._spread(np.broadcast_to(x, size.shape))
@@ -220,7 +206,8 @@ class SurfaceBeam:
         fields = self.wave.solution.fields
         for fineness in range(1, len(STEPS)):
             fewer = with_apertures(fields, self.mirror_width, fineness)
-            beam = aperture_beam(self.wave, replace(self.solution, fields=fewer), self.mirror_width)
+            solution = replace(self.solution, fields=fewer)
+            beam = replace(self, solution=solution, charges=all_charges(solution))
             if [len(each.steps) for each in beam.charges] != steps:
                 return beam
         return None
@@ -236,7 +223,7 @@ class SurfaceBeam:
 
         Along a finger the charge is a sum of steps, whose error is estimated from the change by taking fewer.  The
         change oscillates along y, and can vanish at a point by chance: the estimate takes the larger of the change at
-        the point and its root mean square over NEIGHBOURS, places beside it within half the Fresnel length (wavelength
+        the point and its root mean square over NEIGHBOURS, points beside it within half the Fresnel length (wavelength
         times distance)^(1/2).  It bounds the difference from 100 steps in transducers on PZT
         (tests/fem/beam/test_finger_ends.py).  Added to it is the error that more steps do not reduce (ACROSS_SHARE,
         END_PERIODS).  None if the charge is uniform along the fingers.
@@ -244,7 +231,7 @@ class SurfaceBeam:
         if self.coarser is None:
             return None
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        reach = np.sqrt(self.wavelength * self._distances(x.ravel())).reshape(x.shape) / 2
+        reach = np.sqrt(self.wavelength * self._emitted.distances(x.ravel())).reshape(x.shape) / 2
         beside = y + np.multiply.outer(NEIGHBOURS, reach)
         if self.mirror_width is not None:
             beside = np.clip(beside, -self.mirror_width / 2, self.mirror_width / 2)
@@ -257,7 +244,7 @@ class SurfaceBeam:
         return (steps + ACROSS_SHARE * all_steps.max(axis=0)) / all_steps[0] + ends
 
     def unresolved(self, x: float, y: float) -> bool:
-        """True if a point (m) lies beside fingers or within a wavelength of their ends and the source is a `CutSource`.
+        """True for a point (m) beside fingers or within a wavelength of their ends, in other cuts (`CutSource`).
 
         The field lacks the waves that leave at more than 45 degrees there, and `relative_error` does not include them.
         On YZ lithium niobate they are 0.06 to 6 times the motion, and 0.01 of it a wavelength or more before the
@@ -268,7 +255,7 @@ class SurfaceBeam:
         beside = [(*each.extent, each.center_y, each.aperture) for each in transducers]
         sheets = [strip.sheet for strip in self.strips]
         beside += [(sheet.x[0], sheet.x[0], sheet.center, sheet.length) for sheet in sheets]
-        return isinstance(self.source, CutSource) and any(
+        return self.source.omits_oblique and any(
             start - near < x < stop + near and abs(y - center) > length / 2 - near
             for start, stop, center, length in beside
         )
@@ -309,6 +296,11 @@ class SurfaceBeam:
         return self._emitting(self._sheets)
 
     @cached_property
+    def _emitted(self) -> EmittedBeam:
+        """Waves of all charges and forces, without those that the ends reflect."""
+        return EmittedBeam(self.emitters, self.wavelength, self.mirror_width)
+
+    @cached_property
     def _section_emitters(self) -> list[Emitter]:
         """`emitters` with the charges of the section, uniform along y: one sheet for each transducer."""
         each = zip(self._section_charges, self.apertures, self.centers, strict=True)
@@ -328,18 +320,12 @@ class SurfaceBeam:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
-        distance = self._distances(x)
-        group = np.searchsorted(np.multiply(GROUPS, self.wavelength), distance)
-        total = np.empty((RULES, 3, len(x)), dtype=complex)
-        for number in set(group.tolist()):
-            members = group == number
-            total[..., members] = self._converged(x[members], y[members], float(distance[members].min()))
-            if self.complete and number == 0:  # within GROUPS[0] wavelengths
-                total[..., members] += self._local(x[members], y[members])
-        if self.mirror_width is None:
-            total += self._static(x, y)
+        total = self._emitted.by_rules(x, y)
+        near = self._emitted.near(x)
+        if self.complete and near.any():
+            total[..., near] += self._local(x[near], y[near])
         if self.faces is not None:
-            total += self._returned(x, y, self.faces.wanted)
+            total += self._returned(self.faces, x, y, self.faces.wanted)
         return tuple(total.reshape(RULES, 3, *shape))
 
     def _refuse(self, x, y):
@@ -349,38 +335,12 @@ class SurfaceBeam:
         if not np.all(np.isfinite(y) & (abs(y) <= limit)):
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
-    def _converged(self, x, y, distance: float) -> np.ndarray:
-        """`_modal` with as many nodes in k_y as the points need."""
-        for halvings in range(MAX_HALVINGS + 1):
-            rules = self._modal(x, y, distance, 0.5**halvings)
-            size = abs(rules[0]).max(axis=0)
-            if np.all(abs(rules[0] - rules[1]).max(axis=0) <= UNCONVERGED * np.maximum(size, 0.1 * size.max())):
-                break
-        return rules
-
-    def _modal(self, x, y, distance: float, spacing: float) -> np.ndarray:
-        """Sum of the modes at points no nearer than ``distance`` to any charge, shape (RULES, 3, points)."""
-        points = Points.of(x, y)
-        total = np.zeros((RULES, 3, len(x)), dtype=complex)
-        for emitter in self.emitters:
-            source, reach = emitter.source, self._reach(y)
-            for branch in source.branches(reach, distance, self.wavelength, self.mirror_width, spacing):
-                spectra = partial(emitter.spectra, branch, points.places)
-                total += inverse_transform(branch, emitter.sheets, points, spectra, self.mirror_width is None)
-        return total
-
-    def _returned(self, x, y, modes) -> np.ndarray:
+    def _returned(self, faces: Faces, x, y, modes: np.ndarray) -> np.ndarray:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
         points = Points.of(x, y)
-        reflected = self.faces.returned(self._reach(y), self._sheets, self.mirror_width)
-        spectra = partial(reflected.spectra, points.places, self.wave.length, modes=modes)
+        reflected = faces.returned(self._emitted.reach(y), self._sheets, self.mirror_width)
+        spectra = partial(reflected.spectra, points.x, self.wave.length, modes=modes)
         return inverse_transform(reflected, self._sheets, points, spectra, self.mirror_width is None)
-
-    def _reach(self, y) -> float:
-        """Largest distance along y from a point to the end of a finger or of a strip, m."""
-        return max(
-            float(abs(y - each.center).max()) + each.length / 2 for emitter in self.emitters for each in emitter.sheets
-        )
 
     def _local(self, x, y) -> np.ndarray:
         """Part of the section's motion beyond the modes, within the width of the nearest emitter, (3, points).
@@ -388,22 +348,16 @@ class SurfaceBeam:
         Under forces it is that of the forces alone: a transducer receives less than in the section, where beams do not
         spread.
         """
-        places, column = np.unique(x, return_inverse=True)
+        positions, column = np.unique(x, return_inverse=True)
         sheets = [sheet for emitter in self._section_emitters for sheet in emitter.sheets]
-        distances = np.array([abs(np.subtract.outer(places, sheet.x)).min(axis=1) for sheet in sheets])
+        distances = np.array([abs(np.subtract.outer(positions, sheet.x)).min(axis=1) for sheet in sheets])
         nearest = distances.argmin(axis=0)[column]  # number of the nearest sheet to each point
         lengths, centers = (np.array([getattr(each, key) for each in sheets])[nearest] for key in ("length", "center"))
         within = abs(y - centers) < lengths / 2
         if self.strips:
             within &= nearest >= len(self.charges)  # the sheets of the forces follow those of the charges
-        all_axes = np.insert(self.motion_beyond_modes(places), 1, 0.0, axis=0)  # with u_y = 0
+        all_axes = np.insert(self.motion_beyond_modes(positions), 1, 0.0, axis=0)  # with u_y = 0
         return all_axes[:, column] * within
-
-    def _distances(self, x) -> np.ndarray:
-        """Distance along x from each point to the nearest charge or force, m."""
-        nodes = np.sort(np.concatenate([emitter.x for emitter in self.emitters]))
-        after = np.searchsorted(nodes, x).clip(1, max(len(nodes) - 1, 1))
-        return np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[np.minimum(after, len(nodes) - 1)]))
 
     def _error_of_forces(self, x: np.ndarray, y, size: np.ndarray) -> np.ndarray:
         """Errors in m by the waves that transducers scatter, and by the evanescent waves that end near a strip."""
@@ -424,21 +378,21 @@ class SurfaceBeam:
             ratios.append(np.where(distance < wavelength, 1.0, spread))
         return np.minimum(np.max(ratios, axis=0), 1.0)
 
-    def motion_beyond_modes(self, places) -> np.ndarray:
-        """Motion of the section at ``places`` (m) minus that of the modes at k_y = 0 by the same charges.
+    def motion_beyond_modes(self, positions) -> np.ndarray:
+        """Motion of the section at ``positions`` (m) minus that of the modes at k_y = 0 by the same charges.
 
-        Shape (2, places): u_x and u_z in m. It measures what the modes of the beam leave out.
+        Shape (2, positions): u_x and u_z in m. It measures what the modes of the beam leave out.
         """
-        remainder = self.wave.motion(places)
+        remainder = self.wave.motion(positions)
         for emitter in self._section_emitters:
-            remainder -= emitter.plane_waves(places, self.wavelength).T[[0, 2]]
+            remainder -= emitter.plane_waves(positions, self.wavelength).T[[0, 2]]
         if self.faces is not None:
             plane = self.faces.plane(self._section_emitters[0].sheets)
             ones = np.ones((len(self.apertures), 1))
-            remainder -= plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
+            remainder -= plane.spectra(positions, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
         if self.charges:  # the pole at k = 0: u_x = +-static times the charge, + to the right of it
             charges = self._section_emitters[0]
-            left_of = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, places, side="right")]
+            left_of = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, positions, side="right")]
             remainder[0] -= self.source.static * (2 * left_of - charges.charge.sum())
         return remainder
 
@@ -446,50 +400,3 @@ class SurfaceBeam:
     def wavelength(self) -> float:
         """Wavelength of the surface wave, m."""
         return self.wave.phase_velocity / self.wave.frequency
-
-    def _static(self, x, y) -> np.ndarray:
-        """Field of the pole at k = 0 in closed form (`LineSource.static_motion`), shape (3, points)."""
-        out = np.zeros((3, len(x)), dtype=complex)
-        with_pole = [
-            (emitter.source, sheet) for emitter in self.emitters if emitter.source.static for sheet in emitter.sheets
-        ]
-        for source, sheet in with_pole:
-            nodes, charge = sheet.lumps
-            for start in range(0, len(x), CHUNK):
-                chunk = slice(start, start + CHUNK)
-                to_ends = (sheet.length / 2 + sign * (y[chunk, None] - sheet.center) for sign in (1, -1))
-                along_x, along_y = source.static_motion(np.subtract.outer(x[chunk], nodes), *to_ends)
-                out[0, chunk] += along_x @ charge
-                out[1, chunk] += along_y @ charge
-        return out
-
-
-def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
-    """Beam of the charges and forces of a solution; its circuit may be a part of a larger one (`crossed_beam`)."""
-    fields, transducers, stator = solution.fields, solution.fields.transducers, solution.fields.stator
-    isotropic = isotropic_about_normal(stator.solid)
-    general = None if isotropic else cut_source(fields)
-
-    def source(load: Load) -> LineSource | CutSource:
-        if general is not None:
-            return general.loaded(load)
-        own = line_source(fields.modes, load)
-        return own.with_shear(with_all_displacements(fields), fields.frequency) if load == "x" else own
-
-    forces = [each for each in fields.network.ports if each.kind == "force"] if solution.forces is not None else []
-    by_load = {load: source(load) for load in {each.component for each in forces}}
-    of_charges = source("charge") if transducers else next(iter(by_load.values()))
-    return SurfaceBeam(
-        wave=wave,
-        solution=solution,
-        source=of_charges,
-        faces=None if stator.ends == "absorbing" else faces(fields, of_charges),
-        charges=all_charges(solution),
-        apertures=tuple(each.aperture for each in transducers),
-        centers=tuple(each.center_y for each in transducers),
-        mirror_width=mirror_width,
-        strips=tuple(
-            Strip(sheet, by_load[force.component])
-            for force, sheet in zip(forces, sheets_of_forces(solution), strict=True)
-        ),
-    )

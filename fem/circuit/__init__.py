@@ -3,7 +3,7 @@
 from fem.circuit.ladder import Element, Ladder, best_match, carried
 from fem.circuit.motional import MotionalModel, motional_model
 from fem.circuit.ports import Circuit, Drive, SourcePowers, as_drive, matched_load, rectifier_resistance, solve_circuit
-from fem.circuit.touchstone import touchstone
+from fem.circuit.touchstone_file import touchstone
 
 __all__ = [
     "Circuit",

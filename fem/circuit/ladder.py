@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 
 EQUAL = 1e-9  # relative difference of stored energies that is rounding
 
@@ -79,8 +79,8 @@ def carried(ladder: Ladder, omega: float, voltage, current) -> tuple:
 def best_match(source: complex, admittance: complex, frequency: float) -> Ladder:
     """Return the lossless L-section that matches a source to a load at one frequency.
 
-    Up to four sections deliver all available power to the load.  The one that stores the least energy is chosen: it has
-    the widest band and loses least in real elements.  Ties are frequent: two sections of inductors alone (or of
+    Up to four sections deliver all available power to the load.  The one that stores the least energy is returned: it
+    has the widest band and loses least in real elements.  Ties are frequent: two sections of inductors alone (or of
     capacitors alone) both store exactly the excess of source and load, and between two resistances each section has a
     dual.  A tie goes to a section without a series capacitor, which suppresses harmonics, then to the smaller elements.
 

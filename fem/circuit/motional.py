@@ -3,7 +3,7 @@
     Y = i omega C0 + 1/R0 + sum_k 1 / (R_k + i omega L_k + 1 / (i omega C_k))
 
 With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the main resonance
-but not the sidelobes of a row of fingers; a few branches represent the whole passband (Foster's sum of resonances, with
+but not the sidelobes of a transducer; a few branches represent the whole passband (Foster's sum of resonances, with
 losses).  The fit minimises the sum of |Y - Y_fitted|^2 over the frequencies.  Its unknowns are the logarithms of C0,
 1/R0, 1/R_k and R_k/L_k, and the resonance frequencies themselves.  The elements therefore stay positive and the circuit
 passive.
@@ -79,61 +79,68 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     """
     from scipy.optimize import least_squares
 
-    f, y = np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex)
-    omega, scale, middle = 2 * np.pi * f, abs(y).max(), float(f[np.argmax(y.real)])
-    width = _width_at_half_maximum(f, y.real)
+    fit = _Fit(np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex))
+    y, fits = fit.admittance, []
+    for spread in SPREADS if branches > 1 else (0.0,):
+        start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * fit.scale)]
+        for offset in np.linspace(-spread, spread, branches):
+            start += [np.log(y.real.max() / branches), offset, np.log(1.0 / branches)]
+        fits.append(least_squares(fit.residual, start, jac=fit.jacobian, method="trf", max_nfev=400))
+    best = min(fits, key=lambda each: each.cost)
+    static, leak, peak, resonance, rate = fit.parts(best.x)
+    inductance = 1 / (peak * rate)
+    return MotionalModel(
+        capacitance=float(static / (2 * np.pi * fit.middle)),
+        resistance=float(1 / leak),
+        branches=np.stack([1 / peak, inductance, 1 / (inductance * resonance**2)], axis=1),
+        limits=(float(fit.frequency[0]), float(fit.frequency[-1])),
+        error=float(np.hypot(*best.fun.reshape(2, -1)).max()),
+    )
 
-    def parts(parameters: np.ndarray):
-        """Convert the unknowns of the fit to elements.
 
-        ``parameters``: logarithms of omega C0 at the peak of the conductance and of 1/R0 (S), then three per branch:
-        logarithm of 1/R (S), distance of the resonance from that peak in widths, and logarithm of R/L over the width.
-        Returns omega C0, 1/R0 and 1/R in S, resonances and R/L in rad/s: in the order 1/R, resonance, R/L.
-        """
+class _Fit:
+    """Residual of a circuit of one static capacitance and motional branches, and its derivatives.
+
+    The unknowns are the logarithms of omega C0 at the peak of the conductance and of 1/R0 (S), then three per branch:
+    logarithm of 1/R (S), distance of the resonance from that peak in widths, and logarithm of R/L over the width.
+    """
+
+    def __init__(self, frequency: np.ndarray, admittance: np.ndarray):
+        self.frequency, self.admittance = frequency, admittance  # Hz, S
+        self.omega, self.scale = 2 * np.pi * frequency, abs(admittance).max()
+        self.middle = float(frequency[np.argmax(admittance.real)])
+        self.width = _width_at_half_maximum(frequency, admittance.real)
+
+    def parts(self, parameters: np.ndarray):
+        """Return omega C0, 1/R0 and 1/R in S, resonances and R/L in rad/s: in the order 1/R, resonance, R/L."""
         static, leak = np.exp(parameters[:2])
-        peak, rate = np.exp(parameters[2::3]), 2 * np.pi * width * np.exp(parameters[4::3])
-        return static, leak, peak, 2 * np.pi * (middle + parameters[3::3] * width), rate
+        peak, rate = np.exp(parameters[2::3]), 2 * np.pi * self.width * np.exp(parameters[4::3])
+        return static, leak, peak, 2 * np.pi * (self.middle + parameters[3::3] * self.width), rate
 
-    def columns(parameters: np.ndarray) -> np.ndarray:
+    def terms(self, parameters: np.ndarray) -> np.ndarray:
         """Terms of Y and their derivatives by the parameters, shape (2 + 3 branches, frequencies).
 
         A branch is Y_k = peak / (1 + i q).  C0, 1/R0 and the peak enter by their logarithms, so that the derivative of
         each of these terms by its own logarithm is the term itself.
         """
-        static, leak, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in parts(parameters))
-        q = (omega - resonance**2 / omega) / rate
+        static, leak, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in self.parts(parameters))
+        q = (self.omega - resonance**2 / self.omega) / rate
         branch = peak / (1 + 1j * q)
-        # q = (omega - omega_r^2 / omega) / (R/L), so that d q / d log(R/L) = -q; `q_by_place`: dq per width
+        # q = (omega - omega_r^2 / omega) / (R/L), so that d q / d log(R/L) = -q; `q_by_offset`: dq per width
         by_q = -1j * branch / (1 + 1j * q)
-        q_by_place = -2 * resonance / (omega * rate) * 2 * np.pi * width
-        terms = np.stack([branch, by_q * q_by_place, -by_q * q], axis=1).reshape(-1, len(f))
-        return np.concatenate([1j * omega * static / (2 * np.pi * middle), leak + 0j * f, terms])
+        q_by_offset = -2 * resonance / (self.omega * rate) * 2 * np.pi * self.width
+        terms = np.stack([branch, by_q * q_by_offset, -by_q * q], axis=1).reshape(-1, len(self.omega))
+        capacitive = 1j * self.omega * static / (2 * np.pi * self.middle)
+        return np.concatenate([capacitive, leak + 0j * self.frequency, terms])
 
-    def residual(parameters: np.ndarray) -> np.ndarray:
-        terms = columns(parameters)
-        difference = (terms[0] + terms[1] + terms[2::3].sum(axis=0) - y) / scale
+    def residual(self, parameters: np.ndarray) -> np.ndarray:
+        terms = self.terms(parameters)
+        difference = (terms[0] + terms[1] + terms[2::3].sum(axis=0) - self.admittance) / self.scale
         return np.concatenate([difference.real, difference.imag])
 
-    def jacobian(parameters: np.ndarray) -> np.ndarray:
-        terms = columns(parameters).T / scale
+    def jacobian(self, parameters: np.ndarray) -> np.ndarray:
+        terms = self.terms(parameters).T / self.scale
         return np.concatenate([terms.real, terms.imag])
-
-    fits = []
-    for spread in SPREADS if branches > 1 else (0.0,):
-        start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
-        for place in np.linspace(-spread, spread, branches):
-            start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
-        fits.append(least_squares(residual, start, jac=jacobian, method="trf", max_nfev=400))
-    best = min(fits, key=lambda fit: fit.cost)
-    static, leak, peak, resonance, rate = parts(best.x)
-    inductance = 1 / (peak * rate)
-    return MotionalModel(
-        capacitance=float(static / (2 * np.pi * middle)),
-        resistance=float(1 / leak),
-        branches=np.stack([1 / peak, inductance, 1 / (inductance * resonance**2)], axis=1),
-        limits=(float(f[0]), float(f[-1])),
-        error=float(np.hypot(*best.fun.reshape(2, -1)).max()),
-    )
 
 
 def _width_at_half_maximum(frequency: np.ndarray, conductance: np.ndarray) -> float:

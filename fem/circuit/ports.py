@@ -5,17 +5,18 @@ loaded transducer V + Z I = 0, a short-circuited one V = 0, an open one I = 0.  
 transforms voltage and current to V' = A V + B I and I' = C V + D I at the source's end, where V' + Z I' = S; its
 impedance at the electrodes is then (B + Z D) / (A + Z C).  Only this module knows which transducers are driven:
 everything below it solves for unit voltage at every port.  The open strips of a transducer ("o" in its pattern) are not
-ports: they are eliminated with the condition of zero charge (`fem.condense.join.open_circuited`).
+ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
+from fem.condense.electrodes import terminated
+from fem.exceptions import InputError
 from fem.geometry import Transducer
-from fem.input_error import InputError
 
 # Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
 MATCHING_ROUNDS = 200
@@ -70,14 +71,14 @@ class SourcePowers:
     ----------
     available : float
         Largest power that the sources can deliver to any load; infinite for a source without resistance.
-    given : float
+    delivered : float
         Delivered by the voltage sources.
     in_sources, in_ladders : float
         Lost in the sources' impedances and in the elements of the ladders; the rest enters the transducers.
     """
 
     available: float
-    given: float
+    delivered: float
     in_sources: float
     in_ladders: float
 
@@ -179,12 +180,8 @@ def solve_circuit(
         If a source's transducer does not exist or has one electrode only, or all voltages are zero.
     """
     drive = None if drive is None else as_drive(drive)
-    everyone = {transducer.name: transducer for transducer in transducers}
-    for name in drive.sources if drive else ():
-        if name not in everyone:
-            raise InputError("sources", f"must name transducers of the stator, {', '.join(everyone)}", name)
-        if name not in names:
-            raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
+    apertures = {each.name: each.aperture for each in transducers}
+    _refuse_sources(drive, names, apertures)
     voltages = _voltages(admittances, names, transducers, drive, frequency, received)
     if drive is None or received is not None:
         return Circuit(
@@ -192,9 +189,9 @@ def solve_circuit(
             voltages=voltages,
             currents=admittances @ voltages + (0.0 if received is None else received),
             sources=(),
-            aperture=min((each.aperture for each in transducers), default=1.0),
+            aperture=min(apertures.values(), default=1.0),
             drive=drive,
-            network=SourcePowers(available=0.0, given=0.0, in_sources=0.0, in_ladders=0.0),
+            network=SourcePowers(available=0.0, delivered=0.0, in_sources=0.0, in_ladders=0.0),
         )
     currents = admittances @ voltages
     by_amplitude = sorted(drive.sources, key=lambda name: drive.sources[name] == 0)
@@ -206,10 +203,19 @@ def solve_circuit(
         voltages=voltages,
         currents=currents,
         sources=tuple(driven),
-        aperture=everyone[by_amplitude[0]].aperture,
+        aperture=apertures[by_amplitude[0]],
         drive=drive,
         network=_source_powers(drive, amplitudes, *into_ladders[1:]),
     )
+
+
+def _refuse_sources(drive: Drive | None, names: tuple[str, ...], known: Collection[str]) -> None:
+    """Raise an InputError for a source at a transducer that is not ``known``, or is no port."""
+    for name in drive.sources if drive else ():
+        if name not in known:
+            raise InputError("sources", f"must name transducers of the stator, {', '.join(known)}", name)
+        if name not in names:
+            raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
 
 
 def _voltages(admittances, names, transducers, drive: Drive | None, frequency: float, received=None) -> np.ndarray:
@@ -217,15 +223,12 @@ def _voltages(admittances, names, transducers, drive: Drive | None, frequency: f
     terminations = {each.name: each.termination for each in transducers}
     across, along = np.ones(len(names), dtype=complex), np.zeros(len(names), dtype=complex)
     source = np.zeros(len(names), dtype=complex)
-    for row, name in enumerate(names):
-        termination = terminations[name]
+    for port, name in enumerate(names):
         if drive is not None and name in drive.sources:
-            across[row], along[row] = _source_rows(drive, 2 * np.pi * frequency)
-            source[row] = drive.sources[name]
-        elif termination == "open":
-            across[row], along[row] = 0.0, 1 / abs(admittances[row, row])
-        elif termination != "short":
-            along[row] = termination
+            across[port], along[port] = _source_condition(drive, 2 * np.pi * frequency)
+            source[port] = drive.sources[name]
+        else:
+            across[port], along[port] = terminated(terminations[name], admittances[port, port])
     load = source if received is None else -along * received
     return np.linalg.solve(np.diag(across) + along[:, None] * admittances, load)
 
@@ -249,7 +252,7 @@ def matched_load(
     receiver : str
         A transducer of two electrodes without a source.
     source_matched : bool
-        If true, a lossless network matches the single source to its transducer with this load in place.  Both ends are
+        If true, a lossless network matches the single source to its transducer with this load.  Both ends are
         then matched simultaneously, which gives the load the largest share of the power that the transducers take.
 
     Raises
@@ -260,10 +263,10 @@ def matched_load(
     drive = as_drive(drive)
 
     def output_admittance(name: str, terminations: dict) -> complex:
-        row = tuple(replace(each, termination=terminations.get(each.name, each.termination)) for each in transducers)
-        return solve_circuit(admittances, names, row, name, frequency).admittance
+        others = tuple(replace(each, termination=terminations.get(each.name, each.termination)) for each in transducers)
+        return solve_circuit(admittances, names, others, name, frequency).admittance
 
-    across, along = _source_rows(drive, 2 * np.pi * frequency)
+    across, along = _source_condition(drive, 2 * np.pi * frequency)
     source = along / across
     for _ in range(MATCHING_ROUNDS):
         own = output_admittance(receiver, dict.fromkeys(drive.sources, source))
@@ -288,7 +291,7 @@ def rectifier_resistance(resistance: float) -> float:
     return 8 / np.pi**2 * resistance
 
 
-def _source_rows(drive: Drive, omega: float) -> tuple[complex, complex]:
+def _source_condition(drive: Drive, omega: float) -> tuple[complex, complex]:
     """Return V' + Z I' at the source's end for a unit voltage and for a unit current at the electrodes."""
     across, along = (
         ends[0] + drive.impedance * ends[1]
@@ -301,10 +304,10 @@ def _source_powers(drive: Drive, amplitudes, currents, in_ladders) -> SourcePowe
     """Return the powers of sources whose ladders take these voltages and currents at the source's end."""
     resistance = drive.impedance.real
     squares = float(np.sum(abs(amplitudes) ** 2))
-    given = 0.5 * np.sum((amplitudes * currents.conj()).real)
+    delivered = 0.5 * np.sum((amplitudes * currents.conj()).real)
     return SourcePowers(
         available=squares / (8 * resistance) if resistance > 0 else np.inf,
-        given=float(given),
+        delivered=float(delivered),
         in_sources=float(0.5 * resistance * np.sum(abs(currents) ** 2)),
         in_ladders=float(np.sum(in_ladders)),
     )

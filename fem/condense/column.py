@@ -25,13 +25,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.electrodes import equipotential
 from fem.condense.piece import Blocks, Port
-from fem.convergence_error import ConvergenceError
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.exceptions import ConvergenceError
 from fem.materials.medium import Medium
 
-# Ports of every column of a row of fingers: the potentials of its two electrodes.
+# Ports of every column of a transducer: the potentials of its two electrodes.
 ELECTRODES = (Port(kind="voltage", name="+"), Port(kind="voltage", name="-"))
 MAX_AMPLIFICATION = 1e9  # of the field inside a piece over that at its sides: seven digits are left
 
@@ -58,7 +59,7 @@ class Column:
 
     @property
     def unknowns(self) -> int:
-        """Unknowns that the column adds to a row."""
+        """Unknowns that the column adds to a transducer."""
         return self.section.order * self.section.size
 
     @cached_property
@@ -117,7 +118,7 @@ def condensed_column(
     if electrode is not None:
         # The corners remain as empty rows of the sides; their potential is that of the electrode.
         tied = electrode_dofs(section, faces)
-        whole = folded(whole, tied, at.ports.start + electrode)
+        whole = equipotential(whole, tied, at.ports.start + electrode)
         drop = drop[~np.isin(drop, tied)]
     matrix, back = schur(whole, np.arange(sides), drop)
     surface_from = np.zeros((len(whole) - sides, sides), dtype=back.dtype)
@@ -202,16 +203,6 @@ def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
     return np.concatenate([[corner, corner + section.size], between])
 
 
-def folded(matrix: np.ndarray, tied: np.ndarray, port: int) -> np.ndarray:
-    """Add rows and columns of tied unknowns to those of the port and set them to zero."""
-    matrix = matrix.copy()
-    matrix[port] += matrix[tied].sum(axis=0)
-    matrix[tied] = 0.0
-    matrix[:, port] += matrix[:, tied].sum(axis=1)
-    matrix[:, tied] = 0.0
-    return matrix
-
-
 def schur(matrix, keep, drop):
     """Schur complement onto ``keep``, symmetrised against rounding, and the matrix from ``keep`` to ``drop``."""
     coupling = matrix[np.ix_(drop, keep)]
@@ -248,7 +239,7 @@ class ColumnField:
         self.column = column
 
     def _elements(self, sides: np.ndarray):
-        """Values of every element from the bottom up, in its own order of nodes and fields; places last."""
+        """Values of every element from the bottom up, in its own order of nodes and fields; occurrences last."""
         section, column = self.column.section, self.column
         values = np.concatenate([sides, column.faces_from @ sides])
         if column.electrode is not None:
@@ -278,7 +269,7 @@ class ColumnField:
         return np.pi * column.frequency * total
 
     def values(self, sides: np.ndarray) -> np.ndarray:
-        """Fields at the nodes, shape (order + 1 along x, nodes along z, 4 fields, places); zero where absent."""
+        """Fields at the nodes, shape (order + 1 along x, nodes along z, 4 fields, occurrences); zero where absent."""
         section, order = self.column.section, self.column.section.order
         out = np.zeros((order + 1, len(section.dofs), 4, sides.shape[-1]), dtype=complex)
         for element, _, medium, values in self._elements(sides):
@@ -288,7 +279,7 @@ class ColumnField:
         return out
 
     def surface_motion(self, sides: np.ndarray) -> np.ndarray:
-        """u_x and u_z at the surface's nodes, shape (order + 1, 2, places)."""
+        """u_x and u_z at the surface's nodes, shape (order + 1, 2, occurrences)."""
         section, fields = self.column.section, [FIELD_COLUMN["ux"], FIELD_COLUMN["uz"]]
         corner = section.dofs[section.surface, fields]
         between = self.column.faces[section.surface // section.order][:, fields] - len(sides)

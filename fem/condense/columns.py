@@ -77,7 +77,7 @@ class FingerColumns:
         return SurfaceReactions(position, np.full(len(rows), self.column.electrode is not None), rows)
 
     def recover(self, sides: np.ndarray) -> "ColumnsField":
-        """Field inside for given lines and potentials, shape (2 n + ports, ...)."""
+        """Field inside for values on lines and potentials, shape (2 n + ports, ...)."""
         return ColumnsField(self, sides)
 
 
@@ -175,7 +175,7 @@ class EqualColumns(NamedTuple):
 
 
 class ColumnsField:
-    """Field of columns for given lines and electrode potentials; lengths in the section's unit."""
+    """Field of columns for values on lines and electrode potentials; lengths in the section's unit."""
 
     def __init__(self, piece: FingerColumns, sides: np.ndarray):
         groups: dict[tuple, tuple] = {}
@@ -193,7 +193,7 @@ class ColumnsField:
         """Power lost between the lines, scaled."""
         return sum(each.recovery.loss(each.sides) for each in self.equal_columns)
 
-    def in_row(self, of: Callable[[ColumnField, np.ndarray], np.ndarray]) -> tuple[np.ndarray, ...]:
+    def in_order(self, of: Callable[[ColumnField, np.ndarray], np.ndarray]) -> tuple[np.ndarray, ...]:
         """Left edges, widths and fields (columns, ...) of all columns from left to right.
 
         ``of``: function of a recovery and the sides of equal columns that returns their fields, (..., columns).
@@ -203,17 +203,17 @@ class ColumnsField:
             starts.append(left_edges)
             widths.append(np.full(len(left_edges), recovery.column.width))
             values.append(np.moveaxis(of(recovery, sides), -1, 0))
-        in_row = np.argsort(np.concatenate(starts))
-        return tuple(np.concatenate(each)[in_row] for each in (starts, widths, values))
+        order = np.argsort(np.concatenate(starts))
+        return tuple(np.concatenate(each)[order] for each in (starts, widths, values))
 
     @cached_property
     def surface_nodes(self) -> tuple[np.ndarray, np.ndarray]:
         """Edges of the columns, and u_x and u_z at their surface nodes, (columns, order + 1, 2)."""
-        start, width, values = self.in_row(ColumnField.surface_motion)
+        start, width, values = self.in_order(ColumnField.surface_motion)
         return np.append(start, start[-1] + width[-1]), values
 
     def motion(self, x: np.ndarray) -> np.ndarray:
-        """u_x and u_z of the surface at places x from the left edge, shape (2, places)."""
+        """u_x and u_z of the surface at positions x from the left edge, shape (2, positions)."""
         edges, values = self.surface_nodes
         columns = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(values) - 1)
         local = (x - edges[columns]) / (edges[columns + 1] - edges[columns])
@@ -236,7 +236,7 @@ def columns_from_left(
 def distinct_columns(
     piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> list[tuple[FingerColumns, np.ndarray, np.ndarray]]:
-    """Distinct columns of a piece: column, left edges of its occurrences (places,), sides (2 n + 2, ..., places).
+    """Distinct columns of a piece: column, left edges (occurrences,), sides (2 n + 2, ..., occurrences).
 
     ``sides``: shape (2 n + 2, ...); in the returned ones a finger is always on electrode 0.  ``start``: x of the left
     line, length units.  Parts of width ``finest`` or less are returned whole, without descending to their columns.

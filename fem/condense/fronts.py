@@ -86,7 +86,7 @@ class Dissection:
         return fronts
 
     def factor(self, matrices: list[np.ndarray]) -> "Factor":
-        """Eliminate, given the complex symmetric matrix of every element.
+        """Eliminate, from the complex symmetric matrix of every element.
 
         Raises a ConvergenceError if a part resonates between fixed neighbours.
         """

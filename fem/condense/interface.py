@@ -43,8 +43,8 @@ def line_projection(
     dict
         By field: numbers of the free functions, and P of shape (free functions, n).
     """
-    # ``functions``: numbers in the mesh of all functions on the interface.  ``position``: for each edge, the places of
-    # its functions in that list, shape (edges, order + 1).
+    # ``functions``: numbers in the mesh of all functions on the interface.  ``position``: for each edge, the positions
+    # of its functions in that list, shape (edges, order + 1).
     functions, position = np.unique(space.edge_numbers(edges), return_inverse=True)
     position = position.reshape(len(edges), -1)
     heights = (space.mesh.points[:, 1] - space.mesh.points[np.unique(edges), 1].max()) / space.unit

@@ -16,10 +16,10 @@ and what remains of the two matrices is
     | A_pl   B_pr   A_pp + B_pp |
 
 Where a finger lies on the shared line, u_m has no potential of its own at the surface: its row and column are added to
-those of the finger's electrode before (1) (`fem.condense.column.folded`).
+those of the finger's electrode before (1) (`fem.condense.electrodes.equipotential`).
 
 N equal pieces take about log2(N) joins instead of N (cyclic reduction, Buzbee, Golub and Nielson 1970).  The unknowns
-between are found again from the sides by (2), level by level (`fem.condense.columns.distinct_columns`).
+between are recovered from the sides by (2), level by level (`fem.condense.columns.distinct_columns`).
 
 Example: two springs of stiffness s, A = B = [[s, -s], [-s, s]], joined: T = [1/2, 1/2], and (3) is the spring s/2,
 s/2 [[1, -1], [-1, 1]].
@@ -30,8 +30,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condense.column import Column, eliminated, folded
+from fem.condense.column import Column, eliminated
 from fem.condense.columns import FingerColumns, LiftedHalf, Pair, Restated
+from fem.condense.electrodes import equipotential
 
 
 def joined(
@@ -53,8 +54,8 @@ def joined(
     at, first, second = left.at, left.matrix, right.matrix
     if electrode is not None:
         port = at.ports.start + electrode
-        first = folded(first, np.array([at.right.start + phi]), port)
-        second = folded(second, np.array([at.left.start + phi]), port)
+        first = equipotential(first, np.array([at.right.start + phi]), port)
+        second = equipotential(second, np.array([at.left.start + phi]), port)
     middle = first[at.right, at.right] + second[at.left, at.left]
     shared = first[at.right, at.ports] + second[at.left, at.ports]
     coupling = np.hstack([first[at.right, at.left], second[at.left, at.right], shared])
@@ -176,25 +177,3 @@ def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColu
         raise TypeError("a piece with other potentials than it was joined with has no mirror image here")
     matrix = signs[:, None] * piece.matrix[np.ix_(order, order)] * signs
     return replace(piece, matrix=matrix, inside=inside)
-
-
-def open_circuited(piece: FingerColumns) -> FingerColumns:
-    """Return the piece with its finger disconnected from electrode 0: open-circuited, without net charge.
-
-    The finger's charge is minus the reaction A_f u of its row f.  It vanishes if the potential of the finger is
-
-        v_f = -(sum over j != f of A_fj u_j) / A_ff,
-
-    which is eliminated.  The row and column of electrode 0 remain, with zeros.
-    """
-    finger = piece.at.ports.start
-    row = -piece.matrix[finger] / piece.matrix[finger, finger]
-    row[finger] = 0.0
-    matrix = piece.matrix + np.outer(piece.matrix[finger], row)
-    matrix[finger], matrix[:, finger] = 0.0, 0.0
-
-    def own(sides: np.ndarray) -> np.ndarray:
-        potential = np.tensordot(row[None], sides, axes=1)
-        return np.concatenate([sides[:finger], potential, sides[finger + 1 :]])
-
-    return replace(piece, matrix=0.5 * (matrix + matrix.T), inside=Restated(piece=piece, sides=own))

@@ -1,112 +1,27 @@
-"""Meshed piece of the stator: assembly, condensation to its interfaces and electrodes, recovery of the field inside.
+"""Meshed piece of the stator: condensation to its interfaces and electrodes, and the field inside.
 
 The unknowns inside every element are eliminated first, in batches (static condensation), and then those on edges and
 vertices, front by front (`fem.condense.fronts`).  On an interface the unknowns of the mesh are P times those of the
-section's line (`fem.condense.interface`), so that the condensed matrix is P^T A P, which is complex symmetric.  An
-electrode is equipotential: all its vertices share one unknown.  It is a port if the electrode is connected to a
-transducer and zero if the electrode is grounded.  If the electrode floats, the unknown is eliminated with zero net
-charge.
-
-On a half-space the mesh is continued down to the section's absorbing layer (`fem.mesh.deepened`), and the layer by its
-own elements below the mesh (`fem.condense.layer_columns`).
+section's line (`fem.condense.mesh_assembly`), so that the condensed matrix is P^T A P, which is complex symmetric.
 
 A piece with one interface is an end of the stator, and a piece without interfaces is the whole stator.  A piece whose
 far side meets the line of another section is a step, which the radiation impedance of that section terminates.
 """
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.layer_columns import LayerColumns
-from fem.condense.mesh_field import MeshField, TopEdges
-from fem.condense.mesh_unknowns import MeshUnknowns
 from fem.condense.piece import Port
-from fem.convergence_error import ConvergenceError
-from fem.discretize.grading import Resolution
-from fem.discretize.quads import QuadSpace, medium_block, medium_tables
-from fem.discretize.section import Section
-from fem.geometry import Stator
-from fem.materials import fields as coupled_fields
-from fem.materials.christoffel import slowest_wavelength
-from fem.materials.medium import Medium, medium, units
-from fem.mesh.deepened import deepened
-from fem.mesh.piece import MAX_UNKNOWNS, MeshPiece
-from fem.mesh.quads import conditions_of, quad_mesh
-
-# Elements of a mesh relative to those of the section, which are at most one wavelength long: half the size, one order
-# less, and one geometric layer more towards singular points.  The motion behind a groove then has the error 1.3e-3 at
-# level 1 and 1.6e-4 at level 2 (with the section's order and two more layers: 1.8e-3 and 2e-4), and that behind a plain
-# segment 6e-10 at level 3.
-ELEMENT_SHARE = 0.5
-ORDERS_LESS = 1
-MORE_LAYERS = 1
-# A mesh whose elements are all smaller than this share of the largest allowed takes one order less still: elements of
-# 0.35 wavelengths and order 5 have the phase error of those of 0.5 wavelengths and order 6 (Ainsworth, SIAM J. Numer.
-# Anal. 42 (2004) 553, equation 3.7).  The motion behind a groove then errs by 6.5e-5 instead of 5.4e-5 at level 2.
-# On a plain piece itself it would err by 2e-8 instead of 9e-10 at level 3: sections of an order above FINER_ORDER keep
-# theirs.
-FINER_SHARE, FINER_ORDER = 0.75, 7
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MeshedPiece:
-    """A piece of the stator condensed from a mesh at one frequency."""
-
-    assembly: "Assembly" = field(repr=False)
-    frequency: float  # Hz
-    sides: tuple[str, ...]  # interfaces in their order in the matrix
-    size: int  # unknowns of a line of the stator
-    matrix: np.ndarray = field(repr=False)
-    width: float  # length units
-    ports: tuple[Port, ...]
-    floating_potential: bool
-    grounded: bool  # whether a group or an electrode holds its potential
-    unknowns: int  # of the mesh
-    factor: Factor = field(repr=False)
-    insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim
-    layer: list[np.ndarray] = field(repr=False)  # of every element of `Assembly.layer`: its nodes from its unknowns
-    _last: dict = field(default_factory=dict, init=False, repr=False)
-
-    def recover(self, sides: np.ndarray) -> MeshField:
-        """Field inside for given lines and ports, shape (len(matrix),)."""
-        sides = np.asarray(sides, dtype=complex)
-        key = sides.tobytes()
-        if key not in self._last:
-            self._last.clear()
-            self._last[key] = MeshField(
-                assembly=self.assembly, skeleton=self.skeleton(sides[:, None])[:, 0], condense=lambda: self
-            )
-        return self._last[key]
-
-    def skeleton(self, sides: np.ndarray) -> np.ndarray:
-        """Unknowns on edges and vertices for lines and ports (len(matrix), m), and a last row of zeros."""
-        values = self.factor.unknowns(self.assembly.projection @ sides)
-        return np.concatenate([values, np.zeros((1, sides.shape[1]))])[self.assembly.numbers]
-
-    def elements(self, skeleton: np.ndarray):
-        """Yield elements of one medium in parts: medium, numbers, unknowns (m, functions, fields, columns)."""
-        for (own, elements, numbers), inside in zip(self.assembly.parts, self.insides, strict=True):
-            rim = skeleton[numbers]
-            both = [each.reshape(len(elements), len(own.fields), -1, skeleton.shape[1]) for each in (rim, inside @ rim)]
-            yield own, elements, np.concatenate(both, axis=2).swapaxes(1, 2)
-
-    def inertia(self, sides: np.ndarray) -> np.ndarray:
-        """X^T M X of the fields X for lines and ports (len(matrix), m), with A = K - omega^2 M; s^2/rad^2, (m, m)."""
-        total = np.zeros((sides.shape[1],) * 2, dtype=self.matrix.dtype)
-        skeleton = self.skeleton(sides)
-        for own, elements, values in self.elements(skeleton):
-            mass = self.assembly.space.scalar_matrices(elements)[:, 4]
-            for column in np.flatnonzero(own.inertia):
-                nodal = np.ascontiguousarray(values[:, :, column])
-                moved = (mass @ nodal.view(float)).view(nodal.dtype)  # real times complex: half the products
-                total += own.inertia[column] * (nodal.reshape(-1, len(total)).T @ moved.reshape(-1, len(total)))
-        total = self.assembly.space.unit**2 * total
-        if self.assembly.layer is not None:
-            total = total + self.assembly.layer.inertia(self.layer, skeleton, self.frequency)
-        return 0.5 * (total + total.T)
+from fem.discretize.quads import QuadSpace, TopEdges, medium_block, medium_tables
+from fem.discretize.section import FIELD_COLUMN
+from fem.exceptions import ConvergenceError
+from fem.materials.medium import Medium
+from fem.mesh.piece import MeshPiece
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -154,7 +69,7 @@ class Assembly:
         """The order in which its unknowns are eliminated."""
         mesh = self.space.mesh
         order = np.concatenate([elements for _, elements, _ in self.parts])
-        unknowns = [row for _, _, numbers in self.parts for row in self.numbers[numbers]]
+        unknowns = [of_element for _, _, numbers in self.parts for of_element in self.numbers[numbers]]
         centers = mesh.points[mesh.quads[order, :4]].mean(axis=1)
         if self.layer is not None:
             unknowns += [self.numbers[numbers] for numbers in self.layer.numbers]
@@ -181,7 +96,7 @@ class Assembly:
         fronts = sum(len(front.eliminated) * len(front.passed_on) for front in self.dissection.fronts)
         return (inside + fronts) * 16
 
-    def condensed(self, frequency: float) -> MeshedPiece:
+    def condensed(self, frequency: float) -> "MeshedPiece":
         """Condense the piece at a frequency in Hz."""
         rim, inner = slice(self.space.rim), slice(self.space.rim, None)
         outer, insides = [], []
@@ -223,61 +138,145 @@ class Assembly:
         )
 
 
-def assembled(
-    piece: MeshPiece,
-    stator: Stator,
-    section: Section,
-    sections: dict[str, Section],
-    *,
-    frequency: float,
-    resolution: Resolution,
-) -> Assembly:
-    """Assemble a meshed piece: its elements, boundary conditions and interfaces at one resolution.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeshedPiece:
+    """A piece of the stator condensed from a mesh at one frequency."""
 
-    ``section``: of the stator; ``sections``: the section at each side that has an interface; ``frequency`` in Hz limits
-    the size of the elements.
+    assembly: "Assembly" = field(repr=False)
+    frequency: float  # Hz
+    sides: tuple[str, ...]  # interfaces in their order in the matrix
+    size: int  # unknowns of a line of the stator
+    matrix: np.ndarray = field(repr=False)
+    width: float  # length units
+    ports: tuple[Port, ...]
+    floating_potential: bool
+    grounded: bool  # whether a group or an electrode holds its potential
+    unknowns: int  # of the mesh
+    factor: Factor = field(repr=False)
+    insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim
+    layer: list[np.ndarray] = field(repr=False)  # of every element of `Assembly.layer`: its nodes from its unknowns
+    _last: dict = field(default_factory=dict, init=False, repr=False)
 
-    Raises
-    ------
-    ConvergenceError
-        If the mesh has more unknowns than can be solved for.
+    def recover(self, sides: np.ndarray) -> "MeshField":
+        """Field inside for values on lines and ports, shape (len(matrix),)."""
+        sides = np.asarray(sides, dtype=complex)
+        key = sides.tobytes()
+        if key not in self._last:
+            self._last.clear()
+            self._last[key] = MeshField(
+                assembly=self.assembly, skeleton=self.skeleton(sides[:, None])[:, 0], condense=lambda: self
+            )
+        return self._last[key]
+
+    def skeleton(self, sides: np.ndarray) -> np.ndarray:
+        """Unknowns on edges and vertices for lines and ports (len(matrix), m), and a last row of zeros."""
+        values = self.factor.unknowns(self.assembly.projection @ sides)
+        return np.concatenate([values, np.zeros((1, sides.shape[1]))])[self.assembly.numbers]
+
+    def elements(self, skeleton: np.ndarray):
+        """Yield elements of one medium in parts: medium, numbers, unknowns (m, functions, fields, columns)."""
+        for (own, elements, numbers), inside in zip(self.assembly.parts, self.insides, strict=True):
+            rim = skeleton[numbers]
+            both = [each.reshape(len(elements), len(own.fields), -1, skeleton.shape[1]) for each in (rim, inside @ rim)]
+            yield own, elements, np.concatenate(both, axis=2).swapaxes(1, 2)
+
+    def inertia(self, sides: np.ndarray) -> np.ndarray:
+        """X^T M X of the fields X for lines and ports (len(matrix), m), with A = K - omega^2 M; s^2/rad^2, (m, m)."""
+        total = np.zeros((sides.shape[1],) * 2, dtype=self.matrix.dtype)
+        skeleton = self.skeleton(sides)
+        for own, elements, values in self.elements(skeleton):
+            mass = self.assembly.space.scalar_matrices(elements)[:, 4]
+            for column in np.flatnonzero(own.inertia):
+                nodal = np.ascontiguousarray(values[:, :, column])
+                moved = (mass @ nodal.view(float)).view(nodal.dtype)  # real times complex: half the products
+                total += own.inertia[column] * (nodal.reshape(-1, len(total)).T @ moved.reshape(-1, len(total)))
+        total = self.assembly.space.unit**2 * total
+        if self.assembly.layer is not None:
+            total = total + self.assembly.layer.inertia(self.layer, skeleton, self.frequency)
+        return 0.5 * (total + total.T)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeshField:
+    """Field of a meshed piece for values on lines and ports."""
+
+    assembly: "Assembly" = field(repr=False)
+    skeleton: np.ndarray = field(repr=False)  # scaled unknowns of edges and vertices, fields innermost
+    condense: Callable[[], MeshedPiece] = field(repr=False)  # for the insides of the elements; called on first use
+
+    @cached_property
+    def piece(self) -> MeshedPiece:
+        """The condensed piece."""
+        return self.condense()
+
+    def motion(self, x: np.ndarray) -> np.ndarray:
+        """u_x and u_z of the highest point of the mesh at positions x from the piece's left edge, length units."""
+        space, names = self.assembly.space, self.assembly.fields
+        left = self.assembly.piece.mesh.extent[0] / space.unit
+        numbers, weights = self.assembly.surface.at(np.asarray(x, dtype=float) + left)
+        nodal = self.skeleton.reshape(-1, len(names))
+        return np.stack([np.sum(nodal[numbers, names.index(name)] * weights, axis=1) for name in ("ux", "uz")])
+
+    def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Scaled u_x, u_y, u_z and phi at points (m, 2), measured from the left edge and the surface in length units.
+
+        Returns the values and their derivatives along x and z, (m, 4) each, zero outside the mesh; and the name of the
+        solid's group at each point, empty outside the mesh.
+        """
+        space = self.assembly.space
+        owner, references = space.locate(np.asarray(points) + self._origin)
+        order = np.argsort(owner, kind="stable")
+        first = np.searchsorted(owner[order], np.arange(space.elements + 1))
+        out = np.zeros((3, len(points), 4), dtype=complex)
+        for own, elements, values in self.piece.elements(self.skeleton[:, None]):
+            columns = np.array([FIELD_COLUMN[name] for name in own.fields])
+            for element, nodal in zip(elements, values[..., 0], strict=True):
+                here = order[first[element] : first[element + 1]]
+                if len(here):
+                    out[:, here[:, None], columns] = _local_fields(space, element, references[here], nodal)
+        return *out, np.where(owner >= 0, space.mesh.solids[owner], "")
+
+    @property
+    def _origin(self) -> np.ndarray:
+        """The left edge at the surface in the mesh's own axes, length units."""
+        return np.array([self.assembly.piece.mesh.extent[0] / self.assembly.space.unit, 0.0])
+
+    def on_elements(self, references: np.ndarray):
+        """Yield the field at reference positions (m, 2) of every element, in batches of elements of one solid.
+
+        Each batch has the name of the solid's group; the points, measured from the left edge and the surface in length
+        units, (elements, m, 2); and scaled u_x, u_y, u_z and phi with their derivatives along x and z,
+        (3, elements, m, 4).
+        """
+        space = self.assembly.space
+        for own, elements, values in self.piece.elements(self.skeleton[:, None]):
+            out = np.zeros((3, len(elements), len(references), 4), dtype=complex)
+            out[..., [FIELD_COLUMN[name] for name in own.fields]] = _local_fields(
+                space, elements, references, values[..., 0]
+            )
+            yield space.mesh.solids[elements[0]], space.positions(elements, references) - self._origin, out
+
+    def loss(self) -> float:
+        """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u, from the imaginary moduli element by element."""
+        total = 0.0
+        for own, elements, unknowns in self.piece.elements(self.skeleton[:, None]):
+            if not np.iscomplexobj(own.xx):
+                continue
+            values, tables = unknowns[..., 0], medium_tables(own, 0.0, part="loss")
+            scalars = self.assembly.space.scalar_matrices(elements)
+            forms = values.conj().swapaxes(1, 2)[:, None] @ (scalars @ values[:, None])
+            total += float(np.einsum("mpij,ijp->", forms, tables).real)
+        if self.assembly.layer is not None:
+            total += self.assembly.layer.loss(self.piece.layer, self.skeleton, self.piece.frequency)
+        return np.pi * self.piece.frequency * total
+
+
+def _local_fields(space: QuadSpace, elements, references: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+    """Fields and their derivatives along x and z at reference positions (m, 2) of elements: (3, ..., m, fields).
+
+    ``elements``: one index or an array of them; ``nodal``: their unknowns, (..., functions, fields).
     """
-    unit = section.length_unit
-    names = coupled_fields(stator.solid)
-    solids = {"stator": stator.solid} | dict(piece.solids)
-    share = ELEMENT_SHARE * resolution.element_size
-    largest = {name: share * slowest_wavelength(solids[name], frequency) for name in piece.mesh.solids}
-    if stator.absorbs_below:
-        depth = -float(section.breakpoints[section.bottom // section.order]) * unit
-        piece = replace(piece, mesh=deepened(piece.mesh, depth, max(2 * largest["stator"], piece.mesh.longest_edge)))
-    layers, conditions = resolution.edge_layers + MORE_LAYERS, conditions_of(piece, stator.bottom)
-    mesh = quad_mesh(piece.mesh, layers=layers, largest=largest, conditions=conditions)
-    small = all(mesh.size(name) <= FINER_SHARE * size for name, size in largest.items())
-    finer = small and resolution.order <= FINER_ORDER
-    space = QuadSpace(mesh, resolution.order - ORDERS_LESS - finer, unit)
-    if space.size * len(names) > MAX_UNKNOWNS:
-        raise ConvergenceError(
-            f'the piece "{piece.name}" has {space.size * len(names):.2g} unknowns at order {space.order}, at most '
-            f"{MAX_UNKNOWNS:.0g} are solved for: ask for a looser tolerance, or draw its mesh coarser"
-        )
-    media = {}
-    for name in piece.mesh.solids:
-        own = tuple(each for each in names if each != "phi" or solids[name].is_piezoelectric)
-        media[name] = medium(solids[name], own, scales=units(stator.solid))
-    layer = LayerColumns(section=section, space=space, names=names) if stator.absorbs_below else None
-    unknowns = MeshUnknowns(piece, stator, space, media, names, layer)
-    sides = tuple(side for side in ("left", "right") if side in sections)
-    numbers, projection = unknowns.numbered({side: sections[side] for side in sides})
-    return Assembly(
-        piece=piece,
-        space=space,
-        media=media,
-        fields=names,
-        sides=sides,
-        lines=tuple(sections[side].size for side in sides),
-        ports=unknowns.ports,
-        numbers=numbers,
-        projection=projection,
-        grounded=unknowns.grounded,
-        layer=layer,
-    )
+    value, by_first, by_second = space.local_values(references)
+    slopes = np.stack([by_first @ nodal, by_second @ nodal], axis=-2)  # (..., m, reference, fields)
+    along = np.moveaxis(space.slopes(elements, references).swapaxes(-1, -2) @ slopes, -2, 0)
+    return np.concatenate([(value @ nodal)[None], along])

@@ -1,11 +1,11 @@
-"""What a row of the stator is made of: pieces between two vertical lines, with ports.
+"""What the cascade of a stator is made of: pieces between two vertical lines, with ports.
 
 A piece relates the outward nodal flux on its lines and the reactions of its ports to the fields there,
 
     [g_left, g_right, q] = A [u_left, u_right, v],      A complex symmetric,
 
 at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.columns`), a mesh
-(`fem.condense.mesh`) - the row does not need to know.
+(`fem.condense.mesh`) - the cascade does not need to know.
 """
 
 from dataclasses import dataclass
@@ -16,19 +16,19 @@ import numpy as np
 
 @dataclass(frozen=True, kw_only=True)
 class Port:
-    """What a piece, or a row of pieces, can be driven by or answers at, besides its lines.
+    """What a piece, or a cascade of pieces, can be driven by or answers at, besides its lines.
 
     Attributes
     ----------
     kind : "voltage", "mean" or "force"
-        Of a piece: the potential of an electrode ("voltage"), whose reaction is minus its charge.  Of a row: the
+        Of a piece: the potential of an electrode ("voltage"), whose reaction is minus its charge.  Of a cascade: the
         voltage between a transducer's electrodes; the mean of their potentials, which no source sets and which leaves
         the transducer without net charge; or a line force on the surface (N/m), whose reaction is the displacement.
     name : str
-        Of a piece's electrode: a transducer's name with "+" or "-".  Of a row: the transducer or the force.
+        Of a piece's electrode: a transducer's name with "+" or "-".  Of a cascade: the transducer or the force.
     component : "x" or "z"
         Of a force: along the surface, or normal to it.
-    place : float
+    position : float
         Of a force, length units from the stator's left end.
     width, center : float
         Of a force that acts on a strip: its length along y and its middle, length units; infinite in a section.
@@ -37,7 +37,7 @@ class Port:
     kind: Literal["voltage", "mean", "force"]
     name: str = ""
     component: Literal["x", "z"] = "z"
-    place: float = 0.0
+    position: float = 0.0
     width: float = float("inf")
     center: float = 0.0
 
@@ -73,7 +73,7 @@ class RecoveredField(Protocol):
     """The field inside a piece."""
 
     def motion(self, x: np.ndarray) -> np.ndarray:
-        """u_x and u_z of the surface at places x from the piece's left edge, length units: shape (2, places)."""
+        """u_x and u_z of the surface at positions x from the piece's left edge, length units: shape (2, positions)."""
 
     def loss(self) -> float:
         """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u."""
@@ -107,4 +107,4 @@ class Piece(Protocol):
         """Unknowns before the condensation."""
 
     def recover(self, sides: np.ndarray) -> RecoveredField:
-        """Field inside for given lines and ports, shape (2 n + ports,)."""
+        """Field inside for values on lines and ports, shape (2 n + ports,)."""

@@ -72,7 +72,7 @@ class RationalPiece:
     @property
     def resonances(self) -> np.ndarray:
         """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
-        from scipy.linalg import eigvals  # see `fem.condense.mesh_unknowns`
+        from scipy.linalg import eigvals  # see `fem.block_matrix`
 
         kept = self.frame.shape[1]
         return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])
@@ -94,8 +94,8 @@ class RationalPiece:
     def at(self, frequency: float, recover: Callable[[np.ndarray], RecoveredField] | None = None) -> ReducedPiece:
         """Piece at a frequency in Hz.
 
-        ``recover`` returns the field inside for given reduced lines and ports; without it, the full piece is condensed
-        for that.
+        ``recover`` returns the field inside for values on reduced lines and ports; without it, the full piece is
+        condensed for that.
         """
         low, high = self.assembly.piece.extent
         return ReducedPiece(

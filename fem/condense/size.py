@@ -6,7 +6,8 @@ from typing import cast
 import numpy as np
 
 from fem.condense.column import ELECTRODES
-from fem.condense.mesh import Assembly, assembled
+from fem.condense.mesh import Assembly
+from fem.condense.mesh_assembly import assembled
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
@@ -26,7 +27,7 @@ class StatorSize:
     joins: int  # of distinct pairs of neighbours
     mirrored: int  # joins whose mirror image is kept too
     scatterers: int  # distinct transducers
-    meshes: tuple[Assembly, ...] = field(repr=False)  # at every place; those of equal pieces are the same object
+    meshes: tuple[Assembly, ...] = field(repr=False)  # at every position; those of equal pieces are the same object
 
     @property
     def line(self) -> int:
@@ -106,12 +107,12 @@ def stator_size(
     Meshed pieces are assembled, which takes a tenth of their condensation.  Those at a step of thickness are counted
     without the line of the section behind it.
     """
-    row = tuple(sorted(transducers, key=lambda each: each.center))
+    in_order = tuple(sorted(transducers, key=lambda each: each.center))
     unit = slowest_wavelength(stator.solid, frequency)
-    scale = min(each.finger_width / 2 for each in row)
+    scale = min(each.finger_width / 2 for each in in_order)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     count = _Count(section, frequency)
-    pieces = cast("list[_Counted]", transducer_superelements(count, stator, row, resolution))  # what `count` makes
+    pieces = cast("list[_Counted]", transducer_superelements(count, stator, in_order, resolution))  # what `count` makes
     meshes = {
         contents: assembled(
             piece,

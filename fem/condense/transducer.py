@@ -1,4 +1,4 @@
-"""`FingerColumns` of a transducer: from the columns of a finger's cell to a whole row of fingers.
+"""`FingerColumns` of a transducer: from the columns of a finger's cell to all of its fingers.
 
 A cell is half a gap, a finger and half a gap.  It is condensed in two halves, one the mirror image of the other where
 x -> -x is a symmetry.  Equal runs of cells are joined once.  The functions below call `Condensation` for every single
@@ -11,19 +11,23 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.column import Skeleton, column_skeleton
-from fem.condense.columns import FingerColumns, condensed
-from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
+from fem.condense.columns import FingerColumns, Restated, condensed
+from fem.condense.electrodes import open_circuit
+from fem.condense.join import exchanged, joined, mirrored, repeated, with_fingers, with_ports
 from fem.condense.moments import finger_dipole
 from fem.discretize.grading import Resolution, edge_layers, graded
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps
 
 
 @dataclass(eq=False)
 class Condensation:
-    """Elementary steps of the condensation on a section at a frequency in Hz; a new finger is on electrode 0."""
+    """Elementary steps of the condensation on a section at a frequency in Hz; a new finger is on electrode 0.
 
-    section: Section
+    A column is condensed on the lines of the full section; pieces on reduced lines are only joined.
+    """
+
+    section: LineSpace
     frequency: float
     skeletons: dict[float, Skeleton] = field(default_factory=dict, repr=False)  # by width, of fingers and of gaps
 
@@ -31,12 +35,13 @@ class Condensation:
         """Condense one column of elements."""
         key = round(width, 12)
         if key not in self.skeletons:
-            self.skeletons[key] = column_skeleton(self.section, self.frequency, width)
-        return condensed(self.section, self.frequency, width=width, electrode=electrode, skeleton=self.skeletons[key])
+            self.skeletons[key] = column_skeleton(self.section.full, self.frequency, width)
+        skeleton = self.skeletons[key]
+        return condensed(self.section.full, self.frequency, width=width, electrode=electrode, skeleton=skeleton)
 
     def joined(self, left: FingerColumns, right: FingerColumns, electrode: int | None = None) -> FingerColumns:
         """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
-        phi = None if electrode is None else self.section.surface_dofs["phi"]
+        phi = None if electrode is None else self.section.full.surface_dofs["phi"]
         return joined(left, right, phi=phi, electrode=electrode)
 
     def mirrored(self, superelement: FingerColumns) -> FingerColumns:
@@ -47,7 +52,11 @@ class Condensation:
         return mirrored(superelement, odd, bool(solid.parity[solid.fields.index("phi")]))
 
     exchanged = staticmethod(exchanged)
-    open_circuited = staticmethod(open_circuited)
+
+    def open_circuited(self, superelement: FingerColumns) -> FingerColumns:
+        """Disconnect the finger from electrode 0: it carries no net charge."""
+        matrix, sides = open_circuit(superelement.matrix, superelement.at.ports.start)
+        return replace(superelement, matrix=matrix, inside=Restated(piece=superelement, sides=sides))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +87,7 @@ def half_cells(make: Condensation, shape: FingerShape, resolution: Resolution) -
             done[key] = make.column(width, electrode)
         return done[key]
 
-    def row(widths: np.ndarray, electrode: int | None) -> FingerColumns:
+    def adjacent(widths: np.ndarray, electrode: int | None) -> FingerColumns:
         whole = piece(widths[0], electrode)
         for width in widths[1:]:
             whole = make.joined(whole, piece(width, electrode), electrode)
@@ -89,10 +98,10 @@ def half_cells(make: Condensation, shape: FingerShape, resolution: Resolution) -
         graded(length, edge_layers(resolution, length, smallest), largest=resolution.element_size)
         for length in (shape.half_finger, *shape.half_gaps)
     )
-    rising = make.joined(row(left, None), row(metal[::-1], 0), 0)
+    rising = make.joined(adjacent(left, None), adjacent(metal[::-1], 0), 0)
     if make.section.odd is not None and shape.even:
         return rising, make.mirrored(rising)
-    return rising, make.joined(row(metal, 0), row(right[::-1], None), 0)
+    return rising, make.joined(adjacent(metal, 0), adjacent(right[::-1], None), 0)
 
 
 def finger_cell(make: Condensation, shape: FingerShape, resolution: Resolution) -> FingerColumns:
@@ -100,14 +109,14 @@ def finger_cell(make: Condensation, shape: FingerShape, resolution: Resolution) 
     return make.joined(*half_cells(make, shape, resolution), 0)
 
 
-def fingers_in_row(
+def joined_fingers(
     make: Condensation,
     signs: str,
     gaps: Callable[[int], tuple[float, float]],
     cell: Callable[[float, float], FingerColumns],
     bare: Callable[[float, float], FingerColumns],
 ) -> FingerColumns:
-    """Join the cells of a row of fingers, of signs "+", "-", "0" (omitted) or "o" (open); equal runs are joined once.
+    """Join the cells of fingers, of signs "+", "-", "0" (omitted) or "o" (open); equal runs are joined once.
 
     ``gaps`` returns the bare surface left and right of a finger by its number.  ``cell`` and ``bare`` return, for both
     gaps, the superelement of a finger on electrode 0, or of bare surface of the same width.
@@ -125,14 +134,14 @@ def fingers_in_row(
             singles[sign, left, right] = kinds[sign](left, right)
         return singles[sign, left, right]
 
-    fingers = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
+    fingers = [(sign, *gaps(number)) for number, sign in enumerate(signs)]
     return _joined_run(make, single, {}, fingers)
 
 
 def _joined_run(make: Condensation, single: Callable, runs: dict, fingers: list) -> FingerColumns:
     """Join fingers, each its sign and gaps; ``runs``: what is joined already.
 
-    A function within `fingers_in_row` that called itself would keep all superelements until the next search for cyclic
+    A function within `joined_fingers` that called itself would keep all superelements until the next search for cyclic
     garbage.
     """
     key = tuple(fingers)
@@ -147,21 +156,21 @@ def _joined_run(make: Condensation, single: Callable, runs: dict, fingers: list)
 
 
 def _left_half(count: int) -> int:
-    """Fingers in the left part of the superelement of a row."""
+    """Fingers in the left part of the superelement of a transducer."""
     return 2 ** ((count - 1).bit_length() - 1)
 
 
-def finger_ports(row: FingerColumns, signs: str) -> tuple[FingerColumns, np.ndarray]:
-    """FingerColumns of a row of fingers with one potential for each finger "+" or "-", from left to right.
+def finger_ports(transducer: FingerColumns, signs: str) -> tuple[FingerColumns, np.ndarray]:
+    """FingerColumns of a transducer with one potential for each finger "+" or "-", from left to right.
 
     Also the first moments of these fingers' reactions about their middles as functions of its sides, length units,
     shape (fingers, 2 n + fingers).
     """
-    return _ports_of_run(row, signs, {})
+    return _ports_of_run(transducer, signs, {})
 
 
 def _ports_of_run(piece: FingerColumns, signs: str, done: dict) -> tuple[FingerColumns, np.ndarray]:
-    """`finger_ports` of a part of the row; ``done``: results by piece and number of fingers."""
+    """`finger_ports` of a part of the fingers; ``done``: results by piece and number of fingers."""
     key = id(piece), len(signs)
     if key not in done:
         if len(signs) == 1:
@@ -212,10 +221,10 @@ def _transducer_superelement(make: Condensation, transducer: Transducer, gaps, r
 
     outer = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in gaps]
     last = len(transducer.signs) - 1
-    return fingers_in_row(
+    return joined_fingers(
         make,
         transducer.signs,
-        lambda place: (outer[0] if place == 0 else half_gap, outer[1] if place == last else half_gap),
+        lambda number: (outer[0] if number == 0 else half_gap, outer[1] if number == last else half_gap),
         cell,
         bare,
     )

@@ -9,12 +9,11 @@ quads.py.
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber
 from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials import fields as coupled_fields
 from fem.materials.medium import medium, units, vacuum_medium
 

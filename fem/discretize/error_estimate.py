@@ -11,11 +11,10 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 
 # From coarse to fine: measured on Feenstra and Breedveld's stator (admittance and surface motion move together).
 LEVELS = (
@@ -122,10 +121,10 @@ def refine(
     >>> def integral(points):
     ...     x = np.linspace(0, 1, points)
     ...     return np.trapezoid(np.exp(x), x)
-    >>> found = refine(
+    >>> refined = refine(
     ...     integral, (3, 5, 9, 17, 33), differences=lambda a, b: (abs(a - b),), gain=4.0, tolerance=1e-3
     ... )
-    >>> found.level, bool(found.errors[0] < 1e-3), bool(abs(found.answer - np.e + 1) < 1.01 * found.errors[0])
+    >>> refined.level, bool(refined.errors[0] < 1e-3), bool(abs(refined.answer - np.e + 1) < 1.01 * refined.errors[0])
     (3, True, True)
     """
     if not tolerance > 0:

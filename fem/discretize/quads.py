@@ -17,6 +17,7 @@ CHUNK_BYTES = 2e8  # largest memory of the basis functions in a batch of element
 KEPT_BYTES = 3e8
 LOCATED = 1e-8  # a point lies in an element if it is nearer to it than this fraction of the element's size
 NEWTON_STEPS = 8
+ROUNDED = 1e-3  # of a piece's width, which is 1e-3 of the stator or more: fem.layout allows 1e-6 of the stator
 
 
 class QuadSpace:
@@ -87,7 +88,7 @@ class QuadSpace:
     def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Element that contains each point (m, 2), or -1, and the position of the point in its reference square."""
         nodes = self._nodes(slice(None))
-        owner, places = np.full(len(points), -1), np.zeros((len(points), 2))
+        owner, references = np.full(len(points), -1), np.zeros((len(points), 2))
         low, high = nodes.min(axis=1), nodes.max(axis=1)
         room = LOCATED * (high - low).max(axis=1)
         order = np.argsort(points[:, 0], kind="stable")
@@ -101,22 +102,22 @@ class QuadSpace:
                 continue
             reference, error = _inverse(self._kind, nodes[element], points[here])
             inside = (np.abs(reference - 0.5) <= 0.5 + LOCATED).all(axis=1) & (error <= room[element])
-            owner[here[inside]], places[here[inside]] = element, np.clip(reference[inside], 0.0, 1.0)
-        return owner, places
+            owner[here[inside]], references[here[inside]] = element, np.clip(reference[inside], 0.0, 1.0)
+        return owner, references
 
-    def local_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def local_values(self, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values and both derivatives of an element's functions at reference positions (m, 2), (m, functions) each."""
-        across, along = (self._line_values(places[:, axis]) for axis in (0, 1))
+        across, along = (self._line_values(reference[:, axis]) for axis in (0, 1))
         pairs = np.array(self._pairs)
         (a, da), (b, db) = ((each[0], each[1]) for each in (across, along))
         i, j = pairs.T
         return a[:, i] * b[:, j], da[:, i] * b[:, j], a[:, i] * db[:, j]
 
-    def _line_values(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _line_values(self, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         from skfem.element.element_line.element_line_pp import ElementLinePp
 
         element = ElementLinePp(self.order)
-        both = [element.lbasis(places[None], index) for index in range(self.order + 1)]
+        both = [element.lbasis(reference[None], index) for index in range(self.order + 1)]
         return np.stack([each for each, _ in both], axis=1), np.stack([each[0] for _, each in both], axis=1)
 
     @cached_property
@@ -127,13 +128,13 @@ class QuadSpace:
         inside = [(i, j) for i in more for j in more]
         return [(0, 0), (1, 0), (1, 1), (0, 1), *(pair for edge in edges for pair in edge), *inside]
 
-    def slopes(self, elements, places: np.ndarray) -> np.ndarray:
-        """Derivatives of the reference coordinates of elements by x and z at places (m, 2): (..., m, reference, 2)."""
-        return np.linalg.inv(_jacobian(self._kind, self._nodes(elements), places))
+    def slopes(self, elements, reference: np.ndarray) -> np.ndarray:
+        """Derivatives of the reference coordinates by x and z at reference positions (m, 2): (..., m, reference, 2)."""
+        return np.linalg.inv(_jacobian(self._kind, self._nodes(elements), reference))
 
-    def positions(self, elements, places: np.ndarray) -> np.ndarray:
-        """Points of elements at reference places (m, 2): (..., m, 2)."""
-        return shape_functions(self._kind, places) @ self._nodes(elements)
+    def positions(self, elements, reference: np.ndarray) -> np.ndarray:
+        """Points of elements at reference positions (m, 2): (..., m, 2)."""
+        return shape_functions(self._kind, reference) @ self._nodes(elements)
 
     @property
     def _kind(self) -> str:
@@ -143,25 +144,25 @@ class QuadSpace:
         """Nodes of elements, length units, (..., 4 or 9, 2)."""
         return self.mesh.points[self.mesh.quads[elements]] / self.unit
 
-    def chunks(self, chosen: np.ndarray):
+    def chunks(self, elements: np.ndarray):
         """Yield elements in parts whose basis functions fit into memory."""
         per_element = self.functions * (self.order + 2) ** 2 * 3 * 8
         count = max(1, int(CHUNK_BYTES / per_element))
-        for start in range(0, len(chosen), count):
-            yield chosen[start : start + count]
+        for start in range(0, len(elements), count):
+            yield elements[start : start + count]
 
-    def _basis(self, chosen: np.ndarray):
+    def _basis(self, elements: np.ndarray):
         from skfem import Basis, ElementQuadP
 
         # A new ElementQuadP for each call, because it caches values of its last evaluation, which threads would share.
-        return Basis(self._mesh, ElementQuadP(self.order), elements=chosen, intorder=2 * self.order + 2)
+        return Basis(self._mesh, ElementQuadP(self.order), elements=elements, intorder=2 * self.order + 2)
 
-    def scalar_matrices(self, chosen: np.ndarray) -> np.ndarray:
+    def scalar_matrices(self, elements: np.ndarray) -> np.ndarray:
         """Integrals of v_x u_x, v_x u_z, v_z u_x, v_z u_z and v u of some elements, (m, 5, functions, functions)."""
-        key = chosen.tobytes()
+        key = elements.tobytes()
         if key in self._scalars:
             return self._scalars[key]
-        basis = self._basis(chosen)
+        basis = self._basis(elements)
         weights = basis.dx[:, None, :]
         value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
         across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))
@@ -182,25 +183,25 @@ class QuadSpace:
         return scalars
 
 
-def _jacobian(kind: str, nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _jacobian(kind: str, nodes: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Derivatives of x and z by the reference coordinates, (m, 2, reference); exact for polynomials of degree 2."""
     step = 0.5
     columns = []
     for axis in (0, 1):
         shift = step * np.eye(2)[axis]
-        ahead, behind = (shape_functions(kind, places + sign * shift) @ nodes for sign in (1, -1))
+        ahead, behind = (shape_functions(kind, reference + sign * shift) @ nodes for sign in (1, -1))
         columns.append((ahead - behind) / (2 * step))
     return np.stack(columns, axis=-1)
 
 
 def _inverse(kind: str, nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Reference positions of points by Newton's method, and the distances that remain."""
-    places = np.full(points.shape, 0.5)
+    reference = np.full(points.shape, 0.5)
     for _ in range(NEWTON_STEPS):
-        gap = shape_functions(kind, places) @ nodes - points
-        places = places - np.linalg.solve(_jacobian(kind, nodes, places), gap[..., None])[..., 0]
-        places = np.clip(places, -1.0, 2.0)
-    return places, np.abs(shape_functions(kind, places) @ nodes - points).max(axis=1)
+        gap = shape_functions(kind, reference) @ nodes - points
+        reference = reference - np.linalg.solve(_jacobian(kind, nodes, reference), gap[..., None])[..., 0]
+        reference = np.clip(reference, -1.0, 2.0)
+    return reference, np.abs(shape_functions(kind, reference) @ nodes - points).max(axis=1)
 
 
 def medium_tables(medium: Medium, angular: float, *, part: str = "all") -> np.ndarray:
@@ -228,3 +229,49 @@ def medium_block(scalars: np.ndarray, tables: np.ndarray, rows: slice, columns: 
         blocks = (factors @ own).reshape(m, fields, fields, first, second)
         target[...] = blocks.swapaxes(2, 3)
     return out.reshape(m, fields * first, fields * second)
+
+
+class TopEdges:
+    """Upper boundary of a mesh: the highest boundary edge at each x, and the basis functions there."""
+
+    def __init__(self, space: QuadSpace):
+        self.space = space
+        edges, points = space.mesh.boundary, space.mesh.points / space.unit
+        self.numbers = space.edge_numbers(edges)
+        start, stop = points[edges[:, 0]], points[edges[:, 1]]
+        middle = 0.5 * (start + stop)
+        if space.mesh.quads.shape[1] > 4:
+            middles = {}
+            for quad in space.mesh.quads.tolist():
+                for side, (one, other) in enumerate(((0, 1), (1, 2), (2, 3), (0, 3))):
+                    middles[min(quad[one], quad[other]), max(quad[one], quad[other])] = quad[4 + side]
+            middle = points[[middles[min(a, b), max(a, b)] for a, b in edges.tolist()]]
+        # position = start + t * linear + t^2 * quadratic
+        self.start, self.quadratic = start, 2 * (start - 2 * middle + stop)
+        self.linear = stop - start - self.quadratic
+        low, high = np.minimum(start[:, 0], stop[:, 0]), np.maximum(start[:, 0], stop[:, 0])
+        flat = high - low > 1e-9 * np.linalg.norm(stop - start, axis=1)
+        self.low, self.high = np.where(flat, low, np.inf), np.where(flat, high, -np.inf)
+
+    def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (points, order + 1) and values of the functions at the highest boundary point above each x.
+
+        A mesh may end beside the stator's end by a rounding of its file: a point there is moved to the mesh.
+        """
+        numbers, along = np.empty((len(x), self.numbers.shape[1]), dtype=int), np.empty(len(x))
+        lowest, highest = self.low.min(), self.high.max()
+        room = 1e-9 * (highest - lowest)
+        if np.any(abs(x - np.clip(x, lowest, highest)) > ROUNDED * (highest - lowest)):
+            raise ValueError("x must lie on the piece")
+        x = np.clip(x, lowest, highest)
+        for index, position in enumerate(x):
+            here = np.flatnonzero((self.low <= position + room) & (self.high >= position - room))
+            if not len(here):
+                raise ValueError("x must lie on the piece: it has no surface there")
+            a, b, c = self.quadratic[here, 0], self.linear[here, 0], self.start[here, 0] - position
+            root = np.sqrt(np.maximum(b**2 - 4 * a * c, 0.0))
+            t = np.clip(-2 * c / (b + np.where(b < 0, -root, root)), 0.0, 1.0)
+            heights = self.start[here, 1] + t * self.linear[here, 1] + t**2 * self.quadratic[here, 1]
+            best = int(np.argmax(heights))
+            numbers[index], along[index] = self.numbers[here[best]], t[best]
+        return numbers, self.space.edge_values(along)

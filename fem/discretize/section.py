@@ -229,9 +229,9 @@ class Section:
         sums = [np.zeros((self.size, self.size), dtype=dtype) for _ in range(3)]
         for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
             dofs, exists = self.element_dofs(element)
-            keep, chosen = dofs[exists], np.flatnonzero(exists.ravel())
+            keep, existing = dofs[exists], np.flatnonzero(exists.ravel())
             for total, own in zip(sums, of_element(height, part), strict=True):
-                total[np.ix_(keep, keep)] += own[np.ix_(chosen, chosen)]
+                total[np.ix_(keep, keep)] += own[np.ix_(existing, existing)]
         second, first, zeroth = sums
         return second, first, zeroth
 

@@ -45,7 +45,7 @@ def chebyshev_nodes(low: float, high: float, count: int) -> np.ndarray:
 
 
 def lagrange_weights(nodes: np.ndarray, at: float) -> np.ndarray:
-    """Weights of the values at distinct nodes in the polynomial's value at a place."""
+    """Weights of the values at distinct nodes in the polynomial's value at a position."""
     return np.array(
         [np.prod((at - np.delete(nodes, k)) / (node - np.delete(nodes, k))) for k, node in enumerate(nodes)]
     )
@@ -62,7 +62,7 @@ class LineMatrices:
 
 @lru_cache(maxsize=32)
 def reference_matrices(order: int) -> LineMatrices:
-    """Exact matrices of one reference element of the given order."""
+    """Exact matrices of one reference element of an order."""
     points, weights = legendre.leggauss(order + 1)
     values, slopes = lagrange(order, (points + 1.0) / 2.0)
     weights = weights / 2.0

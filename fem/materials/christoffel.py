@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.materials.medium import Medium, medium
 from fem.materials.rotation import fields
 from fem.materials.solids import Solid

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.materials.solids import Solid
 
 # [phi, theta, psi] in degrees.  In X and YZ crystal axis 3 lies along x; the normal is crystal axis -1 in X, +2 in YZ.

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
 _ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
@@ -112,7 +112,7 @@ def anisotropic(
     dielectric_loss: float = 0.0,
     source: str = "user's table",
 ) -> Solid:
-    """Return the solid of a user's tables, given in the crystal frame.
+    """Return the solid of a user's tables, in the crystal frame.
 
     Parameters
     ----------
@@ -193,11 +193,11 @@ def _table(key: str, value: ArrayLike, unit: str) -> np.ndarray:
         table = None
     if table is None or table.shape != shape:
         form = f"a table of {shape[0]} rows of {shape[1]} numbers ({unit})"
-        given = repr(value)[:60] if table is None else f"one of shape {table.shape}"
-        raise InputError(key, f"must be {form}, got {given}")
+        received = repr(value)[:60] if table is None else f"one of shape {table.shape}"
+        raise InputError(key, f"must be {form}, got {received}")
     if not np.all(np.isfinite(table)):
-        place = tuple(int(i) + 1 for i in np.argwhere(~np.isfinite(table))[0])
-        raise InputError(key, f"must be finite; entry {place} is {table[place[0] - 1, place[1] - 1]} {unit}")
+        entry = tuple(int(i) + 1 for i in np.argwhere(~np.isfinite(table))[0])
+        raise InputError(key, f"must be finite; entry {entry} is {table[entry[0] - 1, entry[1] - 1]} {unit}")
     return table
 
 
@@ -206,8 +206,8 @@ def _positive_definite(key: str, table: np.ndarray, unit: str) -> np.ndarray:
     skew = np.abs(table - table.T)
     i, j = (int(k) for k in np.unravel_index(np.argmax(skew), skew.shape))
     if skew[i, j] > _ASYMMETRY * np.abs(table).max():
-        places = f"entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1})"
-        raise InputError(key, f"must be symmetric; {places} are {table[i, j]:g} and {table[j, i]:g} {unit}")
+        entries = f"entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1})"
+        raise InputError(key, f"must be symmetric; {entries} are {table[i, j]:g} and {table[j, i]:g} {unit}")
     table = (table + table.T) / 2
     smallest = float(np.linalg.eigvalsh(table)[0])
     if not smallest > 0:

@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, isotropic
 
 _TRIGONAL = """c11  c12 c13  c14  0   0

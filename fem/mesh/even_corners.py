@@ -33,10 +33,10 @@ def _long_edges(points, edges: list[tuple[int, int]], singular: set[int]) -> lis
 
     if not singular:
         return []
-    places, ends = np.asarray(points), np.array(edges)
-    lengths = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1)
+    positions, ends = np.asarray(points), np.array(edges)
+    lengths = np.linalg.norm(positions[ends[:, 0]] - positions[ends[:, 1]], axis=1)
     corners = np.array(sorted(singular))
-    allowed, _ = cKDTree(places[corners]).query(places)
+    allowed, _ = cKDTree(positions[corners]).query(positions)
     allowed[corners] = np.inf
     for column in (0, 1):
         at_corner = np.isin(ends[:, column], corners)
@@ -77,8 +77,8 @@ class _Triangles:
         diagonal = self._node(center)
         return [(*nodes, sides[k], sides[m], diagonal) for nodes, (k, m) in halves]
 
-    def _node(self, place) -> int:
-        self.points.append(np.asarray(place))
+    def _node(self, position) -> int:
+        self.points.append(np.asarray(position))
         return len(self.points) - 1
 
     def _add(self, nodes: tuple[int, ...], solid: str) -> None:

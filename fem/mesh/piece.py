@@ -1,4 +1,4 @@
-"""A meshed piece in its place on the stator: a mesh, its materials and what its electrodes are connected to."""
+"""A meshed piece at its position on the stator: a mesh, its materials and what its electrodes are connected to."""
 
 from dataclasses import dataclass, field
 
@@ -14,7 +14,7 @@ SAME = 1e-6  # of the thickness: lengths nearer than this are equal
 
 @dataclass(frozen=True, kw_only=True)
 class MeshPiece:
-    """A piece of the stator given as a mesh.
+    """A piece of the stator in the form of a mesh.
 
     Attributes
     ----------

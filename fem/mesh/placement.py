@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.mesh.piece import MeshPiece
 
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """Meshed pieces by their part in the row."""
+    """Meshed pieces by their part in the cascade."""
 
     between: tuple[MeshPiece, ...]  # from left to right, with an interface on both sides
     ends: tuple[MeshPiece | None, MeshPiece | None]  # the left and the right end, where they are meshes
@@ -25,7 +25,7 @@ def is_step(piece: MeshPiece, thickness: float) -> bool:
 
 
 def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float) -> Placement:
-    """Sort pieces by their part in the row: between uniform segments, an end of the stator, or all of it."""
+    """Sort pieces by their part in the cascade: between uniform segments, an end of the stator, or all of it."""
     whole = None
     between: list[MeshPiece] = []
     ends: list[MeshPiece | None] = [None, None]

@@ -61,7 +61,7 @@ class _Quad(NamedTuple):
 
     owner: tuple[int, int]  # element of the file: block of cells, number in it
     vertices: tuple[int, int, int, int]
-    places: np.ndarray  # of the vertices in the element's reference triangle or square, (4, 2)
+    reference: np.ndarray  # of the vertices in the element's reference triangle or square, (4, 2)
 
 
 Edges = list[tuple[int, int]]
@@ -78,13 +78,13 @@ class _Splitting:
     def __init__(self, mesh: SectionMesh):
         self.mesh = mesh
         self.number: dict[tuple, int] = {}
-        self.made: list[tuple[tuple[int, int], np.ndarray]] = []  # an element that holds it, its reference place
+        self.made: list[tuple[tuple[int, int], np.ndarray]] = []  # an element that holds it, its reference position
 
-    def vertex(self, key: tuple, owner: tuple[int, int], place: np.ndarray) -> int:
+    def vertex(self, key: tuple, owner: tuple[int, int], reference: np.ndarray) -> int:
         """Number of the vertex with a key; a new one if it is the first."""
         if key not in self.number:
             self.number[key] = len(self.mesh.points) + len(self.made)
-            self.made.append((owner, place))
+            self.made.append((owner, reference))
         return self.number[key]
 
     def middle(self, one: int, other: int) -> int:
@@ -95,33 +95,33 @@ class _Splitting:
         """Every element in three or four: (corner, middle of an edge, centre, middle of the other edge)."""
         for block, cells in enumerate(self.mesh.cells):
             count, corners = CORNERS[cells.kind], reference_corners(cells.kind)
-            centre_place = corners.mean(axis=0)
+            centre_reference = corners.mean(axis=0)
             for element, nodes in enumerate(cells.nodes[:, :count].tolist()):
                 owner = block, element
-                centre = self.vertex(("centre", *owner), owner, centre_place)
+                centre = self.vertex(("centre", *owner), owner, centre_reference)
                 middles = []
                 for side in range(count):
                     one, other = nodes[side], nodes[(side + 1) % count]
-                    place = 0.5 * (corners[side] + corners[(side + 1) % count])
+                    reference = 0.5 * (corners[side] + corners[(side + 1) % count])
                     key = "middle", min(one, other), max(one, other)
-                    middles.append((self.vertex(key, owner, place), place))
+                    middles.append((self.vertex(key, owner, reference), reference))
                 for corner, node in enumerate(nodes):
                     (ahead, at_ahead), (behind, at_behind) = middles[corner], middles[corner - 1]
-                    places = np.array([corners[corner], at_ahead, centre_place, at_behind])
-                    yield _Quad(owner, (node, ahead, centre, behind), places)
+                    reference = np.array([corners[corner], at_ahead, centre_reference, at_behind])
+                    yield _Quad(owner, (node, ahead, centre, behind), reference)
 
     def halved(self, quads: list[_Quad]) -> list[_Quad]:
         """Every quadrilateral in four."""
         result = []
-        for owner, (v, a, c, b), places in quads:
+        for owner, (v, a, c, b), reference in quads:
             edges = ((v, a), (a, c), (b, c), (v, b))
-            pv, pa, pc, pb = places
+            pv, pa, pc, pb = reference
             p_va, p_ac, p_bc, p_vb = ends = 0.5 * np.array([pv + pa, pa + pc, pb + pc, pv + pb])
             va, ac, bc, vb = (
-                self.vertex(("middle", min(edge), max(edge)), owner, place)
-                for edge, place in zip(edges, ends, strict=True)
+                self.vertex(("middle", min(edge), max(edge)), owner, reference)
+                for edge, reference in zip(edges, ends, strict=True)
             )
-            p_o = places.mean(axis=0)
+            p_o = reference.mean(axis=0)
             o = self.vertex(("centre", v, a, c, b), owner, p_o)
             result += [
                 _Quad(owner, (v, va, o, vb), np.array([pv, p_va, p_o, p_vb])),
@@ -135,11 +135,11 @@ class _Splitting:
         """One layer at every quadrilateral that begins at a singular vertex."""
         result = []
         for quad in quads:
-            owner, (v, a, c, b), places = quad
+            owner, (v, a, c, b), reference = quad
             if v not in singular:
                 result.append(quad)
                 continue
-            pv, pa, pc, pb = places
+            pv, pa, pc, pb = reference
             near = [pv + LAYER_RATIO * (p - pv) for p in (pa, pc, pb)]
             A, C, B = (self.vertex(("layer", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True))
             result += [
@@ -161,13 +161,13 @@ class _Splitting:
             result += [(start, stop)] if near is None else [(start, near), (near, stop)]
         return result
 
-    def positions(self, owners: list[tuple[int, int]], places: np.ndarray) -> np.ndarray:
-        """Positions (m, 2) of reference places in elements."""
-        out = np.empty((len(places), 2))
+    def positions(self, owners: list[tuple[int, int]], reference: np.ndarray) -> np.ndarray:
+        """Positions (m, 2) of reference positions in elements."""
+        out = np.empty((len(reference), 2))
         block_of, element_of = np.array(owners, dtype=int).reshape(-1, 2).T
         for block, cells in enumerate(self.mesh.cells):
             here = np.flatnonzero(block_of == block)
-            values = shape_functions(cells.kind, places[here])
+            values = shape_functions(cells.kind, reference[here])
             nodes = cells.nodes[element_of[here]]
             out[here] = np.einsum("mn,mnd->md", values, self.mesh.points[nodes])
         return out
@@ -199,7 +199,7 @@ def quad_mesh(mesh: SectionMesh, *, layers: int, largest: dict[str, float], cond
 def _halvings(splitting: _Splitting, quads: list[_Quad], largest: dict[str, float]) -> int:
     """Number of halvings of every quadrilateral after which none is too large."""
     owners = [quad.owner for quad in quads for _ in range(4)]
-    corners = splitting.positions(owners, np.concatenate([quad.places for quad in quads])).reshape(-1, 4, 2)
+    corners = splitting.positions(owners, np.concatenate([quad.reference for quad in quads])).reshape(-1, 4, 2)
     sizes = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(axis=1)
     allowed = np.array([largest[splitting.mesh.cells[quad.owner[0]].solid] for quad in quads])
     return max(0, int(np.ceil(np.log2(np.max(sizes / allowed)) - 1e-9)))
@@ -208,12 +208,14 @@ def _halvings(splitting: _Splitting, quads: list[_Quad], largest: dict[str, floa
 def _finished(splitting: _Splitting, quads: list[_Quad], lines: dict[str, Edges]) -> QuadMesh:
     """The mesh with its vertices renumbered, without those that belong to no quadrilateral."""
     mesh = splitting.mesh
-    made = splitting.positions([owner for owner, _ in splitting.made], np.array([place for _, place in splitting.made]))
+    made = splitting.positions(
+        [owner for owner, _ in splitting.made], np.array([reference for _, reference in splitting.made])
+    )
     points, vertices = np.concatenate([mesh.points, made]), np.array([quad.vertices for quad in quads])
     if any(cells.kind not in ("triangle", "quad") for cells in mesh.cells):
-        corner_places = np.array([quad.places for quad in quads])
-        places = np.einsum("nk,ekd->end", shape_functions("quad", SQUARE_NODES[4:]), corner_places)
-        extra = splitting.positions([quad.owner for quad in quads for _ in range(5)], places.reshape(-1, 2))
+        corners_reference = np.array([quad.reference for quad in quads])
+        reference = np.einsum("nk,ekd->end", shape_functions("quad", SQUARE_NODES[4:]), corners_reference)
+        extra = splitting.positions([quad.owner for quad in quads for _ in range(5)], reference.reshape(-1, 2))
         numbers = len(points) + np.arange(len(extra)).reshape(-1, 5)
         points, vertices = np.concatenate([points, extra]), np.hstack([vertices, numbers])
     corners = np.unique(vertices[:, :4])

@@ -24,7 +24,7 @@ SOLIDS = ("tetra", "hexahedron", "wedge", "pyramid")
 MIN_AREA = 1e-9  # over the square of the element's longest edge; smaller ones are refused
 MAX_OFF_PLANE = 1e-9  # variation of the third coordinate over the extent of the mesh
 FARTHEST = 1e3  # m: no stator is that long, and squares of lengths stay finite
-SAME = 1e-6  # of the height: places nearer than this are one
+SAME = 1e-6  # of the height: points nearer than this are one
 
 
 class MeshError(ValueError):
@@ -91,20 +91,20 @@ class SectionMesh:
     @cached_property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Spans of x in m without plain surface: the upper side is not at z = 0 there, or of another solid."""
-        same_place, spans = SAME * float(np.ptp(self.points[:, 1])), []
+        tolerance, spans = SAME * float(np.ptp(self.points[:, 1])), []
         for one, other in self.boundary:
             ((block, _),) = self.edges[one, other]
             (x, z), (end, foot) = self.points[one], self.points[other]
             # The body lies on the left of an edge, so that an edge of the upper side runs towards -x.
-            if self.cells[block].solid == "stator" and end < x and max(abs(z), abs(foot)) <= same_place:
+            if self.cells[block].solid == "stator" and end < x and max(abs(z), abs(foot)) <= tolerance:
                 spans.append((float(end), float(x)))
         at, last = self.extent
-        found = []
+        gaps = []
         for low, high in [*sorted(spans), (last, last)]:
-            if low > at + same_place:
-                found.append((at, low))
+            if low > at + tolerance:
+                gaps.append((at, low))
             at = max(at, high)
-        return tuple(found)
+        return tuple(gaps)
 
     @property
     def depth_range(self) -> tuple[float, float]:
@@ -146,13 +146,13 @@ class SectionMesh:
     @cached_property
     def edges(self) -> dict[tuple[int, int], list[tuple[int, int]]]:
         """Directed edges (corner, corner) of all elements, by their corners in order: [(block, element), ...]."""
-        found: dict[tuple[int, int], list[tuple[int, int]]] = {}
+        owners: dict[tuple[int, int], list[tuple[int, int]]] = {}
         for block, cells in enumerate(self.cells):
             count = CORNERS[cells.kind]
             for element, nodes in enumerate(cells.nodes[:, :count].tolist()):
                 for one, other in zip(nodes, [*nodes[1:], nodes[0]], strict=True):
-                    found.setdefault((one, other), []).append((block, element))
-        return found
+                    owners.setdefault((one, other), []).append((block, element))
+        return owners
 
     @cached_property
     def boundary(self) -> list[tuple[int, int]]:
@@ -248,8 +248,8 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
             what = f"elements of order {order}" if order else f"elements of kind {kind}"
             raise MeshError(f"{what} are not read: gmsh -order 2")
         dim = 1 if kind in LINES else 2
-        for name, chosen in _members(file, index, tags[index], names, dim):
-            nodes = np.asarray(block.data)[chosen].astype(int)
+        for name, members in _members(file, index, tags[index], names, dim):
+            nodes = np.asarray(block.data)[members].astype(int)
             if dim == 1:
                 lines.setdefault(name, []).append(nodes[:, :2])
             else:
@@ -258,9 +258,9 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
         if name not in LINE_GROUPS and not name.startswith(ELECTRODE):
             raise MeshError(f'unknown line group "{name}": {", ".join(LINE_GROUPS)} or electrode:NAME')
     if not any(each.solid == "stator" for each in surfaces):
-        given = ", ".join(dict.fromkeys(each.solid for each in surfaces)) or "none"
+        groups = ", ".join(dict.fromkeys(each.solid for each in surfaces)) or "none"
         raise MeshError(
-            f"the file has no surface group stator, which is the stator's own material: its surface groups are {given}"
+            f"the file has no surface group stator, which is the stator's own material: its surface groups are {groups}"
         )
     return surfaces, {name: np.concatenate(parts) for name, parts in lines.items()}
 

@@ -17,7 +17,7 @@ def reference_corners(kind: str) -> np.ndarray:
 
 
 def shape_functions(kind: str, at: np.ndarray) -> np.ndarray:
-    """Values of the nodal functions of a kind of element at reference places (m, 2), shape (m, nodes)."""
+    """Values of the nodal functions of a kind of element at reference positions (m, 2), shape (m, nodes)."""
     x, y = np.asarray(at, dtype=float).T
     if kind == "triangle":
         return np.stack([1 - x - y, x, y], axis=1)
@@ -28,8 +28,8 @@ def shape_functions(kind: str, at: np.ndarray) -> np.ndarray:
     if kind == "quad":
         return np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)
     across, along = (np.stack([(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)], axis=1) for t in (x, y))
-    places = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
-    nine = np.stack([across[:, i] * along[:, j] for i, j in places], axis=1)
+    numbers = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
+    nine = np.stack([across[:, i] * along[:, j] for i, j in numbers], axis=1)
     if kind == "quad9":
         return nine
     # without the centre: its value is half the sum of the middles less a quarter of that of the corners

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.condense.columns import FingerColumns, columns_from_left
-from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
+from fem.condense.transducer import Condensation, FingerShape, joined_fingers
 from fem.discretize.section import Section
 from fem.geometry import Transducer
 from fem.materials.medium import Medium
@@ -112,7 +112,7 @@ def parity_groups(section: Section, separate_potential: bool) -> list[np.ndarray
     return [np.flatnonzero(group) for group in groups if group.any()]
 
 
-def even_rows(
+def even_transducers(
     make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], FingerColumns]
 ) -> list[FingerColumns]:
     """`FingerColumns` of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
@@ -122,13 +122,13 @@ def even_rows(
 
     shapes = [FingerShape.of(each, make.section.length_unit) for each in transducers]
     cells = {shape: cell(shape) for shape in dict.fromkeys(shapes)}
-    rows = {
-        (shape, signs): fingers_in_row(
-            make, signs, lambda place: (0.0, 0.0), lambda *gaps, shape=shape: cells[shape], no_bare_cell
+    superelements = {
+        (shape, signs): joined_fingers(
+            make, signs, lambda number: (0.0, 0.0), lambda *gaps, shape=shape: cells[shape], no_bare_cell
         )
         for shape, signs in dict.fromkeys((shape, each.signs) for shape, each in zip(shapes, transducers, strict=True))
     }
-    return [rows[shape, each.signs] for shape, each in zip(shapes, transducers, strict=True)]
+    return [superelements[shape, each.signs] for shape, each in zip(shapes, transducers, strict=True)]
 
 
 def bases_of(
@@ -234,5 +234,5 @@ def snapshots(
         for number, (_, _, part) in enumerate(columns_from_left(scatterer.piece, sides, finest=1.001 * half_cell)):
             (finger_lines if number % 2 else gap_lines).append(part[at.left])
     on_fingers = np.hstack(finger_lines)
-    on_fingers[section.surface_dofs["phi"]] = 0.0  # the electrode's
+    on_fingers[section.full.surface_dofs["phi"]] = 0.0  # the electrode's
     return np.hstack(gap_lines), on_fingers

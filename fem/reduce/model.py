@@ -26,12 +26,12 @@ from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
-from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
+from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_transducers
 from fem.waveguide.ends import Wall, end_walls
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import StatorRow, joined_row
-from fem.waveguide.row import PieceRow
+from fem.waveguide.port_fields import StatorCascade, joined_cascade
+from fem.waveguide.stator_meshes import StatorMeshes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,32 +86,32 @@ class ReducedModel:
     nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
     # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
-    meshes: PieceRow = field(repr=False)
-    pieces: dict[tuple, RationalPiece] = field(repr=False)  # distinct meshed pieces of the row
+    meshes: StatorMeshes = field(repr=False)
+    pieces: dict[tuple, RationalPiece] = field(repr=False)  # distinct meshed pieces of the cascade
     piece_error: float  # relative error of their interpolation, of the fields on their interface lines
 
-    def row(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorRow:
-        """Row at a frequency of the band (Hz), with line forces on the bare surface."""
+    def cascade(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorCascade:
+        """Cascade at a frequency of the band (Hz), with line forces on the bare surface."""
         weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
-        pieces = even_rows(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
+        pieces = even_transducers(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
         modes = guided_modes(self.section, frequency)
         arranged = self.meshes.arranged({key: piece.at(frequency) for key, piece in self.pieces.items()}, modes)
         if self.walls is not None:
             plain = [isinstance(end, str) for end in arranged.ends]
             matrices = np.tensordot(weights, self.walls, axes=1)
-            walls = [
+            left, right = (
                 Wall(matrix=matrix, recover=partial(full.end, side)) if plain[side] else arranged.ends[side]
                 for side, matrix in enumerate(matrices)
-            ]
+            )
             arranged = replace(
                 arranged,
-                ends=tuple(walls),
+                ends=(left, right),
                 start=arranged.start + WALL_WIDTH * plain[0],
                 stop=arranged.stop - WALL_WIDTH * plain[1],
             )
-        return joined_row(
+        return joined_cascade(
             self.stator,
             self.transducers,
             pieces,

@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.condense.mesh import MeshedPiece
-from fem.condense.mesh_field import MeshField
+from fem.condense.mesh import MeshedPiece, MeshField
 from fem.condense.piece import Blocks
 from fem.condense.reduced import PieceSample, RationalPiece, ReducedPiece, rational_piece
 from fem.reduce.basis import ReducedSection
@@ -21,9 +20,9 @@ from fem.waveguide.ends import Wall
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import Scatterer
 
-# Frequencies at which interpolations are compared, and largest number of nodes: of a piece in a row, and of a mesh that
-# is the whole stator and has all of its resonances
-ROW_CHECKS, MAX_ROW_NODES = 21, 9
+# Frequencies at which interpolations are compared, and largest number of nodes: of a piece in a cascade, and of a mesh
+# that is the whole stator and has all of its resonances
+CASCADE_CHECKS, MAX_CASCADE_NODES = 21, 9
 WHOLE_CHECKS, MAX_WHOLE_NODES = 81, 30
 
 
@@ -85,7 +84,7 @@ def interpolated(
         samples.append(PieceSample.of(pieces[-1], frame))
 
 
-def piece_of_row(
+def piece_of_cascade(
     pieces: list[MeshedPiece],
     section: ReducedSection,
     solutions: list[Solution],
@@ -116,14 +115,14 @@ def piece_of_row(
         frame,
         section.size,
         answers=fields_on_lines,
-        frequencies=np.linspace(*limits, ROW_CHECKS),
+        frequencies=np.linspace(*limits, CASCADE_CHECKS),
         tolerance=tolerance,
-        max_nodes=MAX_ROW_NODES,
+        max_nodes=MAX_CASCADE_NODES,
     )
 
 
 def _incident(solution: Solution, sample: MeshedPiece, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Incident fields on reduced lines and potentials of the ports, by excitation, wherever a piece stands in the row.
+    """Incident fields on reduced lines and potentials of the ports, by excitation, wherever a piece stands.
 
     ``sample``: the piece, condensed at any frequency.
     """
@@ -161,26 +160,30 @@ class WholePiece:
 
 
 def piece_of_whole_stator(
-    pieces: list[MeshedPiece], potentials: np.ndarray, places: np.ndarray, limits: tuple[float, float], tolerance: float
+    pieces: list[MeshedPiece],
+    potentials: np.ndarray,
+    positions: np.ndarray,
+    limits: tuple[float, float],
+    tolerance: float,
 ) -> tuple[WholePiece, float]:
     """A mesh that is the whole stator over a band, and its error, which `MAX_WHOLE_NODES` may leave too large.
 
-    The answers are the motion at ``places`` (length units from the left end) and the reactions of the ports, for each
-    column of their ``potentials``.
+    The answers are the motion at ``positions`` (length units from the left end) and the reactions of the ports, for
+    each column of their ``potentials``.
     """
     unit = np.eye(len(pieces[0].ports))
-    motions: dict[float, np.ndarray] = {}  # by frequency of the node: for unit potentials, (2 places, ports)
+    motions: dict[float, np.ndarray] = {}  # by frequency of the node: for unit potentials, (2 positions, ports)
 
     def motion_and_reactions(rational: RationalPiece, frequency: float) -> np.ndarray:
         for piece in pieces:
             if piece.frequency not in motions:
-                columns = [piece.recover(potential).motion(places).ravel() for potential in unit]
+                columns = [piece.recover(potential).motion(positions).ravel() for potential in unit]
                 motions[piece.frequency] = np.stack(columns, axis=1)
         at_nodes = np.stack([motions[node] for node in rational.nodes])
         motion = np.sum(at_nodes @ rational.weights(frequency) @ potentials, axis=0)
         reactions = rational.at(frequency).matrix @ potentials
-        rows = max(len(motion), len(reactions))
-        return np.hstack([np.pad(each, ((0, rows - len(each)), (0, 0))) for each in (motion, reactions)])
+        size = max(len(motion), len(reactions))
+        return np.hstack([np.pad(each, ((0, size - len(each)), (0, 0))) for each in (motion, reactions)])
 
     rational, error = interpolated(
         pieces,

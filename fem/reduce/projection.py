@@ -16,15 +16,23 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, containing, even_rows, parity_groups, snapshots
+from fem.reduce.basis import (
+    WALL_WIDTH,
+    ReducedSection,
+    bases_of,
+    containing,
+    even_transducers,
+    parity_groups,
+    snapshots,
+)
 from fem.reduce.model import HalfCell, ReducedModel
-from fem.reduce.piece_band import piece_of_row
+from fem.reduce.piece_band import piece_of_cascade
 from fem.results.solution import Solution, driven_solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_walls
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import joined_row
-from fem.waveguide.row import PieceRow
+from fem.waveguide.port_fields import joined_cascade
+from fem.waveguide.stator_meshes import StatorMeshes
 
 PIECE_SHARE = 0.3  # of the tolerance, for the interpolation of meshed pieces
 AMPLITUDE_SHARE = 1e-2  # smallest relative amplitude that the basis must represent, over the tolerance
@@ -35,14 +43,14 @@ LOOSE = 3e-4  # for this and larger tolerances one node fewer suffices, with an 
 
 @dataclass(frozen=True, kw_only=True)
 class BandProblem:
-    """Stator, band, tolerance, and the drive and places at which the error is checked."""
+    """Stator, band, tolerance, and the drive and positions at which the error is checked."""
 
     stator: Stator
     transducers: tuple[Transducer, ...]  # from left to right
     limits: tuple[float, float]  # lowest and highest frequency, Hz
     drive: str | Drive
     tolerance: float
-    places: np.ndarray  # m
+    positions: np.ndarray  # m
 
     @property
     def nodes(self) -> np.ndarray:
@@ -62,8 +70,8 @@ class BandProblem:
     def between_nodes(self) -> float:
         """Frequency in Hz near the middle of the band where an interpolation over its nodes has the largest error."""
         (lowest, highest), count = self.limits, len(self.nodes)
-        place = np.cos(np.pi * (count // 2 + count % 2) / count)
-        return float(np.sqrt((lowest**2 + highest**2) / 2 + place * (highest**2 - lowest**2) / 2))
+        node = np.cos(np.pi * (count // 2 + count % 2) / count)
+        return float(np.sqrt((lowest**2 + highest**2) / 2 + node * (highest**2 - lowest**2) / 2))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +85,7 @@ class NodeSolutions:
     walls: list = field(repr=False)  # at every node, or empty
     fields: tuple = field(repr=False)  # snapshots on the lines at mid-gap and at mid-finger
     solutions: list[Solution] = field(repr=False)  # at some of the nodes
-    row: PieceRow = field(repr=False)
+    meshes: StatorMeshes = field(repr=False)
     # distinct meshed pieces at all nodes, and at those added for their own interpolation
     pieces: dict[tuple, list[MeshedPiece]] = field(repr=False)
 
@@ -91,11 +99,11 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     squares = problem.nodes
     solved = {0, len(squares) // 2, len(squares) - 1}  # nodes at which the whole stator is solved
     shapes = dict.fromkeys(FingerShape.of(each, unit) for each in transducers)
-    row = PieceRow(stator, section, resolution, problem.limits[1])
+    meshes = StatorMeshes(stator, section, resolution, problem.limits[1])
 
     def at_node(index: int):
         frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
-        condensed = row.condensed(frequency)
+        condensed = meshes.condensed(frequency)
         make = Condensation(section, frequency)
         halves = {shape: half_cells(make, shape, resolution) for shape in shapes}
         walls = fields = solution = None
@@ -104,13 +112,13 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             walls = np.stack([end.matrix for end in ends])
         if index in solved:
             modes = guided_modes(section, frequency)
-            port_fields = joined_row(
+            port_fields = joined_cascade(
                 stator,
                 transducers,
-                even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0)),
+                even_transducers(make, transducers, lambda shape: make.joined(*halves[shape], 0)),
                 modes=modes,
                 resolution=resolution,
-                pieces=row.arranged(condensed, modes),
+                pieces=meshes.arranged(condensed, modes),
             ).solved()
             fields = snapshots(port_fields, halves, AMPLITUDE_SHARE * problem.tolerance)
             solution = driven_solution(port_fields, problem.drive)
@@ -130,8 +138,8 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         walls=[walls for _, walls, *_ in nodes if walls is not None],
         fields=(gaps, np.hstack([finger for _, finger in fields])),
         solutions=[solution for *_, solution, _ in nodes if solution is not None],
-        row=row,
-        pieces={key: [condensed[key] for *_, condensed in nodes] for key in row.assemblies},
+        meshes=meshes,
+        pieces={key: [condensed[key] for *_, condensed in nodes] for key in meshes.assemblies},
     )
 
 
@@ -149,7 +157,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     walls = [bases[0].T @ pair @ bases[0] for pair in nodes.walls]
     reduced = ReducedSection(full=section, basis=bases[0], odd=odd)
     rational = {
-        key: piece_of_row(pieces, reduced, nodes.solutions, problem.limits, PIECE_SHARE * problem.tolerance)
+        key: piece_of_cascade(pieces, reduced, nodes.solutions, problem.limits, PIECE_SHARE * problem.tolerance)
         for key, pieces in nodes.pieces.items()
     }
     return ReducedModel(
@@ -165,7 +173,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         },
         nodes=problem.nodes,
         walls=np.stack(walls) if walls else None,
-        meshes=nodes.row,
+        meshes=nodes.meshes,
         pieces={key: piece for key, (piece, _) in rational.items()},
         piece_error=max((error for _, error in rational.values()), default=0.0),
     )

@@ -64,7 +64,7 @@ def _densities(solid, frequency, values, along, upward) -> dict:
     velocity = 1j * omega * values[..., :3]
 
     def flow(half_velocity, half_current):
-        """Half of -T v + phi dD/dt with given (conjugated or not) velocity and displacement current."""
+        """Half of -T v + phi dD/dt of a (conjugated or not) velocity and displacement current."""
         faces = (
             values[..., 3] * half_current[..., axis] - np.sum(stress[..., face] * half_velocity, axis=-1)
             for axis, face in ((0, _FACE_X), (2, _FACE_Z))
@@ -106,7 +106,7 @@ def upward_slope(values: np.ndarray, order: int, heights: np.ndarray) -> np.ndar
 
 
 def shared(parts: np.ndarray, *, axis: int) -> np.ndarray:
-    """Return values (..., elements, order + 1, ...) of a row of elements on its nodes: the mean where two meet."""
+    """Return values (..., elements, order + 1, ...) of neighbouring elements on its nodes: the mean where two meet."""
     parts = np.moveaxis(parts, (axis, axis + 1), (0, 1))
     elements, order = parts.shape[0], parts.shape[1] - 1
     out = np.empty((elements * order + 1, *parts.shape[2:]), dtype=parts.dtype)

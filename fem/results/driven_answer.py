@@ -22,7 +22,7 @@ class SurfaceWave(Surface):
     circuit : Circuit
         Voltages and currents of the transducers.
     relative_error : float
-        Of the surface motion at the places asked for, from two discretisations.
+        Of the surface motion at the requested positions, from two discretisations.
     admittance_error : float
         Relative error of the admittance, from two discretisations.
     unknowns : int

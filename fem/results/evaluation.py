@@ -1,8 +1,8 @@
 """Evaluation of a solution: sums of modes in the segments, recovered fields in the pieces.
 
-Nothing is solved here.  The row keeps, for each of its excitations e (volts, newtons per metre), the amplitudes A_e of
-the modes that go right at the start x_0 of every segment, B_e of those that go left at its stop x_1, and the sides s_e
-(both lines and the potentials) of every piece (`fem.waveguide.port_fields.PortFields`).  With the weights w_e of a
+Nothing is solved here.  The cascade keeps, for each of its excitations e (volts, newtons per metre), the amplitudes A_e
+of the modes that go right at the start x_0 of every segment, B_e of those that go left at its stop x_1, and the sides
+s_e (both lines and the potentials) of every piece (`fem.waveguide.port_fields.PortFields`).  With the weights w_e of a
 solution (`fem.results.solution.Solution`) the field of a segment is
 
     u(x, z) = sum_i a_i v_i(z) exp(-i k_i (x - x_0)) + sum_j b_j w_j(z) exp(-i k_j (x - x_1)),
@@ -66,7 +66,7 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
 
     pieces: list = [*segments[0]]
     for index, scatterer in enumerate(network.scatterers):
-        start, transducer = network.places[index], fields.owners[index] is not None
+        start, transducer = network.positions[index], fields.owners[index] is not None
         stop = start + scatterer.piece.width
         pieces += [condensed(start * unit, stop * unit, index, transducer=transducer), *segments[index + 1]]
     for side, wall in enumerate(network.ends):
@@ -97,8 +97,8 @@ def _beyond(solution: Solution, side: int, length: float, outside: Beyond) -> Un
         right = modes.right_amplitudes(line)
     else:
         left = modes.left_amplitudes(line)
-    place = outside.place
-    start, stop = (place, max(length / unit, place)) if side else (min(0.0, place), place)
+    position = outside.position
+    start, stop = (position, max(length / unit, position)) if side else (min(0.0, position), position)
     return _uniform(modes, unit, start, stop, right, left, beyond=True)
 
 
@@ -135,8 +135,8 @@ def end_line(solution: Solution, side: int) -> np.ndarray:
     """Unknowns of the line where the uniform stator meets an end that is a condensed piece."""
     modes = solution.fields.modes
     part = solution.fields.segments[-side][-side]
-    place = part.stop if side else part.start
-    right, left = (each(modes, place) @ solution.weights for each in (part.right_at, part.left_at))
+    position = part.stop if side else part.start
+    right, left = (each(modes, position) @ solution.weights for each in (part.right_at, part.left_at))
     (left if side else right)[modes.wavenumbers == 0] = 0.0  # a matter of gauge: the potential refers to the transducer
     return modes.right @ right + modes.left @ left
 
@@ -162,7 +162,7 @@ def left_edge(solution: Solution, index: int) -> float:
     """Left edge of a scatterer, or of an end that is a condensed piece, m."""
     network, unit = solution.fields.network, solution.fields.section.length_unit
     if index not in ENDS:
-        return network.places[index] * unit
+        return network.positions[index] * unit
     side = ENDS.index(index)
     ends = solution.fields.stator.placement.ends
     if side == 0:
@@ -170,7 +170,7 @@ def left_edge(solution: Solution, index: int) -> float:
     return network.stop * unit
 
 
-def columns_in_row(
+def columns_in_order(
     solution: Solution, index: int, of: Callable[[ColumnField, np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Columns of a transducer or an end from left to right: left edges and widths (m), fields (columns, ...).
@@ -178,5 +178,5 @@ def columns_in_row(
     ``of``: recovery and sides of some columns -> their fields, shape (..., columns).
     """
     unit = solution.fields.section.length_unit
-    starts, widths, values = recovered(solution, index).in_row(of)
+    starts, widths, values = recovered(solution, index).in_order(of)
     return left_edge(solution, index) + starts * unit, widths * unit, values

@@ -3,7 +3,7 @@
 The lines of the grid are the nodes of the columns under the transducers, and evenly spaced lines in the segments, where
 the field is a sum of modes.  Through the depth the nodes are those of the section, so that no value is averaged over an
 element.  Derivatives are those of the elements' polynomials and of the modes.  The field of a meshed piece is also
-given on its own elements, each divided into small quadrilaterals, because a grid cannot follow its corners and
+evaluated on its own elements, each divided into small quadrilaterals, because a grid cannot follow its corners and
 slopes.
 """
 
@@ -16,13 +16,13 @@ from fem.discretize.spectral import gll_nodes, lagrange
 from fem.materials import Solid
 from fem.results.densities import Densities, densities, flattened, shared, upward_slope
 from fem.results.driven_answer import SurfaceWave
-from fem.results.evaluation import ENDS, columns_in_row, recovered
+from fem.results.evaluation import ENDS, columns_in_order, recovered
 from fem.results.segment_modes import FreeWave
 from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, UniformSegment
 
-SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
-REPLACED = 1e-3  # of the lines' distance: even lines nearer than this to a requested place are left out
+SAME_LINE = 1e-6  # of the lines' distance: positions nearer than this are one
+REPLACED = 1e-3  # of the lines' distance: even lines nearer than this to a requested position are left out
 MIN_INTERVALS = 3  # between the lines of a segment, however short it is
 MAX_CUTS = 8  # quadrilaterals along an element's edge: an element is half a wavelength long at most
 
@@ -125,7 +125,7 @@ def wave_field(
     section = wave.solution.fields.section.full
     step = wave.phase_velocity / wave.frequency / per_wavelength
     depth = section.nodes[section.body]
-    parts, meshed = _row_parts(wave, span or (0.0, wave.length), step, places, energies=energies)
+    parts, meshed = _cascade_parts(wave, span or (0.0, wave.length), step, places, energies=energies)
     units = section.field_units
     values = np.concatenate([part.values for part in parts]) * units
     inside = np.concatenate([np.broadcast_to(part.inside, part.values.shape[:2]) for part in parts])
@@ -142,12 +142,12 @@ def wave_field(
     )
 
 
-def _row_parts(
-    wave: SurfaceWave, span: tuple[float, float], step: float, places: tuple[float, ...], *, energies: bool
+def _cascade_parts(
+    wave: SurfaceWave, span: tuple[float, float], step: float, positions: tuple[float, ...], *, energies: bool
 ) -> tuple[list["_Part"], list[PieceField]]:
-    """Fields of all pieces and segments of the row within a span, from left to right; meshed pieces also on their mesh.
+    """Fields of all pieces and segments within a span, from left to right; meshed pieces also on their mesh.
 
-    ``step``: distance of the lines, m; ``places``: of additional lines, m.
+    ``step``: distance of the lines, m; ``positions``: of additional lines, m.
 
     If the section's potential floats, phi is known up to a constant in each segment: the modes give it relative to the
     transducer on the left.  All potentials are referred to the first transducer by adding ``offset``.
@@ -160,7 +160,7 @@ def _row_parts(
     meshed: list[PieceField] = []
     offset: complex = 0.0  # mean potential of the transducer passed last, relative to the first one, scaled
     step_in_mean: complex = 0.0  # jump from that potential to the mean potential of the next transducer
-    passed_first = False  # True to the right of the first piece of the row
+    passed_first = False  # True to the right of the first piece of the cascade
     for piece in wave.pieces:
         if isinstance(piece, UniformSegment) and piece.beyond:
             continue  # another section: not on this grid
@@ -177,7 +177,7 @@ def _row_parts(
                 part = part.on_lines((part.x > start - same_line) & (part.x < stop + same_line))
         else:
             if in_span:
-                x = _lines(start, stop, step, places)
+                x = _lines(start, stop, step, positions)
                 part = _Part(x, *_between(solution, piece, x, first=not passed_first, slopes=energies))
             step_in_mean = _gauge_step(solution, piece) if passed_first else 0.0
         if not in_span:
@@ -215,7 +215,7 @@ def _in_other_solids(whole: Densities, frequency: float, part: "_Part", lines: s
 
 @dataclass(frozen=True)
 class _Part:
-    """Scaled fields on some lines of the grid: values (lines, nodes, 4), their derivatives per m if asked for."""
+    """Scaled fields on some lines of the grid: values (lines, nodes, 4), their derivatives per m if requested."""
 
     x: np.ndarray
     values: np.ndarray
@@ -266,13 +266,13 @@ def _on_mesh(solution: Solution, piece: CondensedPiece, step: float, offset: com
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
     count = int(np.clip(np.ceil(longest / step), 1, MAX_CUTS))
     even = np.linspace(0.0, 1.0, count + 1)
-    places = np.stack(np.meshgrid(even, even, indexing="ij"), axis=-1).reshape(-1, 2)
+    reference = np.stack(np.meshgrid(even, even, indexing="ij"), axis=-1).reshape(-1, 2)
     corner = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
     cut = np.stack([corner, corner + count + 1, corner + count + 2, corner + 1], axis=1)
     # Equal pieces share the assembly of the first one: its solids are those of this piece, its position is not.
     solids = {"stator": solution.fields.stator.solid} | dict(inside.assembly.piece.solids)
     points, values, by_solid = [], [], []
-    for name, positions, fields in inside.on_elements(places):
+    for name, positions, fields in inside.on_elements(reference):
         fields[0, ..., 3] += offset
         fields *= section.field_units
         points.append(positions.reshape(-1, 2) * unit + [piece.start, 0.0])
@@ -283,7 +283,7 @@ def _on_mesh(solution: Solution, piece: CondensedPiece, step: float, offset: com
     return PieceField(
         span=(piece.start, piece.stop),
         points=np.concatenate(points),
-        quads=(np.arange(len(flat) // len(places))[:, None, None] * len(places) + cut).reshape(-1, 4),
+        quads=(np.arange(len(flat) // len(reference))[:, None, None] * len(reference) + cut).reshape(-1, 4),
         displacement=flat[:, :3],
         potential=flat[:, 3],
         densities=flattened(by_solid) if energies else None,
@@ -330,10 +330,10 @@ def free_field(
     )
 
 
-def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
-    """Evenly spaced lines of a segment, and lines at the requested places in it."""
+def _lines(start: float, stop: float, step: float, positions) -> np.ndarray:
+    """Evenly spaced lines of a segment, and lines at the requested positions in it."""
     even = np.linspace(start, stop, max(MIN_INTERVALS, int(np.ceil((stop - start) / step))) + 1)
-    requested = np.array([place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step])
+    requested = np.array([x for x in positions if start + SAME_LINE * step < x < stop - SAME_LINE * step])
     if not len(requested):
         return even
     replaced = abs(even[:, None] - requested).min(axis=1) < REPLACED * step
@@ -363,7 +363,7 @@ def _gauge_step(solution: Solution, piece) -> complex:
 
 
 def _between(solution: Solution, piece, x: np.ndarray, *, first: bool, slopes: bool):
-    """Fields of a segment at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
+    """Fields of a segment at lines x, (lines, nodes, 4), and their x derivatives per m if requested."""
     modes = solution.fields.modes
     right, left = piece.right.copy(), piece.left.copy()
     constant = _constant_shape(solution)
@@ -390,7 +390,9 @@ def _in_columns(solution: Solution, index: int, *, slopes: bool):
     """Lines of a transducer's or an end's columns in m, fields there (lines, nodes, 4), and x derivatives per m."""
     section = solution.fields.section.full
     order = section.order
-    start, width, values = columns_in_row(solution, index, lambda column, sides: column.values(sides)[:, section.body])
+    start, width, values = columns_in_order(
+        solution, index, lambda column, sides: column.values(sides)[:, section.body]
+    )
     nodes = gll_nodes(order)
     x = np.append((start[:, None] + width[:, None] * nodes[:-1]).ravel(), start[-1] + width[-1])
     along = None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.results.field import PieceField, WaveField
 
 DISPLACEMENT, POTENTIAL = "displacement_m_per_V", "potential_V_per_V"

@@ -56,7 +56,7 @@ class PowerBalance:
 
 @dataclass(frozen=True, kw_only=True)
 class _Crossing:
-    """Powers at an element of the row, a piece or a force, in W."""
+    """Powers at an element of the cascade, a piece or a force, in W."""
 
     left: float  # flux along +x through its left line
     right: float  # flux along +x through its right line
@@ -111,7 +111,7 @@ def power_balance(solution: Solution) -> PowerBalance:
 
 
 def _transducer_of(fields: PortFields, index: int) -> str:
-    """Name of the transducer whose electrodes stand on a piece of the row; empty if none do."""
+    """Name of the transducer whose electrodes stand on a piece of the cascade; empty if none do."""
     owner = fields.owners[index]
     if owner is not None:
         return fields.transducers[owner].name
@@ -119,7 +119,7 @@ def _transducer_of(fields: PortFields, index: int) -> str:
 
 
 def _load_power(solution: Solution, index: int, taken: float) -> float:
-    """Power from a piece of the row into terminations, W; ``taken``: power that enters the piece at its ports."""
+    """Power from a piece of the cascade into terminations, W; ``taken``: power that enters the piece at its ports."""
     fields, circuit = solution.fields, solution.circuit
     if fields.network.scatterers[index].piece.size:  # a piece without lines is the whole stator, with all transducers
         name = _transducer_of(fields, index)

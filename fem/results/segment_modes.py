@@ -30,7 +30,7 @@ class SegmentModes:
     solid : Solid
         The segment's, in the frame of the cut.
     relative_error : float
-        Of the surface wave's k_x, or of every propagating mode's if that was asked for, over the surface wave's
+        Of the surface wave's k_x, or of every propagating mode's if requested, over the surface wave's
         sqrt(k_x^2 + k_y^2).
     unknowns : int
     """

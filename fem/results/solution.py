@@ -15,7 +15,7 @@ class Solution:
 
     fields: PortFields
     circuit: Circuit
-    forces: np.ndarray | None = None  # N/m of each force; none act if not given
+    forces: np.ndarray | None = None  # N/m of each force; None if none act
 
     @cached_property
     def weights(self) -> np.ndarray:

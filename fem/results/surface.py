@@ -11,8 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface
 # M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
@@ -40,15 +39,15 @@ class UniformSegment:
     beyond: bool = False  # behind a step of thickness: another section
 
     def motion(self, x: np.ndarray, *, only: np.ndarray | None = None) -> np.ndarray:
-        """u_x and u_z at places in the segment (m), shape (2, places), of all modes or of some."""
-        chosen = slice(None) if only is None else only
+        """u_x and u_z at positions in the segment (m), shape (2, positions), of all modes or of some."""
+        modes = slice(None) if only is None else only
         total = np.zeros((2, len(x)), dtype=complex)
         if np.any(self.right):
-            phases = np.exp(-1j * np.outer(self.wavenumbers[chosen], x - self.start))
-            total += (self.right_shapes[:, chosen] * self.right[chosen]) @ phases
+            phases = np.exp(-1j * np.outer(self.wavenumbers[modes], x - self.start))
+            total += (self.right_shapes[:, modes] * self.right[modes]) @ phases
         if np.any(self.left):
-            phases = np.exp(-1j * np.outer(self.backwards[chosen], x - self.stop))
-            total += (self.left_shapes[:, chosen] * self.left[chosen]) @ phases
+            phases = np.exp(-1j * np.outer(self.backwards[modes], x - self.stop))
+            total += (self.left_shapes[:, modes] * self.left[modes]) @ phases
         return total
 
 
@@ -71,7 +70,7 @@ class CondensedPiece:
         return self.recover()
 
     def motion(self, x: np.ndarray) -> np.ndarray:
-        """u_x and u_z at places in the piece (m), shape (2, places)."""
+        """u_x and u_z at positions in the piece (m), shape (2, positions)."""
         return self._motion(x)
 
 
@@ -100,7 +99,7 @@ class Surface:
     surface_ratio: float
 
     def motion(self, x: float | np.ndarray) -> np.ndarray:
-        """u_x and u_z in m per V at places x (m, from the left end), shape (2, *x.shape).
+        """u_x and u_z in m per V at positions x (m, from the left end), shape (2, *x.shape).
 
         Raises
         ------
@@ -159,17 +158,17 @@ class Surface:
     def standing_wave_ratio(self, x: float) -> float:
         """Largest over smallest |u_z| within one wavelength either side of x."""
         reach = abs(self.phase_velocity) / self.frequency  # of a backward plate mode it is negative
-        places = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
-        return standing_wave_ratio(self.normal_at(places))
+        positions = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
+        return standing_wave_ratio(self.normal_at(positions))
 
     def samples(self, per_wavelength: int = 12) -> tuple[np.ndarray, np.ndarray]:
         """Positions along the whole surface (m), sparser on a very long one, and the motion there: (n,) and (2, n)."""
         step = max(self.phase_velocity / self.frequency / per_wavelength, self.length / MAX_SAMPLES)
-        places = []
+        positions = []
         for piece in self.pieces:
             start, stop = max(piece.start, 0.0), min(piece.stop, self.length)
-            places.append(np.linspace(start, stop, max(2, int(np.ceil((stop - start) / step))), endpoint=False))
-        x = np.append(np.concatenate(places), self.length)
+            positions.append(np.linspace(start, stop, max(2, int(np.ceil((stop - start) / step))), endpoint=False))
+        x = np.append(np.concatenate(positions), self.length)
         return x, self.motion(x)
 
     def _gather(self, x, part):

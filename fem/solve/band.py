@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Circuit, Drive
+from fem.condense.electrodes import is_port
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS, first_level
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
-from fem.input_error import InputError
 from fem.mesh.placement import is_step
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
@@ -28,7 +28,7 @@ from fem.solve.full_band import FullModel
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import PortFields, StatorRow, stator_row
+from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 
 # Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at
 # the last one, and the factor from one attempt to the next:
@@ -51,7 +51,7 @@ class Band:
     ----------
     model : ReducedModel
     relative_error, admittance_error : float
-        Of the surface motion at the requested places and of the admittance, at the worst frequency of the band.
+        Of the surface motion at the requested positions and of the admittance, at the worst frequency of the band.
     """
 
     model: ReducedModel | FullModel = field(repr=False)
@@ -66,7 +66,7 @@ class Band:
     @property
     def port_names(self) -> tuple[str, ...]:
         """Transducers that are ports, from left to right."""
-        return tuple(each.name for each in self.model.transducers if {"+", "-"} <= set(each.signs))
+        return tuple(each.name for each in self.model.transducers if is_port(each))
 
     def wave(self, frequency: float, drive: str | Drive) -> SurfaceWave:
         """Surface motion at a frequency of the band (Hz).
@@ -86,7 +86,7 @@ class Band:
         return side_by_side(lambda frequency: self.wave(float(frequency), drive), frequencies)
 
     def admittances(
-        self, frequencies: np.ndarray, solve: Callable[[StatorRow], PortFields] = StatorRow.solved
+        self, frequencies: np.ndarray, solve: Callable[[StatorCascade], PortFields] = StatorCascade.solved
     ) -> np.ndarray:
         """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports).
 
@@ -103,7 +103,7 @@ class Band:
 
         The sources of ``drive`` have zero voltage; their impedances, and the other terminations, stay.  By reciprocity
         the current into the driven transducer is the velocity at the force, per volt, times force and aperture.  It
-        errs as that: by `relative_error`, if the force stands at one of the places that the band was prepared for.
+        errs as that: by `relative_error`, if the force stands at one of the positions that the band was prepared for.
         """
 
         def at(frequency: float) -> Circuit:
@@ -116,17 +116,19 @@ class Band:
         self,
         frequency: float,
         forces: tuple[LineForce, ...] = (),
-        solve: Callable[[StatorRow], PortFields] = StatorRow.solved,
+        solve: Callable[[StatorCascade], PortFields] = StatorCascade.solved,
     ) -> PortFields:
         """Fields of the reduced model or, if its few lines cannot represent the ends, of the full discretisation."""
         model, (low, high) = self.model, self.limits
         if not low <= frequency <= high:
             raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
         try:
-            return solve(model.row(frequency, forces))
+            return solve(model.cascade(frequency, forces))
         except ConvergenceError:
-            stator, row = model.stator, model.transducers
-            return solve(stator_row(stator, row, frequency=frequency, resolution=model.resolution, forces=forces))
+            stator, transducers = model.stator, model.transducers
+            return solve(
+                stator_cascade(stator, transducers, frequency=frequency, resolution=model.resolution, forces=forces)
+            )
 
 
 @one_blas_thread
@@ -165,21 +167,14 @@ def frequency_band(
         raise InputError("band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz")
     check_driven(stator, transducers, highest, tolerance)
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
-    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
-        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
-            raise InputError(
-                "transducer",
-                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
-                f"{min(gaps):g} m",
-                owner=transducer.name,
-            )
+    _refuse_narrow_gaps(stator, transducers)
     problem = BandProblem(
         stator=stator,
         transducers=transducers,
         limits=(lowest, highest),
         drive=drive,
         tolerance=tolerance,
-        places=np.array(places or (stator.length / 2,)),
+        positions=np.array(places or (stator.length / 2,)),
     )
     placed = stator.placement
     steps = any(end is not None and is_step(end, stator.depth) for end in placed.ends)
@@ -200,13 +195,25 @@ def frequency_band(
     )
 
 
+def _refuse_narrow_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Raise an InputError for a transducer with less than half a gap of bare surface on one side."""
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
+            raise InputError(
+                "transducer",
+                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
+                f"{min(gaps):g} m",
+                owner=transducer.name,
+            )
+
+
 def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:
     """Band without reduced lines, for a step of thickness or a stator of one mesh, and its discretisation's error.
 
     The discretisation is the finest of those that meet the tolerance at three frequencies.
     """
     (low, high), drive, stator = problem.limits, problem.drive, problem.stator
-    options = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.places)}
+    options = {"drive": drive, "tolerance": level_tolerance, "places": tuple(problem.positions)}
     waves = [
         driven_wave(stator, problem.transducers, frequency=frequency, **options)
         for frequency in (low, (low + high) / 2, high)
@@ -219,7 +226,7 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
     else:
         fields = (wave.solution.fields for wave in waves)
         here, worst = _closed_amplification(
-            [each if each.resolution == finest else model.row(each.frequency).solved() for each in fields]
+            [each if each.resolution == finest else model.cascade(each.frequency).solved() for each in fields]
         )
     growth = [max(1.0, worst / each / ESTIMATE_EXCESS) for each in here]
     level_error, admittance_error = (
@@ -229,7 +236,7 @@ def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Ba
     interpolation_error = 0.0
     if stator.placement.whole is not None and level_error <= problem.tolerance:
         potentials = waves[0].solution.fields.network.scatterers[0].potentials
-        model, interpolation_error = model.interpolated(potentials, problem.places, WHOLE_SHARE * problem.tolerance)
+        model, interpolation_error = model.interpolated(potentials, problem.positions, WHOLE_SHARE * problem.tolerance)
     band = Band(
         model=model,
         relative_error=level_error + interpolation_error,
@@ -270,7 +277,7 @@ def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]
             frequency=problem.between_nodes,
             drive=problem.drive,
             tolerance=level_tolerance,
-            places=tuple(problem.places),
+            places=tuple(problem.positions),
         )
 
     wave, nodes = side_by_side(lambda work: work(), (reference, lambda: solve_at_nodes(problem, expected)))
@@ -312,7 +319,7 @@ class _Check:
         # The checks lie in the middle and near both ends: no frequency is farther than a third of the band from one.
         phase_range = 2 * np.pi * (high - low) / 3 * problem.stator.length / surface.phase_velocity
         here, worst = solution.fields.amplification(min(phase_range, np.pi))
-        return cls(solution=solution, motion=surface.motion(problem.places), here=here, worst=worst)
+        return cls(solution=solution, motion=surface.motion(problem.positions), here=here, worst=worst)
 
 
 def reduced_model(
@@ -350,8 +357,8 @@ def reduction_errors(
     """
     unamplified = []
     for check in checks:
-        solution = driven_solution(model.row(check.solution.fields.frequency).solved(), problem.drive)
-        reduced = solution, surface_of(solution).motion(problem.places)
+        solution = driven_solution(model.cascade(check.solution.fields.frequency).solved(), problem.drive)
+        reduced = solution, surface_of(solution).motion(problem.positions)
         differences = solution_differences(reduced, (check.solution, check.motion))
         amplification = min(check.here, worst / REDUCTION_SAFETY)
         unamplified.append([difference / amplification for difference in differences])

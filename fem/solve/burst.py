@@ -35,9 +35,8 @@ from typing import Protocol
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import refine
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
@@ -60,11 +59,11 @@ class Response(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class BurstEnvelope:
-    """Motion of one place of the surface during a burst and after it, per volt of the source (peak).
+    """Motion of one point of the surface during a burst and after it, per volt of the source (peak).
 
     Attributes
     ----------
-    place : float
+    position : float
         m from the left end.
     frequency : float
         Hz, of the drive.
@@ -90,7 +89,7 @@ class BurstEnvelope:
         ``share`` below 1 uses that share of the band, to show the effect of the band's width on an answer.
     """
 
-    place: float
+    position: float
     frequency: float
     duration: float
     time: np.ndarray = field(repr=False)
@@ -178,7 +177,7 @@ class _Spectrum:
 
 def burst_response(
     band: Response,
-    place: float,
+    position: float,
     *,
     drive: str | Drive,
     frequency: float,
@@ -186,13 +185,13 @@ def burst_response(
     tolerance: float,
     max_frequencies: int = MAX_FREQUENCIES,
 ) -> BurstEnvelope:
-    """Envelope of the surface's motion at a place for a rectangular burst.
+    """Envelope of the surface's motion at a position for a rectangular burst.
 
     Parameters
     ----------
     band : Response
         For instance from `fem.frequency_band`; a wider band resolves sharper corners.
-    place, duration : float
+    position, duration : float
         m from the left end; s.
     drive : str or Drive
         Name of the driven transducer, or sources at several.
@@ -214,48 +213,56 @@ def burst_response(
     if not low < frequency < high:
         raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
     _refuse_endless(duration)
-    known: dict[float, tuple[complex, complex, float]] = {}  # by frequency: u_z, u_x, relative error
-
-    def motions(frequencies: np.ndarray) -> np.ndarray:
-        """Rows (u_z, u_x, relative error) at frequencies in Hz, each of which is solved once."""
-        new = [float(at) for at in frequencies if float(at) not in known]
-        for at, wave in zip(new, band.waves(new, drive), strict=True):
-            tangential, normal = wave.motion(place)
-            known[at] = (complex(normal), complex(tangential), wave.relative_error)
-        return np.array([known[float(at)] for at in frequencies])
-
-    reach = frequency - low, high - frequency
-
-    def at_divisions(divisions: int) -> tuple[_Spectrum, float]:
-        """Spectrum with the band divided into so many steps, and the largest relative error of its responses."""
-        step = (high - low) / divisions
-        numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
-        rows = motions(frequency + numbers * step)
-        spectrum = _Spectrum(offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency)
-        return spectrum, float(rows[:, 2].real.max())
-
-    def aliased(fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
-        """Aliased motion over the steady one, from steps twice as wide and from frequencies between the steps."""
-        spectrum = fine[0]
-        count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
-        change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
-        exact = motions(frequency + spectrum.probes())[:, :2].T
-        missed = abs(spectrum.between(spectrum.probes()) - exact).max()
-        steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
-        return (float(max(change, missed) / steady),)
-
+    motions = _Motions(band, position, drive, frequency)
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
     while 2 * divisions[-1] <= max_frequencies:
         divisions.append(2 * divisions[-1])
-    refined = refine(at_divisions, divisions, differences=aliased, gain=2.0, tolerance=tolerance)
+    refined = refine(motions.spectrum, divisions, differences=motions.aliased, gain=2.0, tolerance=tolerance)
     (spectrum, response), error = refined.answer, refined.errors[0]
     if error > tolerance:
         raise ConvergenceError(
             f"the surface still rings {1 / spectrum.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(duration, spectrum, place, (error, response), len(known))
+    return _envelope(duration, spectrum, position, (error, response), len(motions.known))
+
+
+class _Motions:
+    """Motion of the surface at a position, solved once at every frequency that is needed."""
+
+    def __init__(self, band: Response, position: float, drive: str | Drive, frequency: float):
+        self.band, self.position, self.drive, self.frequency = band, position, drive, frequency
+        self.known: dict[float, tuple[complex, complex, float]] = {}  # by frequency: u_z, u_x, relative error
+
+    def at(self, frequencies: np.ndarray) -> np.ndarray:
+        """Rows (u_z, u_x, relative error) at frequencies in Hz."""
+        new = [float(each) for each in frequencies if float(each) not in self.known]
+        for each, wave in zip(new, self.band.waves(new, self.drive), strict=True):
+            tangential, normal = wave.motion(self.position)
+            self.known[each] = (complex(normal), complex(tangential), wave.relative_error)
+        return np.array([self.known[float(each)] for each in frequencies])
+
+    def spectrum(self, divisions: int) -> tuple[_Spectrum, float]:
+        """Spectrum with the band divided into so many steps, and the largest relative error of its responses."""
+        low, high = self.band.limits
+        step, reach = (high - low) / divisions, (self.frequency - low, high - self.frequency)
+        numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
+        samples = self.at(self.frequency + numbers * step)
+        spectrum = _Spectrum(
+            offsets=numbers * step, motion=samples[:, :2].T, step=step, reach=reach, frequency=self.frequency
+        )
+        return spectrum, float(samples[:, 2].real.max())
+
+    def aliased(self, fine: tuple[_Spectrum, float], coarse: tuple[_Spectrum, float]) -> tuple[float]:
+        """Aliased motion over the steady one, from steps twice as wide and from frequencies between the steps."""
+        spectrum = fine[0]
+        count = math.ceil((1 - LEAD) / (2 * spectrum.step * spectrum.tick))
+        change = abs(spectrum.switched(0.0, count) - coarse[0].switched(0.0, count)).max()
+        exact = self.at(self.frequency + spectrum.probes())[:, :2].T
+        missed = abs(spectrum.between(spectrum.probes()) - exact).max()
+        steady = abs(spectrum.motion[0, spectrum.offsets == 0])[0]
+        return (float(max(change, missed) / steady),)
 
 
 def _refuse_endless(duration: float) -> None:
@@ -266,7 +273,7 @@ def _refuse_endless(duration: float) -> None:
 def _envelope(
     duration: float,
     spectrum: _Spectrum,
-    place: float,
+    position: float,
     errors: tuple[float, float],
     frequencies: int,
     share: float = 1.0,
@@ -292,7 +299,7 @@ def _envelope(
     after_switch = spectrum.switched(0.0, len(span))[0]
     unsettled = np.flatnonzero(abs(after_switch / steady[0] - 1) > 0.01)
     return BurstEnvelope(
-        place=place,
+        position=position,
         frequency=spectrum.frequency,
         duration=duration,
         time=time,
@@ -306,5 +313,5 @@ def _envelope(
         step_error=errors[0],
         response_error=errors[1],
         frequencies=frequencies,
-        lasting=partial(_envelope, spectrum=spectrum, place=place, errors=errors, frequencies=frequencies),
+        lasting=partial(_envelope, spectrum=spectrum, position=position, errors=errors, frequencies=frequencies),
     )

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import LEVELS, refine
 from fem.discretize.grading import Resolution
+from fem.exceptions import refuse_above
 from fem.geometry import Above
 from fem.materials import Solid
 from fem.waveguide.grating import Grating, StopBand, grating

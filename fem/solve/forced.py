@@ -1,7 +1,7 @@
 """Line forces on a stator's bare surface: the motion that they make along the whole stator, with its error.
 
-A force per metre along y acts on the surface at one place, tangential or normal to it.  It stands for a slider's
-contact or, by reciprocity, for a vibrometer: the current into a shorted transducer per newton at a place equals the
+A force per metre along y acts on the surface at one position, tangential or normal to it.  It stands for a slider's
+contact or, by reciprocity, for a vibrometer: the current into a shorted transducer per newton at a position equals the
 velocity there per volt.  The response includes transducers, pieces and ends.  Each transducer's voltage is the one that
 its received current produces across its termination.
 """
@@ -9,11 +9,10 @@ its received current produces across its termination.
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
@@ -21,7 +20,7 @@ from fem.results.solution import Solution, driven_solution
 from fem.solve.harmonic import motion_difference
 from fem.threads import one_blas_thread
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 
 
 @one_blas_thread
@@ -77,6 +76,26 @@ def forced_wave(
     for name, value, unit in (("tolerance", tolerance, ""), ("frequency", frequency, "Hz")):
         if not (np.isfinite(value) and value > 0):
             raise InputError(name, "must be positive and finite", value, unit)
+    _refuse_forces(stator, forces)
+    at = np.array(places)
+    amplitudes = np.array([each.amplitude for each in forces])
+
+    def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
+        cascade = stator_cascade(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
+        solution = driven_solution(cascade.solved(), drive, amplitudes)
+        return solution, surface_of(solution).motion(at)
+
+    refined = refine_stator(
+        stator, at_level, differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),), tolerance=tolerance
+    )
+    wave = surface_wave(refined.answer[0], relative_error=refined.errors[0], admittance_error=np.nan)
+    advice = "ask for less, or at positions farther from the forces"
+    refuse_above(wave.relative_error, tolerance, "the surface motion is", advice=advice, reached=wave)
+    return wave
+
+
+def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> None:
+    """Raise an InputError if there is no force, all amplitudes are zero, or one force stands beside the stator."""
     if not forces:
         raise InputError("force", "is missing: at least one must act")
     for each in forces:
@@ -86,18 +105,3 @@ def forced_wave(
             )
     if not any(each.amplitude for each in forces):
         raise InputError("force.amplitude", "must differ from zero for one force at least", 0.0, "N/m")
-    at = np.array(places)
-    amplitudes = np.array([each.amplitude for each in forces])
-
-    def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
-        row = stator_row(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
-        solution = driven_solution(row.solved(), drive, amplitudes)
-        return solution, surface_of(solution).motion(at)
-
-    refined = refine_stator(
-        stator, at_level, differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),), tolerance=tolerance
-    )
-    wave = surface_wave(refined.answer[0], relative_error=refined.errors[0], admittance_error=np.nan)
-    advice = "ask for less, or at places farther from the forces"
-    refuse_above(wave.relative_error, tolerance, "the surface motion is", advice=advice, reached=wave)
-    return wave

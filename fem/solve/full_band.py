@@ -17,8 +17,8 @@ from fem.materials.christoffel import slowest_wavelength
 from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import StatorRow, joined_row, stator_row
-from fem.waveguide.row import PieceRow
+from fem.waveguide.port_fields import StatorCascade, joined_cascade, stator_cascade
+from fem.waveguide.stator_meshes import StatorMeshes
 
 FIRST_NODES = 3  # first frequencies of the interpolation: both limits and the middle of the band
 
@@ -32,32 +32,34 @@ class FullModel:
     limits: tuple[float, float]  # lowest and highest frequency in Hz
     resolution: Resolution
     # the mesh that is the whole stator, and its interpolation; None where every frequency is solved anew
-    interpolation: tuple[PieceRow, WholePiece] | None = field(default=None, repr=False)
+    interpolation: tuple[StatorMeshes, WholePiece] | None = field(default=None, repr=False)
 
-    def row(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorRow:
+    def cascade(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorCascade:
         """Row at a frequency of the band (Hz), with line forces on the bare surface."""
         stator, transducers, resolution = self.stator, self.transducers, self.resolution
         if self.interpolation is None:
-            return stator_row(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
+            return stator_cascade(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
         piece_row, piece = self.interpolation
         modes = guided_modes(piece_row.section, frequency)
         (contents,) = piece_row.assemblies  # the mesh that is the whole stator
         pieces = piece_row.arranged({contents: piece.at(frequency)}, modes)
-        return joined_row(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, forces=forces)
+        return joined_cascade(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, forces=forces)
 
-    def interpolated(self, potentials: np.ndarray, places: np.ndarray, tolerance: float) -> tuple["FullModel", float]:
+    def interpolated(
+        self, potentials: np.ndarray, positions: np.ndarray, tolerance: float
+    ) -> tuple["FullModel", float]:
         """Return this model with an interpolation over the band, and the relative error of the interpolation.
 
-        The stator must be a single mesh.  The error is that of the motion at ``places`` (m) and of the reactions of the
-        ports for ``potentials``, shape (ports, columns).  If it exceeds the tolerance, because the stator resonates too
-        often in the band, the model is returned as it is, with an error of 0.
+        The stator must be a single mesh.  The error is that of the motion at ``positions`` (m) and of the reactions of
+        the ports for ``potentials``, shape (ports, columns).  If it exceeds the tolerance, because the stator resonates
+        too often in the band, the model is returned as it is, with an error of 0.
         """
         unit = slowest_wavelength(self.stator.solid, self.limits[1])
         section = discretise(self.stator, self.resolution, wavelength=unit, surface_scale=np.inf)
-        piece_row = PieceRow(self.stator, section, self.resolution, self.limits[1])
+        piece_row = StatorMeshes(self.stator, section, self.resolution, self.limits[1])
         (assembly,) = piece_row.assemblies.values()
         condensed = [assembly.condensed(float(frequency)) for frequency in np.linspace(*self.limits, FIRST_NODES)]
-        piece, error = piece_of_whole_stator(condensed, potentials, places / unit, self.limits, tolerance)
+        piece, error = piece_of_whole_stator(condensed, potentials, positions / unit, self.limits, tolerance)
         if error > tolerance:
             return self, 0.0
         return replace(self, interpolation=(piece_row, piece)), error

@@ -14,13 +14,12 @@ from functools import cache
 
 import numpy as np
 
-from fem.convergence_error import refuse_above
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import absorbs_slowly, refine
 from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
@@ -195,31 +194,37 @@ def guided_modes(
         ORDERS,
         _propagating_difference if propagating else _surface_wave_difference,
     )
-    section, unit, lateral = modes.section.full, modes.section.length_unit, modes.lateral_wavenumber
     checked = modes.propagating if propagating else modes.rayleigh
     resolved = _resolved(modes, coarse, max(tolerance, 10 * error), checked)
-    shapes = section.on_nodes(modes.right[:, resolved]) * section.field_units
-    if lateral and section.solid.mirror_y is not None:
+    section, unit = modes.section.full, modes.section.length_unit
+    return SegmentModes(
+        frequency=float(modes.frequency),
+        lateral_wavenumber=float(modes.lateral_wavenumber.real / unit),  # here k_y is real
+        wavenumbers=modes.wavenumbers[resolved] / unit,
+        surface=np.flatnonzero(np.isin(resolved, modes.rayleigh)),
+        depth=section.nodes[section.body],
+        shapes=_shapes(modes, resolved),
+        surface_share=section.surface_share(modes.right[:, resolved]) / unit,
+        solid=stator.solid,
+        relative_error=error,
+        unknowns=section.size,
+    )
+
+
+def _shapes(modes: GuidedModes, numbers: np.ndarray) -> np.ndarray:
+    """u_x, u_y, u_z and phi of some modes at the body's nodes, (modes, nodes, 4); the largest displacement is 1."""
+    section = modes.section.full
+    shapes = section.on_nodes(modes.right[:, numbers]) * section.field_units
+    if modes.lateral_wavenumber and section.solid.mirror_y is not None:
         odd = [
             FIELD_COLUMN[name]
             for name, changes in zip(section.solid.fields, section.solid.mirror_y, strict=True)
             if changes
         ]
         shapes[..., odd] *= 1j
-    motion = shapes[..., :3].reshape(len(resolved), -1)
-    largest = motion[np.arange(len(resolved)), abs(motion).argmax(axis=1)]
-    return SegmentModes(
-        frequency=float(modes.frequency),
-        lateral_wavenumber=float(lateral.real / unit),  # here k_y is real
-        wavenumbers=modes.wavenumbers[resolved] / unit,
-        surface=np.flatnonzero(np.isin(resolved, modes.rayleigh)),
-        depth=section.nodes[section.body],
-        shapes=shapes / np.where(largest == 0, 1.0, largest)[:, None, None],
-        surface_share=section.surface_share(modes.right[:, resolved]) / unit,
-        solid=stator.solid,
-        relative_error=error,
-        unknowns=section.size,
-    )
+    motion = shapes[..., :3].reshape(len(numbers), -1)
+    largest = motion[np.arange(len(numbers)), abs(motion).argmax(axis=1)]
+    return shapes / np.where(largest == 0, 1.0, largest)[:, None, None]
 
 
 def _resolved(modes: GuidedModes, coarse: GuidedModes, tolerance: float, checked: np.ndarray) -> np.ndarray:

@@ -11,11 +11,10 @@ from functools import cache
 import numpy as np
 
 from fem.circuit import Drive
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.materials import fields
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -23,7 +22,7 @@ from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import Solution, driven_solution
 from fem.threads import one_blas_thread
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 
 LOGGER = logging.getLogger(__name__)
 
@@ -88,8 +87,8 @@ def solve_driven(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, drive: str | Drive, resolution: Resolution
 ) -> Solution:
     """Solve a driven stator on one discretisation, at a frequency in Hz."""
-    row = stator_row(stator, transducers, frequency=frequency, resolution=resolution)
-    return driven_solution(row.solved(), drive)
+    cascade = stator_cascade(stator, transducers, frequency=frequency, resolution=resolution)
+    return driven_solution(cascade.solved(), drive)
 
 
 def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float) -> None:
@@ -105,13 +104,13 @@ def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency:
 
 
 def solution_differences(fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]) -> tuple[float, float]:
-    """Relative differences of the motion at the requested places and of the admittances at the sources."""
+    """Relative differences of the motion at the requested positions and of the admittances at the sources."""
     ratios = fine[0].circuit.source_admittances / coarse[0].circuit.source_admittances
     return motion_difference(fine[1], coarse[1]), float(np.max(abs(ratios - 1)))
 
 
 def motion_difference(fine: np.ndarray, coarse: np.ndarray) -> float:
-    """Largest relative difference of orbits (u_x, u_z), shape (2, places).
+    """Largest relative difference of orbits (u_x, u_z), shape (2, positions).
 
     The phase counts: where a beam's waves interfere, its amplitude changes by what their phases do in the section.
     """

@@ -22,16 +22,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.convergence_error import refuse_above
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN
+from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
+from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.modes import GuidedModes, power
 from fem.waveguide.network import SegmentWaves
-from fem.waveguide.port_fields import stator_row
-from fem.waveguide.row_solver import Element, solve_row
+from fem.waveguide.port_fields import stator_cascade
 from fem.waveguide.surface_modes import ONE_WAVE
 
 
@@ -112,17 +112,17 @@ def p_matrix(stator: Stator, transducer: Transducer, *, frequency: float, tolera
     --------
     >>> from fem import Stator, Transducer, material, p_matrix, rotated
     >>> stator = Stator(solid=rotated(material("PZT-8"), "Z"), length=1.0, thickness=6e-4, ends="absorbing")
-    >>> row = Transducer(name="t", center=0.5, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=9e-3)
-    >>> p = p_matrix(stator, row, frequency=2.2e6, tolerance=0.3)
+    >>> transducer = Transducer(name="t", center=0.5, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=9e-3)
+    >>> p = p_matrix(stator, transducer, frequency=2.2e6, tolerance=0.3)
     >>> bool(abs(p.detection + 2 * p.excitation).max() < 1e-9 * abs(p.excitation).max())
     True
     """
     length = (len(transducer.signs) + 4) * transducer.pitch
     alone = replace(stator, length=length, ends="absorbing", pieces=())
-    row = replace(transducer, center=length / 2, termination="open")
+    centred = replace(transducer, center=length / 2, termination="open")
 
     def at_level(resolution: Resolution) -> PMatrix:
-        return p_matrix_on_level(alone, row, frequency, resolution)
+        return p_matrix_on_level(alone, centred, frequency, resolution)
 
     refined = refine_stator(stator, at_level, differences=matrix_difference, tolerance=tolerance)
     result = replace(refined.answer, relative_error=refined.errors[0])
@@ -131,7 +131,7 @@ def p_matrix(stator: Stator, transducer: Transducer, *, frequency: float, tolera
 
 
 def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> np.ndarray:
-    """Admittance matrix of transducers and pieces in a row, coupled by the modes of their P-matrices alone.
+    """Admittance matrix of transducers and pieces in cascade, coupled by the modes of their P-matrices alone.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
         Element(scattering=part.scattering, excitation=np.outer(part.excitation, volts), leaves=own, arrives=own)
         for part, own, volts in zip(parts, waves, unit, strict=True)
     ]
-    arriving = solve_row(elements, travel).arriving
+    arriving = solve_cascade(elements, travel).arriving
     detected = [part.detection @ arriving[own] for part, own in zip(parts, waves, strict=True)]
     return np.diag([part.admittance for part in parts]) + np.array(detected)
 
@@ -169,10 +169,10 @@ def p_matrix_on_level(
 
     ``every_mode``: for all propagating modes, with which power is conserved, instead of the surface wave's.
     """
-    row = stator_row(stator, (transducer,), frequency=frequency, resolution=resolution)
-    port_modes = row.modes.propagating if every_mode else row.modes.rayleigh
-    fields = row.solved(row.network.solve(port_modes))
-    waves = waves_of(row.modes, port_modes, row.section.solid.stress_unit * transducer.aperture)
+    cascade = stator_cascade(stator, (transducer,), frequency=frequency, resolution=resolution)
+    port_modes = cascade.modes.propagating if every_mode else cascade.modes.rayleigh
+    fields = cascade.solved(cascade.network.solve(port_modes))
+    waves = waves_of(cascade.modes, port_modes, cascade.section.solid.stress_unit * transducer.aperture)
     port = bool(fields.names)
     return of_segments(
         fields.segments,
@@ -191,9 +191,9 @@ def of_segments(
     received: np.ndarray | None = None,
     admittance: complex = 0j,
 ) -> PMatrix:
-    """P-matrix of a row between semi-infinite segments, from the segments' amplitudes for a voltage and incident modes.
+    """P-matrix of a cascade between semi-infinite segments, from their amplitudes for a voltage and incident modes.
 
-    ``length`` in length units; ``received``: current per incident mode, A, of a row with a port; ``admittance`` in S.
+    ``length`` in length units; ``received``: current per incident mode, A, of a port; ``admittance`` in S.
     """
     modes, m = waves.section_modes, len(waves.modes)
     leaving = waves.leaving(segments)
@@ -236,7 +236,7 @@ class ScaledWaves:
         return block_diagonal(self.right, self.left)
 
     def leaving(self, segments: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
-        """Waves that leave a row to the left, then to the right, by excitation."""
+        """Waves that leave a cascade to the left, then to the right, by excitation."""
         amplitudes = [segments[0][-1].left[self.modes], segments[-1][0].right[self.modes]]
         return np.linalg.solve(block_diagonal(self.left, self.right), np.concatenate(amplitudes))
 

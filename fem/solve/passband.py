@@ -29,7 +29,7 @@ from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes, guided_modes, power
-from fem.waveguide.port_fields import PortFields, joined_row, stator_row
+from fem.waveguide.port_fields import PortFields, joined_cascade, stator_cascade
 
 MANY_PAIRS = 25  # finger pairs from which the finer level is used
 SCAN, STEP = 2.0, 0.2  # half-width of the scan and its step, over the relative width 1/N of the passband
@@ -66,8 +66,8 @@ def best_period(stator: Stator, transducer: Transducer, frequency: float) -> flo
     --------
     >>> from fem import Stator, Transducer, best_period, material, rotated
     >>> stator = Stator(solid=rotated(material("PZT-8"), "Z"), length=0.1, thickness=5e-3, ends="free")
-    >>> row = Transducer(name="t", center=0.05, finger_pairs=10, period=1e-3, metallisation=0.5, aperture=0.02)
-    >>> round(best_period(stator, row, 2.2e6) * 1e3, 3)
+    >>> transducer = Transducer(name="t", center=0.05, finger_pairs=10, period=1e-3, metallisation=0.5, aperture=0.02)
+    >>> round(best_period(stator, transducer, 2.2e6) * 1e3, 3)
     0.981
     """
     return _best_period(*_alone(stator, replace(transducer, period=1.0)), float(frequency))
@@ -92,9 +92,9 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
 
     def power_at(period: float, level: Resolution) -> float:
         condensation, modes = section_at(level)
-        alone, row = _alone(stator, replace(transducer, period=period))
-        pieces = transducer_superelements(condensation, alone, (row,), level)
-        return surface_power(joined_row(alone, (row,), pieces, modes=modes, resolution=level).solved())
+        alone, own = _alone(stator, replace(transducer, period=period))
+        pieces = transducer_superelements(condensation, alone, (own,), level)
+        return surface_power(joined_cascade(alone, (own,), pieces, modes=modes, resolution=level).solved())
 
     return _maximise(power_at, guess, transducer)
 
@@ -103,7 +103,7 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
 @one_blas_thread
 def _best_frequency(stator: Stator, transducer: Transducer) -> float:
     def power_at(frequency: float, level: Resolution) -> float:
-        return surface_power(stator_row(stator, (transducer,), frequency=frequency, resolution=level).solved())
+        return surface_power(stator_cascade(stator, (transducer,), frequency=frequency, resolution=level).solved())
 
     return _maximise(power_at, _guess(stator, transducer) / transducer.period, transducer)
 
@@ -139,11 +139,11 @@ def _guess(stator: Stator, transducer: Transducer) -> float:
     velocity = automatic_period(solid, 1.0, transducer.metallisation)
     half_range = min(1 / transducer.finger_pairs, MAX_GUESS_RANGE)
     products = velocity * np.linspace(1 - half_range, 1 + half_range, GRID)
-    row = replace(transducer, period=1.0)
+    of_unit_period = replace(transducer, period=1.0)
     if transducer.pattern is None and not transducer.split:
-        power = relative_amplitude(solid, row, products, surface=surface)
+        power = relative_amplitude(solid, of_unit_period, products, surface=surface)
     else:
-        power = transducer_estimate(solid, row, surface).conductance(products)
+        power = transducer_estimate(solid, of_unit_period, surface).conductance(products)
     return float(products[np.argmax(power)])
 
 

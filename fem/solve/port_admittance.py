@@ -7,14 +7,14 @@ import numpy as np
 
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
-from fem.convergence_error import refuse_above
+from fem.condense.electrodes import is_port
 from fem.discretize.error_estimate import refine_stator
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
-from fem.waveguide.port_fields import PortFields, StatorRow, stator_row
+from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 
 BAND_ROUNDS = 3
 
@@ -97,7 +97,7 @@ def port_admittance(
     frequencies = np.asarray(frequency, dtype=float)
     limits = (float(frequencies.min()), float(frequencies.max())) if frequencies.size > 1 else None
     apertures = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
-    solve = apertures or StatorRow.solved
+    solve = apertures or StatorCascade.solved
     if frequencies.size > 1:
         return _over_band(stator, transducers, frequencies, tolerance, solve)
     (single,) = frequencies.reshape(-1).tolist()
@@ -105,7 +105,7 @@ def port_admittance(
     _check_ports(transducers)
 
     def at_level(resolution) -> PortFields:
-        return solve(stator_row(stator, transducers, frequency=single, resolution=resolution))
+        return solve(stator_cascade(stator, transducers, frequency=single, resolution=resolution))
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]
@@ -121,7 +121,7 @@ def _difference(fine: PortFields, coarse: PortFields) -> tuple[float]:
 
 
 def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
-    names = tuple(each.name for each in transducers if {"+", "-"} <= set(each.signs))
+    names = tuple(each.name for each in transducers if is_port(each))
     if not names:
         raise InputError("transducer", "must have two electrodes, at least one of them, and none has")
     return names

@@ -1,9 +1,9 @@
-"""Reflection and transmission of the surface wave at meshed pieces: one piece, a row of them, an end of the stator.
+"""Reflection and transmission of the surface wave at meshed pieces: one piece, a cascade of them, an end of the stator.
 
 The pieces stand between uniform semi-infinite segments.  Waves are scaled as in `fem.solve.p_matrix`: a wave of
 amplitude a carries the power |a|^2 / 2 per metre of y.  |R|^2 + |T|^2 is then the share of the power that stays in the
 surface wave; the rest goes into other modes of the section (bulk waves) or is lost in the solid.  Phases refer to the
-outer interfaces of the pieces.  A row couples its pieces by all modes that do not decay within the shortest gap.
+outer interfaces of the pieces.  A cascade couples its pieces by all modes that do not decay within the shortest gap.
 """
 
 from collections.abc import Sequence
@@ -12,12 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.condense.piece import Piece
-from fem.convergence_error import refuse_above
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.layout import check_interfaces
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.placement import is_step
@@ -26,7 +25,7 @@ from fem.threads import one_blas_thread
 from fem.waveguide.ends import Wall
 from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, Scatterer
-from fem.waveguide.row import CondensedPieces, condensed_pieces
+from fem.waveguide.stator_meshes import CondensedPieces, condensed_pieces
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +38,13 @@ class Reflector:
         Hz.
     wavelength : float
         Of the surface wave, m.
-    row : PMatrix or None
-        Of all pieces between uniform segments as one row, from the left interface of the first to the right one of the
-        last, with short-circuited electrodes.  A plate with two equal faces has two waves; the first is that of the
+    cascade : PMatrix or None
+        Of all pieces between uniform segments as one cascade, from the left interface of the first to the right one of
+        the last, with short-circuited electrodes.  A plate with two equal faces has two waves; the first is that of the
         upper surface.  None without such pieces.
     pieces : tuple of (str, PMatrix)
         Name and P-matrix of each distinct piece alone.
-    places : tuple of (float, int)
+    positions : tuple of (float, int)
         For every piece from left to right: its left interface in m and its index in ``pieces``.
     ends : tuple of (str, complex)
         Reflection of the surface wave at the ends that are meshes.
@@ -55,16 +54,16 @@ class Reflector:
 
     frequency: float
     wavelength: float
-    row: PMatrix | None = field(repr=False)
+    cascade: PMatrix | None = field(repr=False)
     pieces: tuple[tuple[str, PMatrix], ...] = field(repr=False)
-    places: tuple[tuple[float, int], ...]
+    positions: tuple[tuple[float, int], ...]
     ends: tuple[tuple[str, complex], ...]
     relative_error: float
 
     @property
     def scattering(self) -> np.ndarray | None:
-        """S of the whole row, (2 waves, 2 waves): surface waves at its left edge first, then at its right one."""
-        return None if self.row is None else self.row.scattering
+        """S of the whole cascade, (2 waves, 2 waves): surface waves at its left edge first, then at its right one."""
+        return None if self.cascade is None else self.cascade.scattering
 
     @property
     def reflection(self) -> complex:
@@ -83,10 +82,10 @@ class Reflector:
 
     @property
     def _scattered(self) -> np.ndarray:
-        """Amplitudes that leave the row for a surface wave of amplitude 1 from the left, (2 waves,)."""
-        if self.row is None:
+        """Amplitudes that leave the cascade for a surface wave of amplitude 1 from the left, (2 waves,)."""
+        if self.cascade is None:
             raise InputError("piece", "must stand between the ends: the ends alone have no transmission")
-        return self.row.scattering[:, 0]
+        return self.cascade.scattering[:, 0]
 
 
 @one_blas_thread
@@ -119,7 +118,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
         unit = slowest_wavelength(stator.solid, frequency)
         section = discretise(stator, resolution, wavelength=unit, surface_scale=np.inf)
         modes = guided_modes(section, frequency)
-        return _of_row(stator, modes, condensed_pieces(stator, modes, resolution))
+        return _of_cascade(stator, modes, condensed_pieces(stator, modes, resolution))
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     result = replace(refined.answer, relative_error=refined.errors[0])
@@ -127,7 +126,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
     return result
 
 
-def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflector:
+def _of_cascade(stator: Stator, modes: GuidedModes, meshed: CondensedPieces) -> Reflector:
     waves = waves_of(modes, modes.rayleigh, modes.section.solid.stress_unit)
 
     def p_matrix_of(pieces: Sequence[tuple[float, Piece]]) -> PMatrix:
@@ -136,7 +135,7 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
             scatterers=tuple(
                 Scatterer(piece=piece, modes=modes, potentials=np.zeros((len(piece.ports), 0))) for _, piece in pieces
             ),
-            places=tuple(place for place, _ in pieces),
+            positions=tuple(position for position, _ in pieces),
             start=pieces[0][0],
             stop=pieces[-1][0] + pieces[-1][1].width,
             ends=("absorbing", "absorbing"),
@@ -146,15 +145,15 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
         segments = network.solve(waves.modes).segments
         return of_segments(segments, waves, length=network.stop - network.start)
 
-    # pieces of equal contents are one object (`PieceRow`), by which their P-matrix is found again
+    # pieces of equal contents are one object (`StatorMeshes`), by which their P-matrix is looked up
     alone: dict[int, tuple[str, PMatrix]] = {}
-    places = []
-    for piece, (place, condensed) in zip(stator.placement.between, row.between, strict=True):
+    positions = []
+    for piece, (position, condensed) in zip(stator.placement.between, meshed.between, strict=True):
         if id(condensed) not in alone:
-            alone[id(condensed)] = piece.name, p_matrix_of([(place, condensed)])
-        places.append((place * modes.section.length_unit, list(alone).index(id(condensed))))
+            alone[id(condensed)] = piece.name, p_matrix_of([(position, condensed)])
+        positions.append((position * modes.section.length_unit, list(alone).index(id(condensed))))
     ends = []
-    for side, (end_piece, wall) in enumerate(zip(stator.placement.ends, row.ends, strict=True)):
+    for side, (end_piece, wall) in enumerate(zip(stator.placement.ends, meshed.ends, strict=True)):
         if end_piece is None or not isinstance(wall, Wall):
             continue
         reflected = wall.sent_back(modes, side, waves.modes)[waves.modes]
@@ -167,9 +166,9 @@ def _of_row(stator: Stator, modes: GuidedModes, row: CondensedPieces) -> Reflect
     return Reflector(
         frequency=modes.frequency,
         wavelength=float(2 * np.pi / surface),
-        row=p_matrix_of(row.between) if row.between else None,
+        cascade=p_matrix_of(meshed.between) if meshed.between else None,
         pieces=tuple(alone.values()),
-        places=tuple(places),
+        positions=tuple(positions),
         ends=tuple(ends),
         relative_error=np.nan,
     )

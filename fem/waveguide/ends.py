@@ -49,7 +49,7 @@ class Beyond:
     """Semi-infinite uniform stator of another thickness behind a step."""
 
     modes: GuidedModes
-    place: float  # x at which it begins, length units
+    position: float  # x at which it begins, length units
     far_line: np.ndarray = field(repr=False)  # matrix from the line of the wall to its line, (n of beyond, n)
 
 
@@ -130,7 +130,7 @@ def end_walls(
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
     columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
-    left, right = (reduce(joined, [columns[each] for each in row]) for row in (widths[::-1], widths))
+    left, right = (reduce(joined, [columns[each] for each in from_left]) for from_left in (widths[::-1], widths))
     lines = np.arange(2 * section.size).reshape(2, -1)
     held = section.mechanical if stator.ends == "clamped" else np.zeros(0, dtype=int)
     return (closed(left, lines[1], np.delete(lines[0], held))[0], closed(right, lines[0], np.delete(lines[1], held))[0])

@@ -1,7 +1,7 @@
 """A line force on the bare surface of a uniform segment: what it sends to both sides.
 
-A force F per width along y (N/m) at one place of the surface makes the nodal flux jump, f_right - f_left = -F e, with e
-the surface's unknown of that component.  With the radiation impedances of both sides
+A force F per width along y (N/m) at one position of the surface makes the nodal flux jump, f_right - f_left = -F e,
+with e the surface's unknown of that component.  With the radiation impedances of both sides
 
     (X_right + X_left) u = -F e,
 
@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.waveguide.ends import with_gauge
 from fem.waveguide.modes import GuidedModes
 
@@ -25,7 +25,7 @@ class LineForce:
     """A line force on the bare surface of a stator, uniform along y or over a strip of it.
 
     In the section it is the same all along y.  In the beam (`fem.surface_beam`) it acts on |y - center_y| < width / 2;
-    several strips at one place are a profile along y.
+    several strips at one position are a profile along y.
 
     Attributes
     ----------
@@ -88,8 +88,8 @@ class ForceResponse:
     @property
     def surface_wave(self) -> np.ndarray:
         """u_x and u_z of the surface wave sent to the right, at the force, m per N/m: shape (2,)."""
-        chosen = self.modes.rayleigh
-        return self.modes.section.surface_rows @ (self.modes.right[:, chosen] @ self.right[chosen])
+        surface_wave = self.modes.rayleigh
+        return self.modes.section.surface_rows @ (self.modes.right[:, surface_wave] @ self.right[surface_wave])
 
 
 def force_response(modes: GuidedModes, component: str) -> ForceResponse:

@@ -27,13 +27,12 @@ import numpy as np
 from fem.analytic.half_space import automatic_period
 from fem.condense.columns import FingerColumns
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Above, Stator, Transducer
-from fem.input_error import InputError
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
 
@@ -155,7 +154,7 @@ class Grating:
         return complex(best if best.imag < 0 else np.conj(best))
 
     def stop_band(self, *, open_fingers: bool) -> StopBand:
-        """Edges of the first stop band; a ConvergenceError if no two surface waves with lambda = -1 are found."""
+        """Edges of the first stop band; a ConvergenceError if no two surface waves with lambda = -1 exist."""
         from scipy.linalg import eig
 
         start = (2 * np.pi * self.middle) ** 2

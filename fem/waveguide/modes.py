@@ -19,9 +19,9 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.section import LineSpace
 from fem.eigenproblem import companion_modes, even_odd_modes
+from fem.exceptions import ConvergenceError
 from fem.waveguide.surface_modes import surface_modes
 
 POLISHING_STEPS = 6
@@ -252,7 +252,7 @@ def _with_constant(constant, wavenumbers, shapes):
 def _both_ways(constant, second, first, skew, zeroth):
     """Modes going right and left where x -> -x is no symmetry: twice (wavenumbers, shapes).
 
-    A mode that goes left stands at the place of the mode that goes right whose wavenumber is most nearly opposite; the
+    A mode that goes left has the number of the mode that goes right whose wavenumber is most nearly opposite; the
     modes with the smallest |k| choose first.  The constant potential is a double mode, once in each direction.
     """
     size = len(second)

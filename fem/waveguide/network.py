@@ -9,24 +9,25 @@ unknowns u of its two lines obey
 so that one factorisation gives the waves that it sends for each voltage and for each incident mode.  Along a segment of
 length l a mode changes by exp(-i k l).  Only modes that do not decay below double precision couple the pieces, so that
 the cost does not depend on the length.  Free and clamped ends reflect an incident mode into all modes of the section.
-A line force on the bare surface sends the modes of `fem.waveguide.force` both ways.  `fem.waveguide.row_solver` solves
+A line force on the bare surface sends the modes of `fem.waveguide.force` both ways.  `fem.waveguide.cascade` solves
 for the amplitudes of all waves together.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.columns import FingerColumns
 from fem.condense.piece import Blocks, Piece, Port
-from fem.input_error import InputError
+from fem.exceptions import InputError
+from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.force import ForceResponse, force_response
 from fem.waveguide.modes import GuidedModes
-from fem.waveguide.row_solver import Element, solve_row
 
 NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below rounding
 NO_WAVES = np.empty(0, dtype=int)
@@ -46,6 +47,13 @@ class Scatterer:
     def at(self) -> Blocks:
         """Slices of the lines and ports in the piece's matrix."""
         return Blocks(self.piece.size)
+
+    @property
+    def columns(self) -> FingerColumns:
+        """The piece, if it consists of columns of fingers; a TypeError otherwise."""
+        if not isinstance(self.piece, FingerColumns):
+            raise TypeError("the piece is not made of columns of fingers")
+        return self.piece
 
     @cached_property
     def _between_ends(self):
@@ -118,17 +126,17 @@ class _Segment:
     stop: float
     travel: float  # distance that the modes travel from end to end, length units; 0 if the segment is semi-infinite
     kept: np.ndarray  # indices of the modes that couple the ends
-    first: int  # number in the row of their first wave: waves to the right, then waves to the left
+    first: int  # number in the cascade of their first wave: waves to the right, then waves to the left
     forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
 
     @property
     def right(self) -> np.ndarray:
-        """Numbers in the row of the waves to the right."""
+        """Numbers in the cascade of the waves to the right."""
         return self.first + np.arange(len(self.kept))
 
     @property
     def left(self) -> np.ndarray:
-        """Numbers in the row of the waves to the left."""
+        """Numbers in the cascade of the waves to the left."""
         return self.right + len(self.kept)
 
     def passed(self, towards: str, distance: float) -> np.ndarray:
@@ -167,7 +175,7 @@ class _Segment:
 
 
 class _Scattered(NamedTuple):
-    """Response of a scatterer in the row.
+    """Response of a scatterer in the cascade.
 
     The columns are the m coupling modes that arrive from the left, those that arrive from the right, and the ports that
     determine its potentials.
@@ -207,11 +215,11 @@ def _scattered(
 
 @dataclass(frozen=True, kw_only=True)
 class Network:
-    """Scatterers in a row between two ends."""
+    """Scatterers in cascade between two ends."""
 
     modes: GuidedModes
     scatterers: tuple[Scatterer, ...]  # from left to right
-    places: tuple[float, ...]  # where their left lines lie, length units
+    positions: tuple[float, ...]  # where their left lines lie, length units
     # start, stop: where the uniform stator begins and ends, length units
     start: float
     stop: float
@@ -220,12 +228,14 @@ class Network:
     numbers: tuple[np.ndarray, ...]  # for each scatterer: the ports that determine its potentials
 
     @cached_property
+    def lines(self) -> list[tuple[float, float]]:
+        """Positions of the left and of the right line of each scatterer, length units."""
+        return [(left, left + each.piece.width) for left, each in zip(self.positions, self.scatterers, strict=True)]
+
+    @cached_property
     def segments(self) -> np.ndarray:
         """Ends of the uniform segments before, between and after the scatterers, shape (scatterers + 1, 2)."""
-        edges = [self.start]
-        for place, scatterer in zip(self.places, self.scatterers, strict=True):
-            edges += [place, place + scatterer.piece.width]
-        return np.array([*edges, self.stop]).reshape(-1, 2)
+        return np.array([self.start, *chain.from_iterable(self.lines), self.stop]).reshape(-1, 2)
 
     def survivors(self, length: float) -> np.ndarray:
         """Indices of the modes that are not negligible after a length; the constant potential carries no power."""
@@ -244,20 +254,20 @@ class Network:
     def forces_on(self, segment: int) -> tuple[int, ...]:
         """Numbers of the ports that are forces on a segment, from left to right."""
         start, stop = self.segments[segment]
-        mine = [number for number in self.forces if start <= self.ports[number].place <= stop]
-        return tuple(sorted(mine, key=lambda number: self.ports[number].place))
+        mine = [number for number in self.forces if start <= self.ports[number].position <= stop]
+        return tuple(sorted(mine, key=lambda number: self.ports[number].position))
 
     def _coupled_segments(self, waves: np.ndarray) -> list[_Segment]:
         """Segments with their coupling modes; ``waves``: modes that arrive from outside at absorbing ends."""
-        places = {number: self.ports[number].place for number in self.forces}
-        free = [any(start <= place <= stop for start, stop in self.segments) for place in places.values()]
+        positions = {number: self.ports[number].position for number in self.forces}
+        free = [any(start <= position <= stop for start, stop in self.segments) for position in positions.values()]
         if not all(free):
-            port = self.ports[list(places)[free.index(False)]]
+            port = self.ports[list(positions)[free.index(False)]]
             unit = self.modes.section.length_unit
             raise InputError(
                 "force.position",
                 "must lie on the bare surface, beside the pieces and the transducers with their outer gaps",
-                port.place * unit,
+                port.position * unit,
                 "m",
                 owner=port.name,
             )
@@ -266,7 +276,7 @@ class Network:
         for index, (start, stop) in enumerate(self.segments):
             forces = self.forces_on(index)
             # A force excites modes anew: they reach the nearest edge after a distance shorter than the segment.
-            length = min([stop - start, *(abs(places[each] - edge) for each in forces for edge in (start, stop))])
+            length = min([stop - start, *(abs(positions[each] - edge) for each in forces for edge in (start, stop))])
             kept, travel = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             # No wave returns from an absorbing end: a piece beside it receives only the waves from outside and those of
@@ -294,7 +304,7 @@ class Network:
         Parameters
         ----------
         waves : ndarray of int
-            Modes that arrive at the first line of the row, then at its last one; the ends are absorbing.
+            Modes that arrive at the first line of the cascade, then at its last one; the ends are absorbing.
         """
         if any(scatterer.piece.size == 0 for scatterer in self.scatterers):
             return self._solve_whole(waves)
@@ -310,7 +320,7 @@ class Network:
             )
         ]
         elements += [each.element for each in responses]
-        solved = solve_row(elements, outside=self._outside(segments, waves, excitations))
+        solved = solve_cascade(elements, outside=self._outside(segments, waves, excitations))
 
         # Superposition: the responses, weighted by the amplitudes that arrive and by one for the excited port.
         sides, arrived = [], []
@@ -362,7 +372,7 @@ class Network:
         return end_reflection(self.modes, end, side, arriving)
 
     def _end(self, side: int, segment: _Segment, sent_back: np.ndarray, excitations: int) -> Element:
-        """The left (0) or the right (1) end as an element of the row."""
+        """The left (0) or the right (1) end as an element of the cascade."""
         towards, away = ("left", "right") if side == 0 else ("right", "left")
         shapes = self.modes.right if side == 0 else self.modes.left
         scattering = np.zeros((len(segment.kept),) * 2, dtype=complex)
@@ -385,9 +395,9 @@ class Network:
         outside = np.zeros((segments[-1].first + 2 * len(segments[-1].kept), excitations), dtype=complex)
         for segment in segments:
             for number in segment.forces:
-                force, place = self.forces[number], self.ports[number].place
-                rightwards = segment.passed("right", segment.stop - place) * force.right
-                leftwards = segment.passed("left", place - segment.start) * force.left
+                force, position = self.forces[number], self.ports[number].position
+                rightwards = segment.passed("right", segment.stop - position) * force.right
+                leftwards = segment.passed("left", position - segment.start) * force.left
                 outside[segment.right, number] = rightwards[segment.kept]
                 outside[segment.left, number] = leftwards[segment.kept]
         # `kept` of a semi-infinite segment begins with ``waves``, so that entry `number` is wave `number`
@@ -432,26 +442,26 @@ class Network:
 
     def _parts(self, segment: _Segment, right: np.ndarray, left: np.ndarray) -> tuple[SegmentWaves, ...]:
         """Parts of a segment between its forces, for amplitudes ``right`` at its start and ``left`` at its stop."""
-        places = [self.ports[number].place for number in segment.forces]
-        edges = [segment.start, *places, segment.stop]
+        positions = [self.ports[number].position for number in segment.forces]
+        edges = [segment.start, *positions, segment.stop]
         parts = []
         for index, (start, stop) in enumerate(pairwise(edges)):
             going_right, going_left = right, left
-            if places:
+            if positions:
                 going_right = segment.passed("right", start - segment.start)[:, None] * right
                 going_left = segment.passed("left", segment.stop - stop)[:, None] * left
-            for place, number in zip(places[:index], segment.forces, strict=False):
-                going_right[:, number] += segment.passed("right", start - place) * self.forces[number].right
-            for place, number in zip(places[index:], segment.forces[index:], strict=True):
-                going_left[:, number] += segment.passed("left", place - stop) * self.forces[number].left
+            for position, number in zip(positions[:index], segment.forces, strict=False):
+                going_right[:, number] += segment.passed("right", start - position) * self.forces[number].right
+            for position, number in zip(positions[index:], segment.forces[index:], strict=True):
+                going_left[:, number] += segment.passed("left", position - stop) * self.forces[number].left
             parts.append(SegmentWaves(start=start, stop=stop, right=going_right, left=going_left))
         return tuple(parts)
 
     def _displacement(self, number: int, amplitudes: tuple[tuple[SegmentWaves, ...], ...]) -> np.ndarray:
         """Displacement at a force, in its direction, for each excitation."""
         modes, port = self.modes, self.ports[number]
-        part = next(part for own in amplitudes for part in own if part.start <= port.place <= part.stop)
-        lines = modes.right @ part.right_at(modes, port.place) + modes.left @ part.left_at(modes, port.place)
+        part = next(part for own in amplitudes for part in own if part.start <= port.position <= part.stop)
+        lines = modes.right @ part.right_at(modes, port.position) + modes.left @ part.left_at(modes, port.position)
         return modes.section.surface_rows["xz".index(port.component)] @ lines
 
 
@@ -466,7 +476,7 @@ class PortSolution:
     segments: tuple[tuple[SegmentWaves, ...], ...] = field(repr=False)  # before, between and after the scatterers
     # shape (ports, excitations): reactions: minus the charge, scaled, symmetric among potentials; displacements in m
     reactions: np.ndarray
-    # shape (waves, waves): `fem.waveguide.row_solver.RowWaves.coupling`
+    # shape (waves, waves): `fem.waveguide.cascade.CascadeWaves.coupling`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes
     # of each scatterer: what its charges are along the fingers (fem.beam.reception); empty for a section's

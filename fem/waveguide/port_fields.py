@@ -19,18 +19,19 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.columns import FingerColumns
+from fem.condense.electrodes import electrode_potentials, transducer_ports, uncharged
 from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer
-from fem.waveguide.row import CondensedPieces, condensed_pieces, no_pieces
+from fem.waveguide.stator_meshes import CondensedPieces, condensed_pieces, no_pieces
 
 # rad per slowest wavelength: the eigenproblem gives k^2, and below this |k| only its rounding error
 CUT_OFF = 1e-3
@@ -39,7 +40,7 @@ MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class StatorRow:
+class StatorCascade:
     """A stator on one discretisation: the network to be solved, and which transducer each of its scatterers is."""
 
     stator: Stator
@@ -55,8 +56,8 @@ class StatorRow:
         return self.network.modes
 
     @property
-    def section(self) -> Section:
-        """Section of the uniform segments."""
+    def section(self) -> LineSpace:
+        """Lines of the uniform segments."""
         return self.modes.section
 
     @property
@@ -84,7 +85,7 @@ class StatorRow:
         charges = widths * solution.reactions[:count]
         voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
         names = tuple(port.name for port in ports if port.kind == "voltage")
-        weights = _uncharged(charges, voltage)
+        weights = uncharged(charges, voltage)
         weights[:, : len(names)] /= medium.potential_unit
         charge_unit = medium.stress_unit / medium.potential_unit
         currents = charge_currents(charges[voltage] @ weights * charge_unit, self.frequency)
@@ -104,8 +105,8 @@ class StatorRow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PortFields(StatorRow, PortSolution):
-    """A row and its fields for each of its excitations, the other ones at zero; no transducer has a net charge.
+class PortFields(StatorCascade, PortSolution):
+    """A cascade and its fields for each of its excitations, the other ones at zero; no transducer has a net charge.
 
     The excitations are 1 V at each port, then 1 N/m of each force, then a wave of amplitude 1 from outside.  Potentials
     of ``sides`` are those of a transducer's two electrodes, or of every finger (fem.beam.reception), or of a piece's
@@ -146,13 +147,6 @@ class PortFields(StatorRow, PortSolution):
         return float(1 / abs(1 - factors).min()), float(1 / abs(1 - turned).min())
 
 
-def transducer_ports(transducer: Transducer, mean: bool) -> tuple[Port, ...]:
-    """Ports of a transducer: the voltage of two electrodes, and their mean potential unless it is arbitrary."""
-    electrodes = {"+", "-"} & set(transducer.signs)
-    own = (Port(kind="voltage", name=transducer.name),) if len(electrodes) == 2 else ()
-    return (*own, Port(kind="mean", name=transducer.name)) if electrodes and mean else own
-
-
 def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
     """Names of the transducers whose mean potential is not arbitrary, because something else determines it.
 
@@ -173,21 +167,14 @@ def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floatin
     return {name for name, first in group.items() if name != first or first in grounded}
 
 
-def electrode_potentials(transducer: Transducer, ports: tuple[Port, ...]) -> np.ndarray:
-    """Potentials of a transducer's two electrodes for a unit at each of its ports, shape (2, ports)."""
-    exists = [float(sign in transducer.signs) for sign in "+-"]
-    columns = [(0.5, -0.5) if port.kind == "voltage" else exists for port in ports]
-    return np.array(columns).reshape(-1, 2).T
-
-
-def stator_row(
+def stator_cascade(
     stator: Stator,
     transducers: tuple[Transducer, ...],
     *,
     frequency: float,
     resolution: Resolution,
     forces: tuple[LineForce, ...] = (),
-) -> StatorRow:
+) -> StatorCascade:
     """Discretise and condense a stator at a frequency in Hz, with line forces on its bare surface.
 
     A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
@@ -213,12 +200,12 @@ def stator_row(
             "change the frequency by a part in 100000, or give the solid a mechanical_quality"
         )
     pieces = condensed_pieces(stator, modes, resolution)
-    return joined_row(
+    return joined_cascade(
         stator, transducers, superelements, modes=modes, resolution=resolution, pieces=pieces, forces=forces
     )
 
 
-def joined_row(
+def joined_cascade(
     stator: Stator,
     transducers: tuple[Transducer, ...],
     superelements: list[FingerColumns],
@@ -227,8 +214,8 @@ def joined_row(
     resolution: Resolution,
     pieces: CondensedPieces | None = None,
     forces: tuple[LineForce, ...] = (),
-) -> StatorRow:
-    """Join superelements, uniform segments and ends to a row.
+) -> StatorCascade:
+    """Join superelements, uniform segments and ends to a cascade.
 
     ``superelements``: one for each transducer from left to right, including its outer gaps; equal transducers share an
     object, and there are none if one mesh is the whole stator.  ``pieces``: meshed pieces and ends of the stator, by
@@ -241,30 +228,30 @@ def joined_row(
     potentials = [electrode_potentials(each, own) for each, own in zip(transducers, own_ports, strict=True)]
     first = np.cumsum([0, *map(len, own_ports)])
     numbers = [np.arange(*first[index : index + 2]) for index in range(len(transducers))]
-    row = _mesh_elements(modes, transducers, pieces, numbers, potentials, len(ports))
+    elements = _mesh_elements(modes, transducers, pieces, numbers, potentials, len(ports))
     if not pieces.whole:
-        row += _transducer_elements(
+        elements += _transducer_elements(
             modes, outer_gaps(stator, transducers), transducers, superelements, numbers, potentials
         )
-    row.sort(key=lambda each: each.place)
+    elements.sort(key=lambda each: each.position)
     network = Network(
         modes=modes,
-        scatterers=tuple(each.scatterer for each in row),
-        places=tuple(each.place for each in row),
+        scatterers=tuple(each.scatterer for each in elements),
+        positions=tuple(each.position for each in elements),
         start=pieces.start,
         stop=pieces.stop,
         ends=pieces.ends,
         ports=ports + tuple(_force_port(each, modes.section.length_unit) for each in forces),
-        numbers=tuple(each.numbers for each in row),
+        numbers=tuple(each.numbers for each in elements),
     )
-    owners = tuple(each.owner for each in row)
-    return StatorRow(stator=stator, transducers=transducers, network=network, owners=owners, resolution=resolution)
+    owners = tuple(each.owner for each in elements)
+    return StatorCascade(stator=stator, transducers=transducers, network=network, owners=owners, resolution=resolution)
 
 
-class _RowElement(NamedTuple):
-    """A transducer or a meshed piece in the row."""
+class _CascadeElement(NamedTuple):
+    """A transducer or a meshed piece in the cascade."""
 
-    place: float  # of its left line, length units
+    position: float  # of its left line, length units
     scatterer: Scatterer
     numbers: np.ndarray  # numbers of the network's ports that determine its potentials
     owner: int | None  # number of its transducer; None for a meshed piece
@@ -277,7 +264,7 @@ def _transducer_elements(
     superelements: list[FingerColumns],
     numbers: list[np.ndarray],
     potentials: list[np.ndarray],
-) -> list[_RowElement]:
+) -> list[_CascadeElement]:
     """Elements of the transducers; equal ones share a superelement and therefore a scatterer.  ``gaps``: outer gaps."""
     scatterers = {
         id(superelement): Scatterer(piece=superelement, modes=modes, potentials=own)
@@ -285,7 +272,7 @@ def _transducer_elements(
     }
     unit = modes.section.length_unit
     return [
-        _RowElement((each.extent[0] - gap[0]) / unit, scatterers[id(superelement)], numbers[index], index)
+        _CascadeElement((each.extent[0] - gap[0]) / unit, scatterers[id(superelement)], numbers[index], index)
         for index, (each, gap, superelement) in enumerate(zip(transducers, gaps, superelements, strict=True))
     ]
 
@@ -297,7 +284,7 @@ def _mesh_elements(
     numbers: list[np.ndarray],
     potentials: list[np.ndarray],
     ports: int,
-) -> list[_RowElement]:
+) -> list[_CascadeElement]:
     """Elements of the meshed pieces; an electrode in a mesh has the potential of the transducer's electrode."""
     by_electrode = {  # potential of each electrode for a unit at each of the network's ports
         f"{each.name}{sign}": np.eye(ports)[own_numbers].T @ own_potentials[electrode]
@@ -305,11 +292,11 @@ def _mesh_elements(
         for electrode, sign in enumerate("+-")
     }
     elements = []
-    for place, piece in pieces.between:
+    for position, piece in pieces.between:
         table = np.array([by_electrode[port.name] for port in piece.ports]).reshape(-1, ports)
         used = np.flatnonzero(table.any(axis=0))
         scatterer = Scatterer(piece=piece, modes=modes, potentials=table[:, used])
-        elements.append(_RowElement(place, scatterer, used, None))
+        elements.append(_CascadeElement(position, scatterer, used, None))
     return elements
 
 
@@ -319,7 +306,7 @@ def _force_port(force: LineForce, unit: float) -> Port:
         kind="force",
         name=force.name,
         component=force.component,
-        place=force.position / unit,
+        position=force.position / unit,
         width=force.width / unit,
         center=force.center_y / unit,
     )
@@ -342,17 +329,3 @@ def check_passive(admittances: np.ndarray, names: tuple[str, ...]) -> None:
 def charge_currents(charges: np.ndarray, frequency: float) -> np.ndarray:
     """Currents in A of reactions int grad psi . D over an aperture, which are minus the charges, C."""
     return -2j * np.pi * frequency * charges
-
-
-def _uncharged(charges: np.ndarray, voltage: np.ndarray) -> np.ndarray:
-    """Weights of the excitations for a unit of each voltage, force and wave from outside, with no net charge.
-
-    ``charges``: of the ports, means included, by unit potentials of these, then by forces and waves from outside.
-    """
-    count, excitations = charges.shape
-    independent = np.append(voltage, np.ones(excitations - count, dtype=bool))  # the others are mean potentials
-    out = np.eye(excitations, dtype=complex)[:, independent]
-    if not voltage.all():
-        net_charges = charges[~voltage] / abs(np.diag(charges))[~voltage, None]  # scaled, one row per mean
-        out[~independent] = -np.linalg.solve(net_charges[:, ~independent], net_charges[:, independent])
-    return out

@@ -60,7 +60,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
         parts = [known[kind] for kind in kinds]
         placed = [(each.center - part.length / 2, part) for each, part in zip(row, parts, strict=True)]
         if pieces:
-            placed += [(left, pieces[-1].pieces[number][1]) for left, number in pieces[-1].places]
+            placed += [(left, pieces[-1].pieces[number][1]) for left, number in pieces[-1].positions]
         order = sorted(range(len(placed)), key=lambda k: placed[k][0])
         together, electrical = [placed[k] for k in order], [order.index(k) for k in ports]
         distances = [start - (before + part.length) for (before, part), (start, _) in pairwise(together)]
@@ -105,8 +105,8 @@ def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple
     if not pieces:
         return ()
     matrices = {name: [each.pieces[k][1] for each in pieces] for k, (name, _) in enumerate(pieces[0].pieces)}
-    if len(pieces[0].places) > 1:
-        matrices["all pieces together"] = [each.row for each in pieces]
+    if len(pieces[0].positions) > 1:
+        matrices["all pieces together"] = [each.cascade for each in pieces]
     return tuple(
         Panel(name=f"piece_{k}", title=f"{title}: {name}", data={
             key: abs(values) for key, values in from_the_left(at, [each.scattering for each in own]).items()

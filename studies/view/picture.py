@@ -26,7 +26,7 @@ from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
 from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
-from studies.view.views import BELOW, SOLID, Frame, frames
+from studies.view.views import BELOW, RIGHT, SOLID, Frame, frames
 
 MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
@@ -129,8 +129,11 @@ class Picture:
         low, high = (0.5 * height, 0.85 * height) if self.solid else (0.7 * height, 0.9 * height)
         if self.framed and not self.solid:
             _, low, _, high = max((frame.box for frame in self.frames), key=lambda box: box[3] - box[1])
-            entries = len(overlays.electrodes(self.run))
-            high = min(high, height - LEGEND_MARGIN - LEGEND_LINE * entries - LETTERS)  # its title is below the legend
+        entries = len(overlays.electrodes(self.run))
+        too_high = max(high - (height - LEGEND_MARGIN - LEGEND_LINE * entries - LETTERS), 0)  # its title is below these
+        high -= too_high
+        if self.solid or not self.framed:
+            low -= too_high
         self.plotter.add_scalar_bar(
             title="\n".join([*textwrap.wrap(title, 12), f"({unit}\n"]), mapper=self._mapper, vertical=True, n_labels=3,
             fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
@@ -223,6 +226,7 @@ class Picture:
         top = 0.0
         if self.spreads:  # keep the solid below the wave troughs
             top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
+            top -= 0.01 * run.wavelength  # at rest it would coincide with the surface
         for low, high, opacity in parts:
             ends = (0.0, self._length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))
@@ -314,7 +318,8 @@ class Picture:
             extent = " x ".join(f"{each * MM:.4g}" for each in extents)
             more = validity(run).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
             lines = [f"{run.scene.title}: {extent} mm (x, y, z)", drive, *more]
-            letters = int(np.clip(0.98 * width / (0.6 * max(map(len, lines))), 6, 12))
+            room = width - (RIGHT if run.fingers else 0)  # beside the legend
+            letters = int(np.clip(0.98 * room / (0.6 * max(map(len, lines))), 6, 12))
             plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
         else:
             for frame in self.frames:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from contact import FallingFriction, blocked_thrust, burst, mean_motion, steady, threshold_factor
-from contact.input_error import InputError
+from contact.exceptions import InputError
 from tests.contact.motors import friction_motor, orbit, slider
 from tests.oracles.contact_friction import follow
 

@@ -11,10 +11,10 @@ from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
 from contact.body import Point
 from contact.codes import Regime, Status
-from contact.convergence_error import ConvergenceError
 from contact.events import event_driven
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
+from contact.exceptions import ConvergenceError
 from contact.law import hysteretic
 from contact.problem import scaled
 from tests.contact.motors import FREQUENCY, orbit, slider

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from contact import UserLaw, burst, mean_motion, steady
-from contact.input_error import InputError
+from contact.exceptions import InputError
 from tests.contact.motors import friction_motor, orbit, slider
 from tests.oracles.contact_friction import follow
 

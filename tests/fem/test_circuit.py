@@ -156,7 +156,7 @@ def test_the_sources_powers_add_up(ladder):
     drive = Drive(sources=SOURCES, impedance=50.0 + 10.0j, match=ladder)
     found = solve_circuit(Y, ("a", "b"), (A, B), drive, FREQUENCY)
     powers = found.network
-    assert powers.given == pytest.approx(powers.in_sources + powers.in_ladders + found.power, rel=1e-13)
+    assert powers.delivered == pytest.approx(powers.in_sources + powers.in_ladders + found.power, rel=1e-13)
     assert powers.available == pytest.approx((abs(0.7 - 0.2j) ** 2 + 0.25) / 400.0, rel=1e-14)
     assert powers.in_ladders > 0 or not ladder
     assert found.power < powers.available

@@ -9,12 +9,11 @@ import pytest
 
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
@@ -33,8 +32,8 @@ from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
 from fem.solve.p_matrix import cascade_admittance, p_matrix
 from fem.solve.reflector import reflector
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import stator_row
-from fem.waveguide.row import PieceRow
+from fem.waveguide.port_fields import stator_cascade
+from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import bevelled_end, chip, profile, rectangle
 from tests.fem.piece_references import REFERENCES, places
 from tests.fem.stators import comb, cut, plate, wave_of
@@ -118,7 +117,7 @@ def test_the_potential_of_a_piece_without_fingers_is_a_matter_of_gauge(tmp_path,
     level = Resolution(order=5, edge_layers=0)
     unit = slowest_wavelength(stator.solid, 2.3e6)
     section = discretise(stator, level, wavelength=unit, surface_scale=np.inf)
-    row = PieceRow(stator, section, level, 2.3e6)
+    row = StatorMeshes(stator, section, level, 2.3e6)
     (piece,) = row.condensed(2.3e6).values()
     assert piece.floating_potential == floats
     constant = np.zeros(len(piece.matrix))
@@ -355,7 +354,7 @@ def test_reflection_of_a_groove_and_of_a_row(tmp_path):
         assert abs(each.scattering - each.scattering.T).max() < 1e-9
         assert np.linalg.norm(each.scattering[:, 0]) <= 1 + 1e-9
     assert two.pieces[0][1].scattering == pytest.approx(one.scattering, abs=1e-12)
-    assert [number for _, number in two.places] == [0, 0]
+    assert [number for _, number in two.positions] == [0, 0]
     assert abs(two.reflection - one.reflection) > 0.01
 
 
@@ -407,7 +406,7 @@ def test_the_p_matrix_of_a_plain_mesh_is_a_distance(tmp_path):
     path = rectangle(tmp_path / "plain.msh", 0.9, 0.8, size=0.45)
     given = {"frequency": 2.3e6, "tolerance": 1e-2}
     found = reflector(_with_pieces(stator, path, (6.0,)), **given)
-    ((left, number),), ((_, piece),) = found.places, found.pieces
+    ((left, number),), ((_, piece),) = found.positions, found.pieces
     assert (left, number, piece.length) == (pytest.approx(6 * unit), 0, pytest.approx(0.9 * unit))
     parts = [p_matrix(stator, comb(stator, "a", 2.5, finger_pairs=pairs), **given) for pairs in (1, 2)]
     plain = cascade_admittance(parts, [3.0 * unit])
@@ -499,13 +498,15 @@ def test_a_band_of_a_whole_stator(tmp_path):
         assert abs(wave.admittance / exact.circuit.admittance - 1) < band.admittance_error
         moved = surface_of(exact).motion(np.array(places))
         assert motion_difference(wave.motion(np.array(places)), moved) < band.relative_error
-    anew = driven_solution(replace(band.model, interpolation=None).row(2.188e6).solved(), "a")
+    anew = driven_solution(replace(band.model, interpolation=None).cascade(2.188e6).solved(), "a")
     moved = surface_of(anew).motion(np.array(places))
     assert motion_difference(wave.motion(np.array(places)), moved) < 5e-3
     assert abs(wave.admittance / anew.circuit.admittance - 1) < 1e-5
     assert len(band.model.interpolation[1].rational.nodes) < 10
     assert wave.power_residual < 1e-5
-    nodes = [stator_row(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]).solved() for f in (2.13e6, 2.17e6, 2.21e6)]
+    nodes = [
+        stator_cascade(stator, CHIP_ROW, frequency=f, resolution=LEVELS[0]).solved() for f in (2.13e6, 2.17e6, 2.21e6)
+    ]
     at = nodes[0].network.scatterers[0].potentials
     samples = [PieceSample.of(each.network.scatterers[0].piece, at) for each in nodes]
     found = rational_piece(nodes[0].network.scatterers[0].piece, at, 0, samples).resonances
@@ -514,7 +515,7 @@ def test_a_band_of_a_whole_stator(tmp_path):
     peak = abs(square) ** 0.5 / 2 / np.pi
     width = peak * abs(square.imag / square)
     conductance = [
-        stator_row(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0])
+        stator_cascade(stator, CHIP_ROW, frequency=peak + more * width, resolution=LEVELS[0])
         .solved()
         .admittances[0, 0]
         .real

@@ -14,7 +14,7 @@ from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import solve_driven
-from fem.waveguide.row import PieceRow
+from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import bevelled_end, rectangle
 from tests.fem.stators import comb, cut, plate
 
@@ -38,7 +38,7 @@ def test_interpolation_through_the_resonances_of_the_clamped_piece(tmp_path, qua
     stator = _grooved(tmp_path, quality)
     unit = slowest_wavelength(stator.solid, 2.4e6)
     section = discretise(stator, COARSE, wavelength=unit, surface_scale=np.inf)
-    row = PieceRow(stator, section, COARSE, 2.4e6)
+    row = StatorMeshes(stator, section, COARSE, 2.4e6)
     (assembly,) = row.assemblies.values()
     line = np.polynomial.legendre.legvander(np.linspace(-1, 1, section.size), 5)
     frame = np.kron(np.eye(2), np.linalg.qr(line)[0])

@@ -8,8 +8,8 @@ import pytest
 from fem.analytic.half_space import rayleigh
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
+from fem.exceptions import InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.layout import check_layout
 from fem.materials import fields
 from fem.materials.christoffel import slowest_wavelength
@@ -22,7 +22,7 @@ from fem.results.power_balance import power_balance
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import solve_driven
 from fem.solve.reflector import reflector
-from fem.waveguide.row import PieceRow
+from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import rectangle
 from tests.fem.stators import comb, cut, lossless, plate
 
@@ -125,7 +125,7 @@ def test_inertia_of_the_layer(tmp_path):
     stator = _grooved(tmp_path)
     unit = slowest_wavelength(stator.solid, 2.4e6)
     section = discretise(stator, COARSE, wavelength=unit, surface_scale=np.inf)
-    (assembly,) = PieceRow(stator, section, COARSE, 2.4e6).assemblies.values()
+    (assembly,) = StatorMeshes(stator, section, COARSE, 2.4e6).assemblies.values()
     step = 1e3
     ahead, at, behind = (assembly.condensed(2.14e6 + change) for change in (step, 0.0, -step))
     slope = (ahead.matrix - behind.matrix) / (16 * np.pi**2 * 2.14e6 * step)

@@ -10,7 +10,6 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.resolve import resolved
 from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
-from studies.refusal import SceneError
 from studies.scene import Scene, read_table
 from studies.study import Panel
 from tests.studies.legible import assert_legible
@@ -58,15 +57,6 @@ def test_steps_of_a_motor_on_a_stator(motor):
     record = step_planner.run(scene, cycles=(512, 1024), wanted=(2e-8,), lines=1)
     assert all(finding.confirmed for finding in record.findings)
     assert np.all(record.panels[0].data["distance_m"]["80 V"] > 0.0)
-
-
-def test_a_study_of_the_contact_needs_a_slider_that_moves(motor):
-    scene, _ = motor
-    with pytest.raises(SceneError, match="slider is missing: this study needs a slider"):
-        load_line.run("rayleigh")
-    weak = replace(scene, drive=replace(scene.drive, voltage=(1.0,)))
-    with pytest.raises(SceneError, match=r"drive\.voltage must hold a value above 1\.05 times the threshold, .* V"):
-        load_line.run(weak)
 
 
 def test_regime_map_lies_on_its_lines():

@@ -18,7 +18,6 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.steps import Steps
 from studies.record.plots import new_figure
 from studies.record.text import sentences
-from studies.refusal import SceneError
 from studies.report import datasheet_page
 from studies.report.datasheet import GROUPS, datasheet
 from studies.scene import Scene, read_table
@@ -194,11 +193,3 @@ def test_a_given_wave_has_a_datasheet_without_electrical_rows(tmp_path, monkeypa
     assert "electrical power" not in names
     assert "frequency of the largest wave" not in names
     assert (tmp_path / "a" / "datasheet.html").read_text().startswith("<!DOCTYPE html>")
-
-
-def test_what_is_no_moving_motor_has_no_datasheet(motor):
-    with pytest.raises(SceneError, match="slider is missing: a datasheet is of a whole motor"):
-        datasheet(Scene.load("rayleigh"))
-    weak = replace(motor, drive=replace(motor.drive, voltage=(1.0,)))
-    with pytest.raises(SceneError, match=r"drive\.voltage must hold a value above the threshold, .* V: nothing moves"):
-        datasheet(weak)

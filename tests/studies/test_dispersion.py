@@ -2,7 +2,6 @@
 
 import pytest
 
-from studies import SceneError
 from studies.record.plots import saved
 from studies.stator import dispersion
 
@@ -27,8 +26,3 @@ def test_the_fastest_growing_wavenumber_is_the_surface_wave_s(record, tmp_path):
     for panel in record.panels:
         saved(tmp_path / f"{panel.name}.png", lambda ax, panel=panel: dispersion.figure(panel, ax))
         assert (tmp_path / f"{panel.name}.png").stat().st_size > 5000
-
-
-def test_without_a_section_there_is_nothing_to_ask():
-    with pytest.raises(SceneError, match="stator is missing: a given wave has no section"):
-        dispersion.run("twente-contact")

@@ -183,8 +183,6 @@ def test_the_command_writes_one_file_beside_its_layers(tmp_path, monkeypatch, ca
     assert main(["export", "crossed", "--format", "gds", "--no-plot", "--out", "chip.gds"]) == 0
     assert gdstk.read_gds("chip.gds").cells[0].name == "CHIP"
     assert "36 fingers, 6 busbars, 6 pads" in capsys.readouterr().out
-    assert main(["export", "rayleigh", "--format", "gds"]) == 2
-    assert "transducer is missing" in capsys.readouterr().err
 
 
 def test_a_mask_says_which_grooves_and_electrodes_of_meshed_pieces_it_leaves_out(tmp_path, capsys):

@@ -81,8 +81,3 @@ def test_the_plane_section_takes_the_force_over_the_aperture(scene):
     assert [finding.confirmed for finding in record.findings] == [True] * 3
     with pytest.raises(SceneError, match="must allow a beam for a strip of a given width"):
         run(plane, width=1e-3)
-
-
-def test_a_force_under_the_fingers_is_refused(scene):
-    with pytest.raises(SceneError, match=r"slider\.position must lie on the bare surface"):
-        run(scene.replace(slider={"position": "4 mm"}), tolerance=0.1)

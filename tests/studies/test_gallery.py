@@ -1,12 +1,10 @@
 """The gallery: what it finds, that it is small and that the documents show all of it."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from studies.refusal import SceneError
 from studies.results import MANIFEST
 from studies.scene import Scene, read_table
 from studies.study import Panel, StudyRecord, draw_study, run_study
@@ -49,13 +47,6 @@ def test_the_gallery_draws_what_is_kept(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {path.name for path in KEPT.iterdir()} - {MANIFEST}
 
 
-def test_a_scene_without_a_whole_motor_is_refused():
-    from studies.motor import gallery
-
-    with pytest.raises(SceneError, match="transducer and slider are needed: the gallery shows a whole motor"):
-        gallery.run(Scene.load("rayleigh"))
-
-
 def test_every_picture_of_the_gallery_is_of_the_scene_that_it_is_given(small_motor, monkeypatch):
     """The studies inside it are run on that scene, and contact and bursts at its own voltages."""
     from studies.motor import gallery, regime_map
@@ -74,11 +65,3 @@ def test_every_picture_of_the_gallery_is_of_the_scene_that_it_is_given(small_mot
     assert shown.voltage == 44.0
     assert [name for name, _ in shown.bursts] == ["35 V", "61 V"]
     assert shown.record.scene.stator.length == small_motor.stator.length
-
-
-def test_a_motor_that_nothing_moves_has_no_gallery(small_motor):
-    from studies.motor import gallery
-
-    weak = replace(small_motor, drive=replace(small_motor.drive, voltage=(0.5, 1.0)))
-    with pytest.raises(SceneError, match=r"drive\.voltage must hold a value above the threshold, .* V"):
-        gallery.run(weak)

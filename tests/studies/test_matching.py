@@ -48,13 +48,6 @@ def test_a_ladder_is_read_and_written():
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
 
 
-def test_a_match_needs_a_transducer():
-    table = read_table("rayleigh")
-    table["drive"] |= {"match": LADDER}
-    with pytest.raises(SceneError, match=r"drive\.match must be absent without a \[\[transducer\]\]"):
-        Scene.from_table("", table)
-
-
 def test_a_check_states_the_available_power():
     """50 V behind 50 ohm: 2500 / (8 * 50) = 6.25 W."""
     assert dict(contents(resolved(motor(power=["1 W", "4 W"]))))["power"][0].startswith("1 W to 4 W,")

@@ -5,7 +5,7 @@ import pytest
 import skrf
 
 import fem
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 from studies import Scene
 from studies.__main__ import main
 from studies.chain.fem_model import stator, transducers
@@ -55,7 +55,7 @@ def test_a_closed_lossless_stator_has_a_unitary_matrix():
     table = chip().to_table()
     table["stator"] |= {"mechanical_quality": 1e15, "dielectric_loss": 0, "ends": "free"}
     scene = resolved(Scene.from_table("", table))
-    ports = stator_row(stator(scene.stator), transducers(scene), frequency=2.2e6, resolution=fem.LEVELS[0]).solved()
+    ports = stator_cascade(stator(scene.stator), transducers(scene), frequency=2.2e6, resolution=fem.LEVELS[0]).solved()
     unit = np.eye(2)
     s = np.linalg.solve(unit + 50 * ports.admittances, unit - 50 * ports.admittances)
     assert abs(np.linalg.svd(s, compute_uv=False) - 1).max() < 1e-12

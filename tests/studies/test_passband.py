@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies import Scene, SceneError
+from studies import Scene
 from studies.chain import passband, run
 from studies.record.plots import saved
 from studies.scene import read_table
@@ -122,12 +122,6 @@ def test_half_power_of_a_known_lobe():
     assert (low, high) == pytest.approx((-1.0, 1.0), rel=1e-5)
     cut = at[at < 0.5]
     assert frequency_response.half_power_band(cut, 1 / np.sqrt(1 + cut**2))[1] == cut[-1]
-
-
-@pytest.mark.parametrize("study", [admittance, frequency_response])
-def test_a_scene_without_transducers_is_refused(study):
-    with pytest.raises(SceneError, match="transducer is missing: the study drives one"):
-        study.run("rayleigh")
 
 
 def test_the_range_is_about_the_drive_s_frequency_within_the_main_lobe(chip):

@@ -150,41 +150,6 @@ def test_a_directory_is_no_scene_but_holds_one(written, tmp_path):
     assert faults(str(tmp_path))[0].endswith("scene.toml'?")
 
 
-@pytest.mark.parametrize(
-    ("block", "word", "key"),
-    [
-        ("slider", "friction", "friction_coefficient"),
-        ("slider", "mu", "friction_coefficient"),
-        ("slider", "force", "preload"),
-        ("transducer.0", "finger", "finger_pairs"),
-        ("transducer.0", "metallization", "metallisation"),
-        ("transducer.0", "pitch", "period"),
-        ("stator", "cut", "orientation"),
-        ("stator", "height", "thickness"),
-        ("stator", "Q", "mechanical_quality"),
-        ("drive", "freq", "frequency"),
-        ("slider", "damper", "damping"),
-    ],
-)
-def test_the_key_that_was_meant_is_named(block, word, key):
-    file = SceneFile.read("twente").assigned(f"{block}.{word}=1")
-    with pytest.raises(SceneError, match=rf"is no key of a scene; did you mean {key}\?$"):
-        Scene.from_file(file)
-
-
-@pytest.mark.parametrize(
-    ("text", "meant"),
-    [("2.2 mHz", "2.2 MHz"), ("64 mPa", "64 MPa"), ("5 MN", "5 mN"), ("5 Mm", "5 mm"), ("1 Mg", "1 mg")],
-)
-def test_a_prefix_of_the_wrong_case_is_pointed_out(text, meant):
-    key = {
-        "Hz": "drive.frequency", "Pa": "slider.effective_modulus", "N": "slider.preload", "m": "stator.length",
-        "g": "slider.mass",
-    }[text.split()[1][1:]]  # fmt: skip
-    with pytest.raises(SceneError, match=rf"^{key} .*; did you mean {meant}\?$"):
-        Scene.from_file(SceneFile.read("twente").assigned(f"{key}={text}"))
-
-
 DOCUMENT = '''\
 # [not.a.block]
 title = "a = b # [c]"

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from studies import run, sweep
-from studies.refusal import SceneError
 from studies.scene import Scene, read_table
 from studies.scene.toml import document
 
@@ -39,15 +38,6 @@ def test_an_amplitude_is_a_number_a_phasor_or_a_pair(value, amplitude):
     scene = motor(sources={"left": 1, "right": value})
     assert scene.drive.driven["right"] == pytest.approx(amplitude, rel=1e-15)
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
-
-
-def test_sources_need_two_electrodes_and_transducers():
-    with pytest.raises(SceneError, match=r"transducer\.1\.pattern must have \+ and - fingers"):
-        motor(sources={"left": 1, "right": 1}).replace(transducer={"right": {"pattern": "++++"}})
-    table = read_table("rayleigh")
-    table["drive"] |= {"sources": {"left": 1}}
-    with pytest.raises(SceneError, match=r"drive\.sources must be absent without a \[\[transducer\]\]"):
-        Scene.from_table("", table)
 
 
 def test_sources_count_where_a_transducer_is_named_too():

@@ -8,12 +8,10 @@ import pytest
 
 from studies import Record, Scene, run
 from studies.__main__ import main
-from studies.chain.resolve import resolved
 from studies.chain.uncertainty import sampled, without_level
 from studies.record import run_pictures
 from studies.record.plots import new_figure
 from studies.record.text import answer
-from studies.refusal import SceneError
 from studies.scene.toml import document
 from studies.scene.uncertain import Tolerance
 
@@ -120,33 +118,6 @@ def test_a_run_shows_its_bands_everywhere(tmp_path, capsys):
     assert "95 % of the tolerances (linear)" in ax.get_legend_handles_labels()[1]
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "words"),
-    [
-        ({"slider": {"friction": 0.01}}, "slider.friction is no key of a scene; did you mean friction_coefficient"),
-        ({"slider": {"preload": "+- 1 mm"}}, "uncertain.slider.preload must be a force"),
-        ({"slider": {"preload": "+- 1 N"}}, "an end of whose interval"),
-        ({"slider": {"preload": 0.0}}, "must be positive"),
-        ({"slider": {"law": 0.1}}, "must be the key of a number that this scene has"),
-        ({"slider": {"position": 0.1}}, "must be the key of a number that this scene has, got None"),
-        ({"wave": {"normal_amplitude": "1 nm"}}, "must be a percentage"),
-        ({"method": "linear"}, "must hold a tolerance"),
-        ({"slider": {"mass": "2 %"}, "method": "quick"}, 'uncertain.method must be "linear" or "sampled"'),
-        ({"preload": "2 %"}, "uncertain.preload must be a key of a scene"),
-    ],
-)  # fmt: skip
-def test_what_is_no_tolerance_is_refused(tolerances, words):
-    with pytest.raises(SceneError, match=words):
-        run(motor(**tolerances))
-
-
-def test_tolerances_without_a_slider_and_given_twice_are_refused():
-    with pytest.raises(SceneError, match="uncertain needs a"):
-        Scene.load("rayleigh").replace(uncertain={"stator": {"length": "1 %"}})
-    with pytest.raises(SceneError, match="given twice"):
-        motor(slider={"preload": "1 %"}).replace(slider={"preload": "1 +- 0.1 mN"})
-
-
 @pytest.mark.parametrize("words", [["sweep", "--over", "slider.preload=1 mN,2 mN"], ["study", "regime_map", "--quick"]])
 def test_what_draws_no_bands_says_so(words, tmp_path, capsys):
     scene = tmp_path / "motor.toml"
@@ -154,12 +125,6 @@ def test_what_draws_no_bands_says_so(words, tmp_path, capsys):
     place = 2 if words[0] == "study" else 1
     assert main([*words[:place], str(scene), *words[place:], "--out", str(tmp_path / "out")]) == 0
     assert "[uncertain] is not used here" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("key", ["drive.voltage", "drive.power"])
-def test_a_tolerance_of_a_level_that_the_scene_has_not_is_refused(key):
-    with pytest.raises(SceneError, match="level that this scene has"):
-        resolved(Scene.load("twente-contact").replace(uncertain={key: "5 %"}))
 
 
 def test_samples_keep_their_sign_and_a_power_is_the_square_of_the_level():

@@ -19,7 +19,6 @@ from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record.plots import new_figure
 from studies.record.run_pictures import velocity
-from studies.refusal import SceneError
 from studies.view import movie
 from studies.view.quantities import QUANTITIES, shade_of
 from tests.studies.test_warnings import record
@@ -73,14 +72,6 @@ def test_breakdown_of_a_second_source_that_is_the_larger():
     sources = {"left": {"voltage_per_volt": 1.0}, "right": {"voltage_per_volt": 4 + 3j}}
     two = replace(one, electrical=one.electrical | {"sources": sources})
     assert any(each.startswith("2e+03 V between fingers") for each in warnings_of(two))
-
-
-@pytest.mark.parametrize("beside", [-18, 18])
-def test_a_ball_beside_either_edge_is_refused(beside):
-    """The stator is 35 mm wide."""
-    places = [["0 mm", "5 mm"], ["0 mm", f"{beside} mm"], ["0 mm", "-6 mm"]]
-    with pytest.raises(SceneError, match=f"got a contact at y = {beside:g} mm"):
-        Scene.load("twente").replace(slider={"contacts": places})
 
 
 def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):

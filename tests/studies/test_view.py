@@ -30,15 +30,16 @@ from studies.report import surface_map
 from studies.scene import Scene, read_table
 from studies.view import field_data, gallery_pictures, movie, wave_page
 from studies.view.options import Wanted
-from studies.view.picture import Picture
+from studies.view.overlays import electrodes, shown_fingers
+from studies.view.picture import Picture, validity
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import magnification, piece
-from studies.view.views import View, limits, near, span_views, views
+from studies.view.section import beam_sheet, magnification, piece, sheets
+from studies.view.views import RIGHT, View, frames, limits, near, span_views, views
 from tests.studies.legible import assert_legible
+from tests.studies.pixels import BALL, BARE, BLACK, MM, PINK, SolidPicture, Window, close, ink, runs, values
 from tests.studies.settings import assigned
 
-MM = 1e3
 CHROMIUM = shutil.which("chromium")
 
 
@@ -47,30 +48,14 @@ def quiet(text):
 
 
 def picture_of(found, shown=(), **changes):
-    given = {"quantity": "u_z", "phase": 0.0, "factor": None, "size": (1000, 400)}
+    given = {"quantity": "u_z", "phase": 0.0, "factor": None, "size": (700, 300)}
     return Picture(found, shown, **(given | changes))
 
 
-def drawn_mesh(picture, number=-1):
-    """What a renderer draws of the section: places in x and z (mm), shape (n, m, 2), values (n, m), and the mapper."""
-    mapper = picture.plotter.renderers[number].actors["section"].mapper
-    mesh = mapper.dataset
-    columns, rows, _ = mesh.dimensions
-    places = np.reshape(mesh.points, (rows, columns, 3)).transpose(1, 0, 2)[..., [0, 2]]
-    return places.astype(float), np.reshape(mesh["shade"], (rows, columns)).T.copy(), mapper
-
-
-def drawn_surface(picture):
-    """Places in x and z of the section's upper edge as it is drawn last, mm, and its colour value."""
-    places, values, _ = drawn_mesh(picture)
-    return places[:, -1].T, values[:, -1]
-
-
-def words_of(plotter):
-    """What is written in a picture."""
-    actors = [actor for renderer in plotter.renderers for actor in renderer.GetViewProps()]
-    corners = [actor.GetText(2) for actor in actors if isinstance(actor, pyvista.CornerAnnotation)]
-    return " | ".join([*corners, *(actor.input for actor in actors if isinstance(actor, pyvista.Text))])
+def moved(found, phase, factor):
+    """Places x and z (m) of the nodes on the surface as they are drawn."""
+    u = factor * (found.field.displacement[:, -1] * np.exp(1j * phase)).real
+    return found.field.x + u[:, 0], u[:, 2]
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +78,17 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def found(folder):
     return run_field(folder)
+
+
+@pytest.fixture(scope="module")
+def screenshot(found, folder, tmp_path_factory):
+    """The views of that motor as `sawmotor view --screenshot` writes them: pixels, and its frames."""
+    file, size = tmp_path_factory.mktemp("screenshot") / "a.png", (1000, 700)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(view, "run_field", lambda folder: found)
+        view.view(folder, Wanted(screenshot=str(file), size=size))
+    with Image.open(file) as image:
+        return np.asarray(image.convert("RGB")), frames(found, views(found), size=size, framed=True)
 
 
 @pytest.fixture
@@ -147,56 +143,63 @@ def test_a_run_that_does_not_tell_its_resolution_is_run_again(found, folder, tmp
     assert again.surface(14.123e-3) == pytest.approx(found.surface(14.123e-3), rel=2e-2)
 
 
-def test_the_drawn_field_has_the_computed_wavelength_and_turns_against_the_wave(long):
-    """Phase of u_z along the drawn upper edge at two instants a quarter period apart, fitted over 70 wavelengths."""
-    drawn = picture_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(8000, 300))
-    rest = drawn.pieces[0].x * MM
-    moved, values = [], []
+def test_the_drawn_field_has_the_computed_wavelength(long):
+    """Phase of the colours below the surface at two instants a quarter period apart, fitted over 70 wavelengths."""
+    drawn = picture_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(2400, 200), factor=0.0)
+    rows = []
     for phase in (0.0, -0.5 * np.pi):
-        drawn.set_phase(phase)
-        places, value = drawn_surface(drawn)
-        moved.append(places[0] - rest)
-        values.append(value)
-    u_z, u_x = values[0] + 1j * values[1], moved[0] + 1j * moved[1]
-    slope = np.polyfit(rest, np.unwrap(np.angle(u_z)), 1)[0]
+        window = Window.of(drawn.image(phase), drawn.frames[0])
+        rows.append(values(window.pixels[np.searchsorted(-window.z, 0.0) + 3], drawn.shade))
+    slope = np.polyfit(window.x, np.unwrap(np.angle(rows[0] + 1j * rows[1])), 1)[0]
     assert slope < 0  # exp(+i omega t): the wave runs to +x
-    assert 2 * np.pi / -slope == pytest.approx(long.wavelength * MM, rel=1e-3)
-    at_crest = (1j * u_x * np.conj(u_z)).real  # velocity along x at the instant of largest u_z
-    assert np.all(at_crest < 0)
+    assert 2 * np.pi / -slope == pytest.approx(long.wavelength, rel=1e-3)
 
 
 def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
-    """The later instant is the earlier one moved to +x; a crest's material moves to -x."""
-    drawn = picture_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),))
-    (x, z), _ = drawn_surface(drawn)
-    drawn.set_phase(0.3)
-    (later_x, later_z), _ = drawn_surface(drawn)
-    even = np.linspace(12.6, 15.4, 2000)
-    before, after = (np.interp(even, one, other) for one, other in ((x, z), (later_x, later_z)))
-    step = round(0.3 / (2 * np.pi) * found.wavelength * MM / (even[1] - even[0]))
-    forward = np.sum(before[:-step] * after[step:])
-    assert forward > 1.05 * np.sum(before[step:] * after[:-step])
-    crests = z > 0.7 * z.max()
-    assert np.mean((later_x - x)[crests]) < 0
+    """The edge of the section, enlarged to a sixth of a wavelength, has the computed shape; later it lies at larger x.
+
+    Along x the material moves by 20 pixels, at the crests to -x.
+    """
+    drawn, edges = picture_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),), factor=1.5e6), []
+    (frame,) = drawn.frames
+    for phase in (0.0, 0.3):
+        window = Window.of(drawn.image(phase), frame)
+        edges.append(window.edge(drawn.shade))
+        expected = np.interp(window.x, *moved(found, phase, 1.5e6))
+        assert abs(edges[-1] - expected).max() < 2.5 * frame.pixel
+    before, after = edges
+    step = round(0.3 / (2 * np.pi) * found.wavelength / frame.pixel)
+    assert np.sum(before[:-step] * after[step:]) > 1.05 * np.sum(before[step:] * after[:-step])
 
 
-def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
-    drawn = picture_of(found, views(found), size=(1000, 700))
+def test_colours_are_the_field_s_from_end_to_end_of_the_bar(found, screenshot):
+    """The undeformed section 0.5 mm below the surface, and the bar beside the frames."""
+    drawn = picture_of(found, views(found)[1:2], factor=0.0)
     ((start, stop),) = found.spans
     outside = (found.field.x < start - 0.25 * found.wavelength) | (found.field.x > stop + 0.25 * found.wavelength)
-    assert abs(found.field.displacement[..., 2]).max() * 1e9 > 1.01 * drawn.shade.reach  # singular at the edges
     largest = abs(found.field.displacement[outside, :, 2]).max() * 1e9
     assert drawn.shade.limits == pytest.approx((-largest, largest), rel=1e-12)
-    for number in (1, 2, 3):
-        _, values, mapper = drawn_mesh(drawn, number)
-        assert mapper.scalar_range == pytest.approx(drawn.shade.limits)
-        assert values.max() > 0.2 * largest
+    assert abs(found.field.displacement[..., 2]).max() * 1e9 > 1.01 * largest  # singular at the edges
     assert drawn.shade.label == "u_z (nm per V)"
-    assert [title.strip() for title in drawn.plotter.scalar_bars.keys()] == ["u_z\n(nm per V)"]
-    energy = picture_of(found, views(found), quantity="strain_energy")
+    image, shown = screenshot
+    bar = values(image[:, int(shown[0].box[2]) + 20 :], drawn.shade)
+    bar = bar[:, np.isfinite(bar).sum(axis=0).argmax()]
+    first, last = runs(np.isfinite(bar))[-1]
+    ends = bar[first], bar[last - 1]
+    assert ends == pytest.approx((largest, -largest), rel=0.02)
+    assert last - first > 100
+    window = Window.of(drawn.image(0.4), drawn.frames[0])
+    depth = abs(found.field.z + 0.5e-3).argmin()
+    row = abs(window.z - found.field.z[depth]).argmin()
+    u_z = (found.field.displacement[:, depth, 2] * np.exp(0.4j)).real * 1e9
+    told = values(window.pixels[row], drawn.shade)
+    assert abs(told - np.interp(window.x, found.field.x, u_z)).max() < 0.06 * largest
+    energy = picture_of(found, views(found)[1:2], quantity="strain_energy", factor=0.0)
     assert energy.shade.limits[0] == 0 < energy.shade.limits[1]
-    least = min(drawn_mesh(energy, number)[1].min() for number in (1, 2, 3))
-    assert least >= -1e-3 * energy.shade.reach  # between nodes
+    window = Window.of(energy.image(0.0), energy.frames[0])
+    below = values(window.pixels[window.z < 0], energy.shade)
+    assert np.isfinite(below).mean() > 0.98
+    assert np.nanmax(below) > 0.5 * energy.shade.reach
 
 
 def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
@@ -227,21 +230,26 @@ def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
     assert len(f"{factor:g}".strip("0")) == 1
 
 
-def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, computed, tmp_path):
-    view.view(computed, Wanted(screenshot=str(tmp_path / "a.png"), size=(1000, 700)))
-    pixels = np.asarray(Image.open(tmp_path / "a.png").convert("RGB")).astype(int)
-    assert pixels.shape == (700, 1000, 3)
-    assert (pixels[:, :, 0] - pixels[:, :, 2] > 60).mean() > 1e-3  # orange
-    assert (pixels[:, :, 2] - pixels[:, :, 0] > 60).mean() > 1e-3  # blue
-    combs = [(abs(pixels - colour).max(axis=2) < 12).sum() for colour in ([0, 0, 0], [204, 121, 167])]
-    assert min(combs) > 80
-    frame = picture_of(found, views(found), size=(1000, 700)).frames[-1]
-    left, low, right, high = map(int, frame.box)
-    disc = (abs(pixels[700 - high : 700 - low, left:right] - 0x99).max(axis=2) < 4).sum(axis=0) > 6
-    columns = np.flatnonzero(disc)
-    first, last = (frame.view.start + frame.pixel * end for end in (columns[0], columns[-1] + 1))
-    assert 0.5 * (first + last) == pytest.approx(14.123e-3, abs=2 * frame.pixel)
+def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, screenshot):
+    """In the lowest view the slider, on the crests; in the middle one the fingers: 0.245 mm wide, 0.49 mm apart."""
+    image, shown = screenshot
+    assert image.shape == (700, 1000, 3)
+    window = Window.of(image, shown[-1])
+    told = values(window.pixels, shade(found, "u_z"))
+    assert np.nanmin(told) < -0.08 < 0.08 < np.nanmax(told)
+    ball = close(window.pixels, BALL, 4)
+    columns = np.flatnonzero(ball.sum(axis=0) > 6)
+    first, last = window.x[columns[[0, -1]]]
+    assert 0.5 * (first + last) == pytest.approx(14.123e-3, abs=2 * shown[-1].pixel)
     assert last - first == pytest.approx(2e-3, rel=0.03)
+    crest = magnification(found) * abs(found.surface(14.123e-3)[1])
+    assert window.z[ball.any(axis=1)].min() == pytest.approx(crest, abs=2 * shown[-1].pixel)
+    window = Window.of(image, shown[1])
+    surface = abs(window.z) < 0.1e-3
+    for colour, fingers in ((BLACK, (0, 2, 4)), (PINK, (1, 3, 5))):
+        strips = runs(close(window.pixels, colour)[surface].any(axis=0))
+        middles = [window.x[[first, last - 1]].mean() for first, last in strips]
+        assert middles == pytest.approx([5e-3 + 0.49e-3 * (k - 2.5) for k in fingers], abs=4 * shown[1].pixel)
 
 
 @pytest.mark.parametrize("show", ["field", "solid"])
@@ -258,13 +266,18 @@ def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
     drawn = picture_of(found, (View(name="", start=start, stop=stop, weight=1.0),), size=(1000, 500))
     (frame,) = drawn.frames
-    left, low, right, high = frame.box
+    left, _, right, _ = frame.box
     assert (right - left) * frame.pixel == pytest.approx(stop - start)
-    assert drawn.plotter.renderers[1].camera.parallel_scale == pytest.approx(500 * (high - low) * frame.pixel)
-    assert drawn.plotter.renderers[1].viewport == pytest.approx((left / 1000, low / 500, right / 1000, high / 500))
-    assert (frame.bottom == pytest.approx(found.field.z[0])) == whole
-    assert (frame.top > 2 * found.radius) == whole
-    assert frame.top > 0
+    window = Window.of(drawn.image(0.0), frame, border=1)
+    ball = close(window.pixels, BALL, 4)
+    seen = [window.x[ball.any(axis=0)], window.z[ball.any(axis=1)]]
+    if whole:
+        assert [np.ptp(each) for each in seen] == pytest.approx([2e-3, 2e-3], abs=2.5 * frame.pixel)
+        assert frame.bottom == pytest.approx(found.field.z[0])
+    else:
+        assert len(seen[0]) == len(window.x)
+    coloured = np.isfinite(values(window.pixels, drawn.shade))
+    assert window.z[coloured.any(axis=1)].min() == pytest.approx(frame.bottom, abs=3 * frame.pixel)
 
 
 def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path):
@@ -281,41 +294,54 @@ def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path
         assert saved.size == (400, 650 - int(low))
 
 
-@pytest.mark.parametrize(("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))])
-def test_captions_rulers_and_legend_do_not_collide(found, span, size):
+@pytest.mark.parametrize(("span", "size"), [("wavelength", (800, 550)), ("slider", (720, 300)), (None, (1000, 700))])
+def test_captions_rulers_and_legend_do_not_collide(found, screenshot, span, size):
     """Nothing is cut by the picture's edge; captions lie between the frames, colour bar and legend beside them."""
-    shown = span_views(found, limits(found, span)) if span else views(found)
-    drawn = picture_of(found, shown, size=size)
-    pixels, (paper, *_) = drawn.image(0.0), drawn.plotter.renderers
-    for edge in (pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:]):
+    if span is None:
+        image, shown = screenshot
+    else:
+        drawn = picture_of(found, span_views(found, limits(found, span)), size=size)
+        image, shown = drawn.image(0.0), drawn.frames
+    for edge in (image[:2], image[-2:], image[:, :2], image[:, -2:]):
         assert np.all(edge == 255)
-    captions = [actor for actor in paper.GetViewProps() if isinstance(actor, pyvista.Text)]
-    captions = [actor for actor in captions if actor.input != "z (mm)"]
-    boxes = []
-    for caption in captions:
-        box = [0.0] * 4
-        caption.GetBoundingBox(paper, box)
-        (across, up), (_, right, low, high) = caption.position, box
-        assert across + right < drawn.frames[0].box[2] + 1
-        boxes.append((up + low, up + high))
-    tops = [frame.box[3] for frame in drawn.frames]
-    floors = [size[1], *(frame.box[1] for frame in drawn.frames)]
-    for (low, high), top, floor in zip(boxes, tops, floors, strict=False):
-        assert top <= low < high <= floor
-    assert all(label in words_of(drawn.plotter) for label in ("6 of 6 fingers", "z (mm)"))
-    (legend,) = (actor for actor in paper.GetViewProps() if actor.GetClassName() == "vtkLegendBoxActor")
-    assert [legend.GetEntryString(k) for k in range(legend.GetNumberOfEntries())] == ["+ fingers", "- fingers"]
-    assert legend.GetPosition()[0] * size[0] > drawn.frames[0].box[2]
-    assert ("1 wavelength, 13.63 to 14.62 mm" in words_of(drawn.plotter)) == (span == "wavelength")
+    drawn, right = ink(image), int(shown[0].box[2])
+    assert not drawn[:, right + 2 : right + 12].any()
+    floor = 0
+    for number, frame in enumerate(shown):
+        top = int(size[1] - frame.box[3])
+        lines = runs(drawn[floor + 2 : top - 2, :right].any(axis=1))
+        assert len(lines) >= (3 if number else 1)  # the caption, below numbers and title of the ruler above
+        first, last = lines[-1]
+        assert 4 < last - first < 22
+        assert floor + 2 + last < top - 2
+        floor = int(size[1] - frame.box[1])
+    beside = image[:, right + 12 :]
+    black, pink = (np.flatnonzero(close(beside, colour).any(axis=1)) for colour in (BLACK, PINK))
+    bar = np.flatnonzero(np.isfinite(values(beside, shade(found, "u_z"))).sum(axis=1) > 20)
+    assert black.min() < pink.min() < pink.max() < bar.min()
+    high = int(size[1] - max(shown, key=lambda frame: frame.box[3] - frame.box[1]).box[3])
+    if high > 80:
+        assert drawn[high:, 5:40].any()  # the title of the upright ruler
+
+
+def test_captions_name_the_part_and_its_fingers(found):
+    whole, part = span_views(found, limits(found, "wavelength"))
+    assert part.name == "1 wavelength, 13.63 to 14.62 mm"
+    assert shown_fingers(found, whole.start, whole.stop) == "6 of 6 fingers"
+    assert shown_fingers(found, part.start, part.stop) == ""
+    assert [(each.sign, each.label) for each in electrodes(found)] == [("+", "+ fingers"), ("-", "- fingers")]
 
 
 def test_fingers_ride_on_the_surface(found):
-    drawn = picture_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
-    (x, z), _ = drawn_surface(drawn)
-    strips = [drawn.plotter.renderers[1].actors[f"electrode {sign}"].mapper.dataset for sign in "+-"]
-    points = np.concatenate([each.points for each in strips])
-    np.testing.assert_allclose(points[:, 2], np.interp(points[:, 0], x, z), atol=2e-2 * np.ptp(z))
-    assert sum(each.n_cells for each in strips) == 6
+    """Black and pink lines lie on the edge of the enlarged section."""
+    drawn = picture_of(found, (View(name="", start=0.003, stop=0.007, weight=1.0),), factor=4e5)
+    window = Window.of(drawn.image(0.9), drawn.frames[0])
+    x, z = moved(found, 0.9, 4e5)
+    for colour in (BLACK, PINK):
+        rows, columns = np.nonzero(close(window.pixels, colour, 4))
+        assert len(rows) > 150
+        off = window.z[rows] - np.interp(window.x[columns], x, z)
+        assert np.quantile(abs(off), 0.9) < 4 * drawn.frames[0].pixel
 
 
 def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
@@ -329,11 +355,9 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     steps = np.diff(np.unwrap(np.angle(free.field.displacement[:, -1, 2])))
     np.testing.assert_allclose(steps, -2 * np.pi * np.diff(free.field.x) / free.wavelength, rtol=1e-9)
     # measured in the picture itself: colours of the undeformed section just below the surface
-    drawn = picture_of(free, views(free), factor=0.0, size=(1600, 500))
-    pixels, (frame,) = drawn.image(0.0).astype(int), drawn.frames
-    left, _, right, high = frame.box
-    row = int(500 - high + frame.top / frame.pixel) + 3
-    tone = np.subtract(*pixels[row, int(left) + 4 : int(right) - 4, [0, 2]])
+    drawn = picture_of(free, views(free), factor=0.0, size=(1600, 200))
+    window, (frame,) = Window.of(drawn.image(0.0), drawn.frames[0]), drawn.frames
+    tone = values(window.pixels[np.searchsorted(-window.z, 0.0) + 3], drawn.shade)
     spectrum = abs(np.fft.rfft((tone - tone.mean()) * np.hanning(len(tone)), 1 << 20))
     assert (1 << 20) / spectrum.argmax() * frame.pixel == pytest.approx(free.wavelength, rel=1e-3)
 
@@ -352,73 +376,97 @@ def plane(found):
     return replace(found, record=replace(found.record, scene=scene))
 
 
+BOX = (0, 24), (-17.5, 17.5), (-3, 0)  # of the solid, mm
+
+
 def test_the_solid_carries_the_beam_over_its_whole_width(found):
-    """Surface and ball as `fem.surface_beam` has them; what the surface does not have is refused."""
-    given = {"factor": 1e5, "size": (600, 300)}
-    drawn = picture_of(found, phase=0.4, **given)
-    surface = drawn.plotter.renderers[1].actors["surface"].mapper.dataset
-    at = np.reshape(surface.points, (*surface.dimensions[:2][::-1], 3))
-    assert (surface.bounds.y_min, surface.bounds.y_max) == pytest.approx((-17.5, 17.5), abs=0.1)
-    rows = np.arange(0, at.shape[0], 10), np.arange(0, at.shape[1], 37)
-    x = np.linspace(0.0, found.length, at.shape[1])[rows[1]]
-    y = np.linspace(-17.5e-3, 17.5e-3, at.shape[0])[rows[0]]
-    expected = (found.beam.motion(x, y[:, None])[2] * np.exp(0.4j)).real
-    values = np.reshape(surface["shade"], at.shape[:2])[np.ix_(*rows)]
-    np.testing.assert_allclose(values, 1e9 * expected, atol=1e-6 * abs(values).max())
-    np.testing.assert_allclose(at[np.ix_(*rows)][..., 2], 1e8 * expected, atol=1e-6 * at[..., 2].max())
-    outer = abs(found.beam.motion(found.focus[1], 15e-3)[2])
-    assert 1e-3 * abs(values).max() < 1e9 * outer < 0.2 * abs(values).max()
-    assert "on the surface" in words_of(drawn.plotter)
-    assert np.asarray(drawn.plotter.screenshot(return_img=True)).std() > 5
+    """Surface and colours as `fem.surface_beam` has them; what the surface does not have is refused."""
+    drawn = picture_of(found, factor=0.0, size=(900, 450))
+    solid = SolidPicture(drawn.image(0.4), drawn.frames[0], BOX)
     drawn.plotter.close()
+    assert solid.height[0] == pytest.approx(solid.height[1], abs=3)
+    x = np.concatenate([np.linspace(0.5, 3.0, 30), np.linspace(7, 12, 60), np.linspace(16, 23.5, 80)])[:, None]
+    y = np.linspace(-16, 16, 33)
+    told = values(solid.colours(np.stack(np.broadcast_arrays(x, y, 0.0), axis=-1)), drawn.shade)
+    expected = 1e9 * (found.beam.motion(x / MM, y / MM)[2] * np.exp(0.4j)).real
+    seen = np.isfinite(told)
+    assert seen.mean() > 0.98
+    assert np.corrcoef(told[seen], expected[seen])[0, 1] > 0.9  # the places are known to a pixel, a thirteenth of a mm
+    _, sheet, _ = beam_sheet(found, "u_z")
+    at = np.s_[::37, ::10, 0]
+    motion = np.moveaxis(found.beam.motion(*np.moveaxis(sheet.rest[at], -1, 0)[:2]), 0, -1)
+    np.testing.assert_allclose(sheet.displacement[at], motion, atol=1e-6 * abs(motion).max())
+    np.testing.assert_allclose(sheet.amplitude[at], 1e9 * motion[..., 2], atol=1e3 * abs(motion).max())
+    outer = abs(found.beam.motion(found.focus[1], 15e-3)[2])
+    assert 1e-3 * abs(motion).max() < outer < 0.2 * abs(motion).max()
+    assert "on the surface" in validity(found)
     with pytest.raises(SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"):
-        picture_of(found, quantity="power_flow", **given)
+        picture_of(found, quantity="power_flow")
 
 
 def test_pictures_of_the_gallery_keep_their_colours(found, tmp_path):
     """The palette is that of the picture's own colour map: the solid of a short stator shows u_z with its sign."""
-    for shown in ((), views(found)):
-        picture_of(found, shown).save(tmp_path / "whole.png")
-        gallery_pictures.still(picture_of(found, shown), tmp_path / "kept.png")
-        whole, kept = (
-            np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB")).astype(int) for name in ("whole", "kept")
-        )
-        assert (whole[..., 0] - whole[..., 2] > 60).mean() > 1e-3
-        assert (abs(whole - kept).max(axis=2) > 40).mean() < 1e-3
+    picture = picture_of(found, size=(500, 250))
+    whole = picture.image(0.0).astype(int)
+    gallery_pictures.still(picture, tmp_path / "kept.png")
+    kept = np.asarray(Image.open(tmp_path / "kept.png").convert("RGB")).astype(int)
+    assert (whole[..., 0] - whole[..., 2] > 60).mean() > 1e-3
+    assert (abs(whole - kept).max(axis=2) > 40).mean() < 1e-3
 
 
-def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane):
-    drawn = picture_of(plane, factor=1.0, size=(600, 300)).plotter
-    bounds = drawn.renderers[1].actors["surface"].mapper.dataset.bounds
-    assert (bounds.y_min, bounds.y_max) == pytest.approx((-10.0, 10.0))
-    whole = drawn.renderers[1].bounds
-    assert (whole.y_min, whole.y_max) == pytest.approx((-17.5, 17.5))
-    assert (whole.x_max - whole.x_min, whole.z_min) == pytest.approx((24.0, -3.0), abs=1e-3)
-    assert "only within the 20 mm aperture" in words_of(drawn)
-    assert np.asarray(drawn.screenshot(return_img=True)).std() > 5
-    drawn.close()
-
-
-def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane):
-    found = plane
-    drawn = picture_of(found, phase=0.4, factor=1e5, size=(600, 300))
-    actors = drawn.plotter.renderers[1].actors
-    surface = actors["surface"].mapper.dataset
-    fingers = np.concatenate([actors[f"electrode {sign}"].mapper.dataset.points for sign in "+-"])
-    assert len(fingers) == 4 * 6
-    half = surface.points[: surface.n_points // 2]
-    x, u_z = found.field.x, found.field.displacement[:, -1, 2]
-    for phase in (0.4, 2.0):
-        drawn.set_phase(phase)
-        expected = 1e5 * (np.interp(drawn.pieces[0].x, x, u_z) * np.exp(1j * phase)).real * MM
-        np.testing.assert_allclose(half[:, 2], expected, atol=1e-3 * abs(expected).max())
-        points = np.asarray(actors["electrode +"].mapper.dataset.points)
-        lift = points[:, 2] - np.interp(points[:, 0], half[:, 0], half[:, 2])
-        assert 0 < lift.min() < lift.max() < 0.1 * found.wavelength * MM
-    meshes = [each.mapper.dataset for each in actors.values() if isinstance(each, pyvista.Actor)]
-    (sphere,) = (each.bounds for each in meshes if abs(each.bounds.z_max - each.bounds.z_min - 2) < 0.01)
-    assert sphere.z_min == pytest.approx(1e5 * abs(found.surface(14.123e-3)[1]) * MM, abs=2e-3)
+@pytest.fixture(scope="module")
+def solid(plane):
+    """Pictures of the solid without spreading at two instants, with the usual factor."""
+    drawn = picture_of(plane, size=(900, 450))
+    pictures = {phase: SolidPicture(drawn.image(phase), drawn.frames[0], BOX) for phase in (0.4, 2.0)}
     drawn.plotter.close()
+    return drawn, pictures
+
+
+def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane, solid):
+    """Colours as far as 10 mm from the middle line, grey behind it; four lines of text."""
+    drawn, pictures = solid
+    picture = pictures[0.4]
+    assert picture.height[0] == pytest.approx(picture.height[1], abs=3)
+    x = np.linspace(15.5, 23.5, 100)[:, None]
+    inside, outside = (np.stack(np.broadcast_arrays(x, y, 0.0), axis=-1) for y in (np.linspace(-9, 9, 9), [11, 14, 17]))
+    assert np.isfinite(values(picture.colours(inside), drawn.shade)).mean() > 0.95
+    assert close(picture.colours(outside), BARE, 2).mean() > 0.95
+    assert "only within the 20 mm aperture" in validity(plane)
+    first_letters = ink(picture.image[: int(picture.extent[1][0]) - 4, 3:12])
+    assert len(runs(first_letters.any(axis=1))) == 4
+    written = ink(picture.image[:60, : -RIGHT + 8]).any(axis=0)  # beside the legend, which begins behind these columns
+    assert not written[-8:].any()
+
+
+def test_the_bar_of_a_small_solid_stands_below_the_legend(plane):
+    """Two lines of the legend end 62 pixels below the edge; the title of the bar takes two lines of 20 pixels more."""
+    drawn = picture_of(plane, size=(600, 300))
+    told = values(drawn.image(0.0)[:, int(drawn.frames[0].box[2]) + 10 :], drawn.shade)
+    drawn.plotter.close()
+    assert np.flatnonzero(np.isfinite(told).sum(axis=1) > 20)[0] > 62 + 2 * 20
+
+
+def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane, solid):
+    """The sheet has the section's displacement; a little above it are fingers of both colours, and on it the ball."""
+    drawn, pictures = solid
+    _, surface, _ = sheets(plane, drawn.pieces[0], solid=True)
+    assert surface.rest[..., 1].min() == pytest.approx(-10e-3)
+    x, displacement = plane.field.x, plane.field.displacement[:, -1]
+    expected = np.interp(surface.rest[:, 0, 0, 0], x, displacement[:, 2])
+    np.testing.assert_allclose(surface.displacement[:, 0, 0, 2], expected, atol=1e-3 * abs(expected).max())
+    y = np.linspace(-9e-3, 9e-3, 19)
+    for phase, picture in pictures.items():
+        for sign, colour in (("+", BLACK), ("-", PINK)):
+            for strip in plane.fingers[sign]:
+                place = np.linspace(*strip, 9)[2:-2]
+                u_x, _, u_z = drawn.factor * np.array([np.interp(place, x, each) for each in displacement.T])
+                at = (place + (u_x * np.exp(1j * phase)).real)[:, None], y, (u_z * np.exp(1j * phase)).real[:, None]
+                points = np.stack(np.broadcast_arrays(*at), axis=-1)
+                assert close(picture.colours(MM * points + [0, 0, 0.02]), colour, 40).mean() > 0.35
+        (red, green, blue), crest = picture.colours([14.123, 0, 1.0]).astype(int), picture.colours([14.123, 0, 2.5])
+        assert max(red, green, blue) - min(red, green, blue) < 8
+        assert np.isfinite(values(crest[None, None], drawn.shade)).all()  # above the ball is the surface behind it
 
 
 def test_a_movie_holds_one_period(computed, tmp_path):
@@ -473,24 +521,31 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
 
 
 def test_the_window_plays_pauses_and_picks(found, monkeypatch):
+    """Two wavelengths fill the window; what is picked is drawn."""
     from studies.view.window import Controls
 
     monkeypatch.setattr(pyvista, "OFF_SCREEN", True)
-    solid = picture_of(found, span_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
-    window = Controls(solid)
+    drawn = picture_of(found, span_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
+    window = Controls(drawn)
     assert window.playing
-    assert solid.plotter.camera.parallel_scale == pytest.approx(found.wavelength * MM * 400 / 600)
     window.tick(0)
-    assert solid.phase > 1.0
+    assert drawn.phase > 1.0
     window.pick_phase(90.0)
     assert not window.playing
-    assert solid.phase == pytest.approx(np.pi / 2)
     window.tick(1)
-    assert solid.phase == pytest.approx(np.pi / 2)
+    assert drawn.phase == pytest.approx(np.pi / 2)
+    (frame,), start = drawn.frames, near(found)[0]
+    image = drawn.plotter.screenshot(return_img=True)
+    seen = Window.of(image, frame._replace(view=replace(frame.view, start=start)))
+    assert 600 * frame.pixel == pytest.approx(2 * found.wavelength)
+    expected = np.interp(seen.x, *moved(found, np.pi / 2, drawn.factor))
+    middle = abs(seen.z) < 0.15e-3  # below the text, above the controls
+    edge = seen._replace(pixels=seen.pixels[middle], z=seen.z[middle]).edge(drawn.shade)
+    assert np.nanmax(abs(edge - expected)[:480]) < 4 * frame.pixel  # the rest is behind the colour bar
     window.pick_quantity("power_flow")
-    assert solid.shade.label.startswith("power flow along x (W/m^2")
-    assert np.asarray(solid.plotter.screenshot(return_img=True)).std() > 5
-    solid.plotter.close()
+    assert drawn.shade.label.startswith("power flow along x (W/m^2")
+    assert (abs(drawn.plotter.screenshot(return_img=True).astype(int) - image)[150:300] > 60).mean() > 0.05
+    drawn.plotter.close()
 
 
 @pytest.fixture(scope="module")
@@ -645,8 +700,8 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, 
     assert len(said) == 1
 
 
-def test_a_table_of_the_surface_alone(found, folder, tmp_path):
-    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), surface=True))
+def test_a_table_of_the_surface_alone(found, computed, tmp_path):
+    view.view(computed, Wanted(data=str(tmp_path / "a.csv"), surface=True))
     table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
     np.testing.assert_array_equal(table["x_m"], found.field.x)
     np.testing.assert_array_equal(table["u_z_m_per_V_im"], found.field.displacement[:, -1, 2].imag)

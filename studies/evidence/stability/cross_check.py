@@ -17,10 +17,10 @@ import contact
 from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.body import normal_amplitude, tangential_amplitude
-from contact.convergence_error import ConvergenceError
 from contact.drive import towards_plus
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
+from contact.exceptions import ConvergenceError
 from contact.stepping.time_stepping import steps
 
 # Steps per cycle and collocation nodes of the two methods. The last gives the velocity, all give its error.

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from fem import LEVELS, discretise, slowest_wavelength
-from fem.condense.column import folded
+from fem.condense.electrodes import equipotential
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 
 LEVEL = 2  # of fem.discretize.error_estimate.LEVELS
@@ -61,7 +61,7 @@ def _negatives(motor, frequency: float) -> int:
     rising, falling = half_cells(Condensation(section, frequency), shape, LEVELS[LEVEL])
     phi, lines = section.surface_dofs["phi"], rising.at
     left_part, right_part = (
-        folded(half.matrix, np.array([line.start + phi]), lines.ports.start)[line, line]
+        equipotential(half.matrix, np.array([line.start + phi]), lines.ports.start)[line, line]
         for half, line in ((rising, lines.right), (falling, lines.left))
     )
     middle = left_part + right_part

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from fem.analytic.half_space import SURFACES, coupling, rayleigh
-from fem.convergence_error import ConvergenceError
+from fem.exceptions import ConvergenceError
 from fem.materials import fields, isotropic, material, rotated
 from tests.oracles.fem_crystal import SurfaceProblem
 from tests.oracles.fem_isotropic_rayleigh import profile, surface_ratio, velocity_over_shear

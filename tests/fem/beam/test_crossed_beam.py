@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
+from fem.beam.beam_of_section import surface_beam
 from fem.beam.crossed_beam import crossed_beam, near_and_between
+from fem.beam.crossed_rows import mutual_admittance
 from fem.beam.electrode_charges import ElectrodeCharges
-from fem.beam.from_section import surface_beam
 from fem.beam.line_source import line_source
-from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.surface_beam import BeamError
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution
 from fem.geometry import covers, separation, turn
 from fem.layout import check_layout, check_plan
 from fem.solve.harmonic import driven_wave
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 
 STATOR = plate(cut("PZT-8", "Z", quality=60.0), length=40.0, thickness=1.3)
@@ -86,7 +86,7 @@ def test_beams_add_up():
 def test_coupling_is_a_sum_of_hankel_functions():
     """Every mode's beam is k H0(k r) / 2; by any direction in which both are apart, and either way."""
     resolution = Resolution(order=4, edge_layers=0)
-    modes = stator_row(STATOR, (LEFT,), frequency=FREQUENCY, resolution=resolution).modes
+    modes = stator_cascade(STATOR, (LEFT,), frequency=FREQUENCY, resolution=resolution).modes
     plan = LEFT, replace(FRONT, angle=1.1)
     charges = [
         ElectrodeCharges(x=7e-3 + each.center * np.array([-0.04, 0.01, 0.03]), charge=np.array(q), finger=np.arange(3))
@@ -217,7 +217,7 @@ def test_refusals():
         crossed(LEFT, replace(FRONT, pattern="oo"))
     with pytest.raises(BeamError, match="need a solid isotropic about z and absorbing sides"):
         surface_beam(solve(STATOR, (replace(LEFT, center_y=1e-3),), "a"), mirror_width=WIDTH)
-    with pytest.raises(BeamError, match="places must lie on the stator"):
+    with pytest.raises(BeamError, match="points must lie on the stator"):
         crossed(LEFT, FRONT).motion(MIDDLE, WIDTH)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
+from fem.beam.beam_of_section import surface_beam
 from fem.beam.cut_source import TILT, LateralPolynomials, ReducedSection, cut_source, surface_unknowns
-from fem.beam.from_section import surface_beam
 from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 
@@ -82,7 +82,7 @@ CUTS = {"128YX": ("LiNbO3 (Kovacs)", "128YX"), "YZ": ("LiNbO3 (Warner)", "YZ"), 
 
 def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
     """Where half and a quarter of the nodes do not show an exponential convergence; halving the spacing mends it."""
-    monkeypatch.setattr("fem.beam.surface_beam.MAX_HALVINGS", 0)
+    monkeypatch.setattr("fem.beam.beam_of_charges.MAX_HALVINGS", 0)
     beam = beam_in(lossless(*CUTS["YZ"]), thickness=0.8, length=14.0, pairs=1, order=5)
     beam = replace(beam, wave=replace(beam.wave, relative_error=0.0))
     place = beam.charges[0].x[-1] + 4e-3, 0.4e-3
@@ -236,7 +236,7 @@ def test_reciprocity_gives_the_opposite_lateral_wavenumber(name):
         other = np.argmin(abs(there.wavenumbers + here.wavenumbers[mode]))
         assert there.wavenumbers[other] == pytest.approx(-here.wavenumbers[mode], rel=1e-6)
         scale = abs(there.column[other]).max()
-        np.testing.assert_allclose(there.column[other], -here.row[mode], atol=1e-4 * scale)
+        np.testing.assert_allclose(there.column[other], -here.transposed[mode], atol=1e-4 * scale)
 
 
 @pytest.mark.parametrize(("name", "gamma"), [("128YX", -0.34), ("YZ", -1.10), ("ST-X", 0.378)])

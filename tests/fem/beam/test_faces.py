@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.beam.from_section import surface_beam
+from fem.beam.beam_of_section import surface_beam
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import power
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of

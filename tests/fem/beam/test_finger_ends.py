@@ -7,10 +7,9 @@ import pytest
 
 import fem
 from fem.beam import own_aperture
+from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.electrode_charges import electrode_charges
-from fem.beam.from_section import surface_beam
 from fem.beam.reception import with_apertures
-from fem.beam.surface_beam import aperture_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.results.solution import Solution
 from fem.solve.harmonic import solve_driven

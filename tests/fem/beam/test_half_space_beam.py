@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.beam.from_section import surface_beam
+from fem.beam.beam_of_section import surface_beam
 from fem.geometry import Stator, Transducer
 from fem.solve.harmonic import driven_wave
 from tests.fem.stators import cut

@@ -5,18 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
-from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_solver
-from fem.beam.surface_beam import aperture_beam
 from fem.condense.transducer import finger_ports
-from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
-from fem.input_error import InputError
+from fem.exceptions import ConvergenceError, InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
-from fem.waveguide.port_fields import check_passive, stator_row
+from fem.waveguide.port_fields import check_passive, stator_cascade
 from tests.fem.beam.test_crossed_beam import LEFT, MIDDLE, crossed, turned
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 
@@ -83,7 +81,7 @@ def pair_of(gap: float):
 @pytest.mark.parametrize("finite", [False, True])
 def test_clipped_gaps_are_reciprocal(finite):
     pair = pair_of(0.6)
-    row = stator_row(STATOR, pair, frequency=FREQUENCY, resolution=Resolution(order=5, edge_layers=1))
+    row = stator_cascade(STATOR, pair, frequency=FREQUENCY, resolution=Resolution(order=5, edge_layers=1))
     found = (aperture_solver(STATOR)(row) if finite else row.solved()).admittances
     assert found[0, 1] == pytest.approx(found[1, 0], rel=1e-9)
     assert abs(found[0, 1]) > 0.03 * abs(found[1, 1])
@@ -95,7 +93,7 @@ def test_finite_apertures_in_a_band_are_those_at_one_frequency():
     limits = {"lowest": 0.98 * FREQUENCY, "highest": 1.02 * FREQUENCY}
     band = frequency_band(STATOR, row, **limits, drive="a", tolerance=1e-4)
     solve, at = aperture_solver(STATOR), 1.006 * FREQUENCY
-    full = stator_row(STATOR, row, frequency=at, resolution=band.model.resolution)
+    full = stator_cascade(STATOR, row, frequency=at, resolution=band.model.resolution)
     one, plain = solve(full).admittances, full.solved().admittances
     found = band.admittances(np.array([at]), solve)[0]
     assert abs(plain / one - 1).max() > 3e-3
@@ -112,7 +110,7 @@ def test_a_band_falls_back_where_the_reduced_model_fails(monkeypatch):
             self.stator, self.transducers, self.resolution = model.stator, model.transducers, model.resolution
             self.limits = model.limits
 
-        def row(self, frequency, forces=()):
+        def cascade(self, frequency, forces=()):
             raise ConvergenceError("too few lines")
 
     again = Band(model=Failing(band.model), relative_error=1e-2, admittance_error=1e-2)
@@ -171,7 +169,7 @@ def test_the_stated_error_in_an_interference_minimum(monkeypatch):
         )
     )
     monkeypatch.setattr(lateral, "SPACING", 1.1)  # coarse, so that the integral's error decides
-    monkeypatch.setattr("fem.beam.surface_beam.MAX_HALVINGS", 0)
+    monkeypatch.setattr("fem.beam.beam_of_charges.MAX_HALVINGS", 0)
     x, y = 12e-3, np.linspace(0.0, 9e-3, 181)
     motion, stated = beam.motion_and_error(x, y)
     size = abs(motion[[0, 2]]).max(axis=0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.beam.from_section import surface_beam
+from fem.beam.beam_of_section import surface_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.solve.harmonic import solve_driven
 from tests.fem.stators import lossless, wave_of

@@ -7,8 +7,8 @@ import pytest
 from scipy.special import hankel2
 
 from fem.beam import reception
+from fem.beam.beam_of_section import surface_beam
 from fem.beam.electrode_charges import electrode_charges
-from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.solve.port_admittance import port_admittance
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from fem.analytic.wave_compliance import wave_compliance
+from fem.beam.beam_of_charges import Strip
+from fem.beam.beam_of_section import surface_beam
 from fem.beam.cut_source import cut_source
 from fem.beam.electrode_charges import all_charges, electrode_charges
-from fem.beam.emitters import Strip
-from fem.beam.from_section import surface_beam
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import BeamError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import InputError
 from fem.geometry import Stator
-from fem.input_error import InputError
 from fem.materials import isotropic
 from fem.results.solution import driven_solution
 from fem.solve.forced import forced_wave
 from fem.waveguide.force import LineForce
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
 from tests.oracles.fem_point_force import point_force
 
@@ -28,7 +28,7 @@ GLASS = isotropic(name="glass", density=2500.0, youngs_modulus=70e9, poisson_rat
 
 def forced(stator, force, transducers=(), *, level=LEVELS[1], drive=None, **options):
     """Beam of one force on one discretisation, whose error is taken for zero."""
-    row = stator_row(stator, transducers, frequency=FREQUENCY, resolution=level, forces=(force,))
+    row = stator_cascade(stator, transducers, frequency=FREQUENCY, resolution=level, forces=(force,))
     wave = wave_of(driven_solution(row.solved(), drive, np.array([force.amplitude])))
     return surface_beam(replace(wave, relative_error=0.0), **options)
 
@@ -149,7 +149,7 @@ def test_a_transducer_receives_what_it_sends_to_the_strip(orientation, name, lar
     beam = forced(stator, force, row)
     assert 0 < beam.scattering_error < largest
     assert 0 < beam.received_error < 1e-4
-    row_alone = stator_row(stator, row, frequency=FREQUENCY, resolution=LEVELS[1])
+    row_alone = stator_cascade(stator, row, frequency=FREQUENCY, resolution=LEVELS[1])
     driven = surface_beam(wave_of(driven_solution(row_alone.solved(), "a")))
     y = force.center_y + force.width / 2 * np.polynomial.legendre.leggauss(20)[0]
     u_z = driven.motion(force.position, y)[2] @ np.polynomial.legendre.leggauss(20)[1] / 2
@@ -214,7 +214,7 @@ def test_a_transducer_far_away_does_not_change_the_charges_that_a_force_induces(
     receiving = comb(stator, "a", 6.0, finger_pairs=2, aperture=2e-3, termination="short")
     far, steps = comb(stator, "b", 36.0, aperture=2e-3, termination="short"), []
     for row in ((receiving,), (receiving, far)):
-        fields = stator_row(
+        fields = stator_cascade(
             stator, row, frequency=FREQUENCY, resolution=LEVELS[0], forces=(strip(stator, 12.0),)
         ).solved()
         steps.append(electrode_charges(driven_solution(with_apertures(fields), None, np.ones(1)), 0).steps)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
+from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.electrode_charges import electrode_charges
-from fem.beam.from_section import surface_beam
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import with_apertures
-from fem.beam.surface_beam import BeamError, aperture_beam
+from fem.beam.surface_beam import BeamError
 from fem.discretize.error_estimate import LEVELS
 from fem.results.solution import driven_solution
 from fem.solve.harmonic import solve_driven
@@ -168,7 +168,7 @@ def test_nodes_in_k_y_are_added_until_the_motion_is_resolved(lossy, monkeypatch)
     monkeypatch.setattr("fem.beam.lateral.SPACING", 2.5)
     after = lossy.motion(*points)
     assert abs(after - before).max() < 1e-3 * abs(before).max()
-    monkeypatch.setattr("fem.beam.surface_beam.MAX_HALVINGS", 0)
+    monkeypatch.setattr("fem.beam.beam_of_charges.MAX_HALVINGS", 0)
     assert abs(lossy.motion(*points) - before).max() > 1e-2 * abs(before).max()
 
 

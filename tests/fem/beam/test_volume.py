@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.beam.beam_of_section import surface_beam
 from fem.beam.electrode_charges import electrode_charges
-from fem.beam.from_section import surface_beam
 from fem.materials.christoffel import slowest_wavelength
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 from tests.oracles.fem_plate_volume import comb_motion

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.condense.fronts import Dissection
-from fem.convergence_error import ConvergenceError
+from fem.exceptions import ConvergenceError
 
 
 def _grid(across, down, kept_column):

@@ -9,7 +9,7 @@ import pytest
 
 from fem.condense.columns import columns_from_left, condensed
 from fem.condense.join import exchanged, joined, repeated
-from fem.condense.transducer import Condensation, FingerShape, finger_cell, finger_ports, fingers_in_row, half_cells
+from fem.condense.transducer import Condensation, FingerShape, finger_cell, finger_ports, half_cells, joined_fingers
 from fem.discretize.grading import Resolution
 from fem.waveguide.modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
@@ -66,7 +66,7 @@ def test_a_row_of_fingers_is_freed_with_its_last_user(depth):
     gc.disable()
     try:
         cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
-        row = fingers_in_row(
+        row = joined_fingers(
             Condensation(depth, FREQUENCY),
             "+-+-",
             lambda place: SHAPE.half_gaps,

@@ -11,7 +11,7 @@ from fem.condense.size import stator_size
 from fem.discretize.grading import Resolution
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
-from fem.waveguide.row import PieceRow
+from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import rectangle
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
@@ -93,7 +93,7 @@ def test_meshed_pieces_are_counted_as_they_are_condensed(tmp_path):
     stator = replace(PLAIN, pieces=tuple(MeshPiece(name="g", mesh=mesh, position=float(x)) for x in places))
     row = CASES["one"][1]
     size, without = (stator_size(each, row, frequency=FREQUENCY, resolution=level) for each in (stator, PLAIN))
-    (piece,) = PieceRow(stator, size.section, level, FREQUENCY).condensed(FREQUENCY).values()
+    (piece,) = StatorMeshes(stator, size.section, level, FREQUENCY).condensed(FREQUENCY).values()
     assert size.unknowns - without.unknowns == 2 * piece.unknowns
     blocks = sum(each.nbytes for each in (*piece.insides, *piece.factor.back))
     assert size.block_bytes - without.block_bytes == blocks

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import refine
+from fem.exceptions import ConvergenceError
 
 
 def refined(answers, tolerance, start=0):

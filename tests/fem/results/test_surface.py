@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.convergence_error import ConvergenceError
+from fem.exceptions import ConvergenceError
 from fem.results.evaluation import recovered
 from fem.results.surface import CondensedPiece, UniformSegment, standing_wave_ratio
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of

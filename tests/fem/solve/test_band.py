@@ -7,8 +7,8 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated
 from fem.reduce.projection import BandProblem, project, solve_at_nodes
@@ -46,12 +46,14 @@ def test_band_follows_the_full_solution(case):
     """Reduced and interpolated against solved afresh on the same discretisation, within the tolerance."""
     block, pair, middle = made(case)
     low, high = 0.97 * middle, 1.03 * middle
-    problem = BandProblem(stator=block, transducers=pair, limits=(low, high), drive="a", tolerance=1e-3, places=PLACES)
+    problem = BandProblem(
+        stator=block, transducers=pair, limits=(low, high), drive="a", tolerance=1e-3, positions=PLACES
+    )
     model = project(problem, solve_at_nodes(problem, LEVELS[1]), 5e-6)
     assert model.section.size < 0.8 * model.section.full.size
     for frequency in (low, 1.017 * middle):
         full = solve_driven(block, pair, frequency=frequency, drive="a", resolution=LEVELS[1])
-        reduced = driven_solution(model.row(frequency).solved(), "a")
+        reduced = driven_solution(model.cascade(frequency).solved(), "a")
         assert reduced.circuit.admittance == pytest.approx(full.circuit.admittance, rel=3e-4)
         motion = surface_of(reduced).motion(PLACES)
         assert motion_difference(motion, surface_of(full).motion(PLACES)) < 1e-3
@@ -67,13 +69,13 @@ def test_a_reduced_basis_holds_the_constant_potential():
         limits=(0.97 * FREQUENCY, 1.03 * FREQUENCY),
         drive="a",
         tolerance=1e-3,
-        places=PLACES,
+        positions=PLACES,
     )
     model = project(problem, solve_at_nodes(problem, LEVELS[0]), 1e-4)
     basis, constant = model.section.basis, model.section.full.constant_potential
     assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-12)
     assert basis @ (basis.T @ constant) == pytest.approx(constant, abs=1e-12)
-    ports = model.row(1.01 * FREQUENCY).solved().admittances
+    ports = model.cascade(1.01 * FREQUENCY).solved().admittances
     assert ports[0, 1] == pytest.approx(ports[1, 0], rel=1e-12)
 
 
@@ -83,7 +85,7 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
     monkeypatch.setattr("fem.solve.band.project", lambda problem, nodes, truncation: truncation)
     reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
     monkeypatch.setattr("fem.solve.band.reduction_errors", lambda *rest: next(reached))
-    problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES)
+    problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES)
     _, of_motion, _ = reduced_model(problem, None, [], 1.0, 1e-3 - of_levels)
     assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
     assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.circuit import Drive
-from fem.convergence_error import ConvergenceError
+from fem.exceptions import ConvergenceError
 from fem.solve.band import frequency_band
 from fem.solve.burst import burst_response
 from tests.fem.stators import FREQUENCY, comb, cut, plate

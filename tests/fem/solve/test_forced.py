@@ -9,7 +9,7 @@ from fem.analytic.half_space import rayleigh
 from fem.analytic.wave_compliance import wave_compliance
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution
-from fem.input_error import InputError
+from fem.exceptions import InputError
 from fem.mesh.piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
@@ -19,7 +19,7 @@ from fem.solve.band import frequency_band
 from fem.solve.forced import forced_wave
 from fem.solve.harmonic import driven_wave
 from fem.waveguide.force import LineForce, force_response
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 from tests.fem.drawings import rectangle
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate
 
@@ -36,7 +36,7 @@ def forces_at(stator, *places):
 
 def fields_of(stator, forces, row=None):
     row = row or (comb(stator, "a", 2.0, finger_pairs=2), comb(stator, "b", 6.5, termination=200.0 - 80.0j))
-    return stator_row(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
+    return stator_cascade(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
 
 
 ROWS = (
@@ -76,7 +76,9 @@ def test_forces_meet_transducers_of_unequal_apertures(rest):
     """
     stator = plate(cut("LiNbO3 (Kovacs)", "128YX", quality=400.0), length=9.0, **rest)
     row = (comb(stator, "a", 2.0, finger_pairs=2), comb(stator, "b", 5.0, aperture=0.05))
-    row = stator_row(stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces_at(stator, 0.2, 0.7, 3.6, 8.6))
+    row = stator_cascade(
+        stator, row, frequency=FREQUENCY, resolution=LEVEL, forces=forces_at(stator, 0.2, 0.7, 3.6, 8.6)
+    )
     fields, raw = row.solved(), row.network.solve()
     potentials = np.array([own[-2:, :2] for own in fields.sides])  # (transducers, electrodes, ports)
     by_port = np.array([potentials[:, 0] - potentials[:, 1], potentials.mean(axis=1)])  # voltages, means
@@ -103,7 +105,7 @@ def test_a_bare_stator_answers_as_a_segment_without_end():
     """Absorbing ends and no pieces: the motion is that of the plain segment, on both sides of each of two forces."""
     stator = plate(cut("PZT-8", "Z"), length=6.0)
     forces = forces_at(stator, 2.0, 3.1)
-    fields = stator_row(stator, (), frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
+    fields = stator_cascade(stator, (), frequency=FREQUENCY, resolution=LEVEL, forces=forces).solved()
     x = np.linspace(0.1, 5.9, 40) * stator.thickness / 0.8
     for k, each in enumerate(forces):
         found = surface_of(driven_solution(fields, None, np.eye(2)[k])).motion(x)
@@ -123,7 +125,7 @@ def test_a_plain_mesh_beside_a_force_changes_nothing(tmp_path):
     level = Resolution(order=8, edge_layers=2)
     motions = []
     for each in (stator, meshed):
-        fields = stator_row(each, row, frequency=FREQUENCY, resolution=level, forces=force).solved()
+        fields = stator_cascade(each, row, frequency=FREQUENCY, resolution=level, forces=force).solved()
         solved = driven_solution(fields, None, np.ones(1))
         motions.append(surface_of(solved).motion(x))
         assert power_balance(solved).residual < 1e-9

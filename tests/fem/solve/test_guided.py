@@ -11,9 +11,9 @@ import pytest
 
 import fem
 from fem.analytic.half_space import rayleigh
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator
 from fem.materials import rotated
 from fem.materials.christoffel import slowest_wavelength

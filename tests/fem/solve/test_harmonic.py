@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import EXPECTED, LEVELS
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material
 from fem.solve.harmonic import driven_wave, motion_difference, solve_driven

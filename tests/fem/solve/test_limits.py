@@ -5,8 +5,8 @@ import pytest
 
 from fem.condense.join import joined
 from fem.condense.transducer import Condensation, FingerShape, half_cells
-from fem.convergence_error import ConvergenceError
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution, wave_of
 
 PZT = cut("PZT-8", "Z")

@@ -8,7 +8,7 @@ import pytest
 from fem import Stator, Transducer, cascade_admittance, cell_parameters, material, p_matrix, rotated
 from fem.discretize.error_estimate import LEVELS
 from fem.solve.p_matrix import p_matrix_on_level
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 
 ROW = Transducer(name="t", center=0.05, finger_pairs=3, period=1e-3, metallisation=0.5, aperture=20e-3)
 
@@ -70,7 +70,9 @@ def test_a_cascade_of_all_modes_is_the_stator():
     stator, frequency = CASES[1]
     left = replace(ROW, name="a", center=3e-3)
     right = replace(ROW, name="b", center=11e-3, finger_pairs=2, period=0.9e-3)
-    whole = stator_row(replace(stator, length=14e-3), (left, right), frequency=frequency, resolution=LEVELS[1]).solved()
+    whole = stator_cascade(
+        replace(stator, length=14e-3), (left, right), frequency=frequency, resolution=LEVELS[1]
+    ).solved()
     parts = [lone(stator, row, frequency, 1, True) for row in (left, right)]
     distance = right.center - left.center - (parts[0].length + parts[1].length) / 2
     found = cascade_admittance(parts, [distance])
@@ -94,7 +96,7 @@ def test_they_beat_along_the_stator():
     left = replace(ROW, name="a", center=10e-3)
     right = replace(ROW, name="b", center=110e-3, finger_pairs=2, period=0.9e-3)
     stator = replace(stator, length=0.12)
-    whole = stator_row(stator, (left, right), frequency=frequency, resolution=LEVELS[0]).solved().admittances
+    whole = stator_cascade(stator, (left, right), frequency=frequency, resolution=LEVELS[0]).solved().admittances
     parts = [lone(stator, row, frequency, 0, True) for row in (left, right)]
     distance = 0.1 - (parts[0].length + parts[1].length) / 2
     assert cascade_admittance(parts, [distance])[1, 0] == pytest.approx(whole[1, 0], rel=1e-9)

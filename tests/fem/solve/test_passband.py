@@ -8,7 +8,7 @@ import pytest
 from fem import Stator, Transducer, automatic_period, best_frequency, best_period, material, port_admittance, rotated
 from fem.discretize.error_estimate import LEVELS
 from fem.solve.passband import MANY_PAIRS, surface_power
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 
 KUROSAWA = Stator(solid=rotated(material("LiNbO3 (Kovacs)"), "128YX"), length=60e-3, thickness=1e-3, ends="absorbing")
 ROW = Transducer(name="t", center=20e-3, finger_pairs=21, period=0.4e-3, metallisation=0.5, aperture=9e-3)
@@ -46,7 +46,7 @@ def powers(stator, row, frequency, periods):
         length = (row.finger_pairs + 4) * period
         alone = replace(stator, length=length, ends="absorbing")
         own = replace(row, period=period, center=length / 2, aperture=1.0)
-        fields = stator_row(alone, (own,), frequency=frequency, resolution=level).solved()
+        fields = stator_cascade(alone, (own,), frequency=frequency, resolution=level).solved()
         found.append((surface_power(fields), fields.admittances[0, 0].real))
     return np.array(found).T
 
@@ -101,7 +101,9 @@ def test_no_other_frequency_radiates_more(solid, cut, pairs):
     length = (pairs + 4) * row.period
     alone = replace(stator, length=length)
     own = replace(row, center=length / 2, aperture=1.0)
-    power = [surface_power(stator_row(alone, (own,), frequency=float(f), resolution=LEVELS[1]).solved()) for f in scan]
+    power = [
+        surface_power(stator_cascade(alone, (own,), frequency=float(f), resolution=LEVELS[1]).solved()) for f in scan
+    ]
     assert power[0] >= 0.9999 * max(power)
     assert 0.05 < pairs**2 * (1 - best_period(stator, row, found) / row.period) < 0.3
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix, rotated
-from fem.convergence_error import ConvergenceError
 from fem.discretize.error_estimate import LEVELS
+from fem.exceptions import ConvergenceError
 from fem.reduce.basis import bases_of
 from fem.solve.p_matrix import matrix_difference
 from fem.solve.passband import surface_power
-from fem.waveguide.port_fields import stator_row
+from fem.waveguide.port_fields import stator_cascade
 
 ROW = Transducer(name="t", center=0.05, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=0.02)
 CERAMIC, QUARTZ = (rotated(material(name), cut) for name, cut in (("PZT-8", "Z"), ("quartz (Bechmann)", "ST-X")))
@@ -21,7 +21,7 @@ def power_at(stator, row, frequency, period):
     length = (row.finger_pairs + 4) * period
     own = replace(row, period=period, center=length / 2, aperture=1.0)
     alone = replace(stator, length=length, ends="absorbing")
-    return surface_power(stator_row(alone, (own,), frequency=frequency, resolution=LEVELS[0]).solved())
+    return surface_power(stator_cascade(alone, (own,), frequency=frequency, resolution=LEVELS[0]).solved())
 
 
 @pytest.mark.parametrize(

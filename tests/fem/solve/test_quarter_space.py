@@ -23,7 +23,7 @@ from fem.mesh.section_mesh import read_mesh
 from fem.solve.p_matrix import waves_of
 from fem.solve.reflector import reflector
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.row import condensed_pieces
+from fem.waveguide.stator_meshes import condensed_pieces
 from tests.fem.drawings import rectangle
 from tests.oracles.fem_isotropic_rayleigh import profile, velocity_over_shear
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fem.analytic.half_space import rayleigh
-from fem.convergence_error import ConvergenceError
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
+from fem.exceptions import ConvergenceError
 from fem.geometry import Stator
 from fem.materials import isotropic
 from fem.waveguide.modes import guided_modes, power

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.condense.electrodes import electrode_potentials, transducer_ports
 from fem.geometry import Transducer
-from fem.waveguide.port_fields import charge_currents, electrode_potentials, transducer_ports
+from fem.waveguide.port_fields import charge_currents
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.beam.surface_beam import aperture_beam
+from fem.beam.beam_of_section import aperture_beam
 from fem.condense.columns import condensed
 from fem.condense.join import repeated, with_ports
 from fem.condense.transducer import Condensation, transducer_superelements
@@ -17,8 +17,8 @@ from fem.results.field import wave_field
 from fem.results.power_balance import power_balance
 from fem.results.solution import driven_solution
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import joined_row
-from fem.waveguide.row import CondensedPieces
+from fem.waveguide.port_fields import joined_cascade
+from fem.waveguide.stator_meshes import CondensedPieces
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 LEVEL = Resolution(order=8, edge_layers=1)
@@ -35,7 +35,7 @@ def solutions(stator, row, place, columns):
     piece = replace(with_ports(bare, []), floating_potential=section.floating_potential)
     for between in ((), ((place, piece),)):
         pieces = CondensedPieces(between=between, ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit)
-        fields = joined_row(stator, row, transducers, modes=modes, resolution=LEVEL, pieces=pieces).solved()
+        fields = joined_cascade(stator, row, transducers, modes=modes, resolution=LEVEL, pieces=pieces).solved()
         yield driven_solution(fields, "a")
 
 

@@ -1,4 +1,4 @@
-"""The refusal of an argument that breaks a rule."""
+"""Exceptions: an argument that breaks a rule, and an answer that has not converged."""
 
 
 class InputError(ValueError):
@@ -22,3 +22,18 @@ class InputError(ValueError):
 
     def __str__(self):
         return f"{self.key} {self.rule}"
+
+
+class ConvergenceError(RuntimeError):
+    """No trustworthy answer was reached; the message says why and what to try next.
+
+    Attributes
+    ----------
+    status : str
+        What kept the answer away, in a few words, such as "runaway", "unstable", "stiff", "not finite", "too many
+        events", "not converged"; the functions that raise it name others.
+    """
+
+    def __init__(self, status: str, message: str):
+        super().__init__(f"{status}: {message}")
+        self.status = status

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.condense.mesh import Assembly, MeshedPiece, assembled
+from fem.condense.mesh import Assembly, MeshedPiece
+from fem.condense.mesh_assembly import assembled
 from fem.condense.reduced import ReducedPiece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
@@ -36,11 +37,11 @@ class CondensedPieces:
 
 
 def no_pieces(stator: Stator, unit: float) -> CondensedPieces:
-    """A row without meshed pieces; ``unit``: the length unit in m."""
+    """A cascade without meshed pieces; ``unit``: the length unit in m."""
     return CondensedPieces(between=(), ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit)
 
 
-class PieceRow:
+class StatorMeshes:
     """The meshed pieces of a stator on one section, assembled for all frequencies up to one (Hz)."""
 
     def __init__(self, stator: Stator, section: Section, resolution: Resolution, frequency: float):
@@ -68,7 +69,7 @@ class PieceRow:
         return {key: assembly.condensed(frequency) for key, assembly in self.assemblies.items()}
 
     def arranged(self, condensed: dict, modes: GuidedModes) -> CondensedPieces:
-        """The row of pieces at the frequency of ``modes``; ``condensed``: result of the method of this name."""
+        """The pieces in cascade at the frequency of ``modes``; ``condensed``: result of the method of this name."""
         stator, unit = self.stator, self.section.length_unit
         if not stator.pieces:
             return no_pieces(stator, unit)
@@ -93,8 +94,8 @@ class PieceRow:
 
 def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution) -> CondensedPieces:
     """Condense a stator's meshed pieces at the frequency of its modes."""
-    row = PieceRow(stator, modes.section.full, resolution, modes.frequency)
-    return row.arranged(row.condensed(modes.frequency), modes)
+    meshes = StatorMeshes(stator, modes.section.full, resolution, modes.frequency)
+    return meshes.arranged(meshes.condensed(modes.frequency), modes)
 
 
 def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resolution: Resolution) -> Wall:
@@ -116,7 +117,7 @@ def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resol
     near_line, far_line = (right_line, left_line) if side == 0 else (left_line, right_line)
     impedance = outside.left_impedance if side == 0 else outside.right_impedance
     wall, far_from_near = closed(assembly.condensed(frequency), near_line, far_line, impedance)
-    beyond = Beyond(modes=outside, place=interface[0] / section.length_unit, far_line=far_from_near)
+    beyond = Beyond(modes=outside, position=interface[0] / section.length_unit, far_line=far_from_near)
     return replace(wall, beyond=beyond)
 
 

@@ -1,6 +1,6 @@
-"""Surface beam of a solved section: reception by the apertures, and forces on strips beside transducers.
+"""Surface beam of a solved section: charges received by the apertures, and forces on strips beside transducers.
 
-A force on a strip |y - y_0| < W / 2 at x_j is a sheet of one node (surface_beam.py) with N/m for its charge.
+A force on a strip |y - y_0| < W / 2 at x_j is a sheet of one node (beam_of_charges.py) with N/m for its charge.
 Transducers scatter and receive its waves.
 """
 
@@ -8,14 +8,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.beam.electrode_charges import all_charges, sheets_of_forces
-from fem.beam.emitters import Strip
+from fem.beam.beam_of_charges import ChargeSheet, Strip
+from fem.beam.cut_source import cut_source
+from fem.beam.electrode_charges import all_charges
+from fem.beam.faces import faces, with_all_displacements
+from fem.beam.line_source import Load, ModeSource, line_source
 from fem.beam.reception import refuse_short_apertures, with_apertures
-from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
+from fem.beam.surface_beam import BeamError, SurfaceBeam
+from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave
-from fem.results.solution import driven_solution
+from fem.results.solution import Solution, driven_solution
 from fem.waveguide.port_fields import PortFields
 
 TINY = 1e-300  # avoids division by zero
@@ -70,33 +74,90 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     >>> f"{abs(u_z) * 1e9:.2f} nm"
     '0.96 nm'
     """
-    solution, forced = wave.solution, wave.solution.forces is not None
-    stator, transducers = solution.fields.stator, solution.fields.transducers
-    refusal = beam_refusal(stator)
-    if not refusal and forced and stator.ends != "absorbing":
-        refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
-    if refusal:
-        raise BeamError(refusal)
-    refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
-    sheets = sheets_of_forces(solution)
-    widths = [each.aperture for each in transducers] + [each.length for each in sheets]
-    if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
-        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
-    isotropic = isotropic_about_normal(stator.solid)
-    if any(each.center_y for each in transducers) and (mirror_width is not None or not isotropic):
-        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
-    if any(each.center for each in sheets) and mirror_width is not None:
-        raise BeamError("forces beside the middle line need absorbing sides")
+    solution = wave.solution
+    _refuse(wave, mirror_width)
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive, solution.forces)
     beam = aperture_beam(wave, solution, mirror_width)
-    if not (sheets and transducers):
+    if not (beam.strips and beam.charges):
         return beam
-    if not isotropic:
+    if not isotropic_about_normal(fields.stator.solid):
         solution = driven_solution(with_scattering(beam), solution.circuit.drive, solution.forces)
         beam = replace(beam, solution=solution, charges=all_charges(solution))
     return with_reciprocal_currents(beam)
+
+
+def _refuse(wave: SurfaceWave, mirror_width: float | None) -> None:
+    """Raise a BeamError or an InputError for what `surface_beam` does not cover."""
+    solution, stator = wave.solution, wave.solution.fields.stator
+    transducers = solution.fields.transducers
+    refusal = beam_refusal(stator)
+    if not refusal and solution.forces is not None and stator.ends != "absorbing":
+        refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+    if refusal:
+        raise BeamError(refusal)
+    refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
+    strips = sheets_of_forces(solution)
+    widths = [each.aperture for each in transducers] + [each.length for each in strips]
+    if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
+        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
+    symmetric = mirror_width is None and isotropic_about_normal(stator.solid)
+    if any(each.center_y for each in transducers) and not symmetric:
+        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
+    if any(each.center for each in strips) and mirror_width is not None:
+        raise BeamError("forces beside the middle line need absorbing sides")
+
+
+def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
+    """Beam of the charges and forces of a solution; its circuit may be a part of a larger one (`crossed_beam`)."""
+    fields, transducers, stator = solution.fields, solution.fields.transducers, solution.fields.stator
+    in_cut = None if isotropic_about_normal(stator.solid) else cut_source(fields)
+
+    def source(load: Load) -> ModeSource:
+        if in_cut is not None:
+            return in_cut.loaded(load)
+        own = line_source(fields.modes, load)
+        return own.with_shear(with_all_displacements(fields), fields.frequency) if load == "x" else own
+
+    forces = [each for each in fields.network.ports if each.kind == "force"] if solution.forces is not None else []
+    by_load = {load: source(load) for load in {each.component for each in forces}}
+    of_charges = source("charge") if transducers else next(iter(by_load.values()))
+    return SurfaceBeam(
+        wave=wave,
+        solution=solution,
+        source=of_charges,
+        faces=None if stator.ends == "absorbing" else faces(fields, line_source(fields.modes)),
+        charges=all_charges(solution),
+        apertures=tuple(each.aperture for each in transducers),
+        centers=tuple(each.center_y for each in transducers),
+        mirror_width=mirror_width,
+        strips=tuple(
+            Strip(sheet, by_load[force.component])
+            for force, sheet in zip(forces, sheets_of_forces(solution), strict=True)
+        ),
+    )
+
+
+def sheets_of_forces(solution: Solution) -> list[ChargeSheet]:
+    """Strips of the forces of a solution, with N/m instead of charges."""
+    if solution.forces is None:
+        return []
+    unit, ports = solution.fields.section.length_unit, solution.fields.network.ports
+    forces = [each for each in ports if each.kind == "force"]
+    for each in forces:
+        if not np.isfinite(each.width):
+            raise InputError("force.width", "must be finite in three dimensions", each.width, "m", owner=each.name)
+    return [
+        ChargeSheet(
+            x=np.array([each.position * unit]),
+            charge=np.array([amplitude]),
+            finger=np.zeros(1, dtype=int),
+            length=each.width * unit,
+            center=each.center * unit,
+        )
+        for each, amplitude in zip(forces, solution.forces, strict=True)
+    ]
 
 
 def with_scattering(beam: SurfaceBeam) -> PortFields:
@@ -106,16 +167,16 @@ def with_scattering(beam: SurfaceBeam) -> PortFields:
     over its value at k_y = 0, on the bare surface.
     """
     fields, ports = beam.solution.fields, len(beam.solution.fields.names)
-    places = np.array([each.center for each in fields.transducers])
-    shares = np.ones((len(places), ports + len(beam.strips)), dtype=complex)
+    middles = np.array([each.center for each in fields.transducers])
+    shares = np.ones((len(middles), ports + len(beam.strips)), dtype=complex)
     for column, strip in enumerate(beam.strips, start=ports):
         unit = replace(strip.sheet, charge=np.ones(1))
         alone = replace(beam, charges=(), apertures=(), centers=(), strips=(Strip(unit, strip.source),)).surface_mode
         (emitter,) = alone.emitters
-        plane = emitter.plane_waves(places, beam.wavelength)
+        plane = emitter.plane_waves(middles, beam.wavelength)
         for index, (aperture, center) in enumerate(zip(beam.apertures, beam.centers, strict=True)):
             y, weights = _points_across(beam, center, aperture)
-            shares[index, column] = alone.motion(places[index], y)[2] @ weights / plane[index, 2]
+            shares[index, column] = alone.motion(middles[index], y)[2] @ weights / plane[index, 2]
     named = [index for index, each in enumerate(fields.transducers) if each.name in fields.names]
     return replace(
         fields,
@@ -139,8 +200,8 @@ def with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
     solution, fields = beam.solution, beam.solution.fields
     forces = [each for each in fields.network.ports if each.kind == "force"]
     received, coarser = np.empty_like(fields.received), np.empty_like(fields.received)
-    for row in range(len(fields.names)):
-        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[row])
+    for port in range(len(fields.names)):
+        circuit = replace(solution.circuit, voltages=np.eye(len(fields.names))[port])
         unit = replace(solution, circuit=circuit, forces=None)
         sent = replace(beam, solution=unit, charges=all_charges(unit), strips=(), complete=False)
         for column, (force, strip) in enumerate(zip(forces, beam.strips, strict=True)):
@@ -148,7 +209,7 @@ def with_reciprocal_currents(beam: SurfaceBeam) -> SurfaceBeam:
             rules = sent.motion_by_rules(strip.sheet.x[0], y)[:2]
             fine, half = (each["xyz".index(force.component)] @ weights for each in rules)
             rate = 2j * np.pi * fields.frequency * strip.sheet.length
-            received[row, column], coarser[row, column] = rate * fine, rate * half
+            received[port, column], coarser[port, column] = rate * fine, rate * half
     # of open strips alone no current tells how much is missed: their waves are in doubt as a whole
     missed, error = 1.0, 0.0
     if fields.names:

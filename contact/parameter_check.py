@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from contact.input_error import InputError
+from contact.exceptions import InputError
 
 
 def positive(name: str, value: float, unit: str) -> float:

@@ -1,11 +1,11 @@
-"""The one linear system of a row: waves that leave and arrive at its elements.
+"""The one linear system of a cascade: waves that leave and arrive at its elements.
 
-An element e of a row - a condensed piece, an end of the stator, a sheet of charges, a P-matrix - answers the waves of
-amplitudes a_e that arrive at it, and its excitation v, by the waves b_e that leave it:
+An element e of a cascade - a condensed piece, an end of the stator, a sheet of charges, a P-matrix - answers the waves
+of amplitudes a_e that arrive at it, and its excitation v, by the waves b_e that leave it:
 
     b_e = S_e a_e + T_e v.                                                                        (1)
 
-What leaves one element arrives at others, P b, beside waves a_0 from outside of the row:
+What leaves one element arrives at others, P b, beside waves a_0 from outside of the cascade:
 
     a = P b + a_0.                                                                                (2)
 
@@ -13,8 +13,8 @@ With S = diag(S_e) and all T_e in one column, (1) and (2) give
 
     (1 - S P) b = T v + S a_0.                                                                    (3)
 
-The row resonates where an eigenvalue of the coupling M = S P is near 1.  For two elements (3) is the star product of
-their scattering matrices (R. Redheffer, J. Math. Phys. 41, 1962, 1, eq. 4).
+The cascade resonates where an eigenvalue of the coupling M = S P is near 1.  For two elements (3) is the star product
+of their scattering matrices (R. Redheffer, J. Math. Phys. 41, 1962, 1, eq. 4).
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ import numpy as np
 
 @dataclass(frozen=True, kw_only=True)
 class Element:
-    """An element of a row: its scattering and the numbers of its waves.
+    """An element of a cascade: its scattering and the numbers of its waves.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Element:
     excitation : ndarray, shape (leaving, excitations)
         T_e.
     leaves, arrives : ndarray of int
-        Numbers, among all waves of the row, of those that leave it and of those that arrive at it.
+        Numbers, among all waves of the cascade, of those that leave it and of those that arrive at it.
     """
 
     scattering: np.ndarray = field(repr=False)
@@ -44,8 +44,8 @@ class Element:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RowWaves:
-    """Amplitudes of a row for each of its excitations.
+class CascadeWaves:
+    """Amplitudes of a cascade for each of its excitations.
 
     Attributes
     ----------
@@ -60,9 +60,9 @@ class RowWaves:
     coupling: np.ndarray = field(repr=False)
 
 
-def solve_row(
+def solve_cascade(
     elements: Sequence[Element], travel: np.ndarray | None = None, outside: np.ndarray | None = None
-) -> RowWaves:
+) -> CascadeWaves:
     """Solve equation (3).
 
     Parameters
@@ -89,7 +89,7 @@ def solve_row(
     ...     )
     ...     for number, reflection, sent in ((0, 0.5, 1.0), (1, 0.8, 0.0))
     ... )
-    >>> waves = solve_row([one, other], travel=0.9 * np.array([[0.0, 1.0], [1.0, 0.0]]))
+    >>> waves = solve_cascade([one, other], travel=0.9 * np.array([[0.0, 1.0], [1.0, 0.0]]))
     >>> bool(np.isclose(waves.leaving[0, 0], 1 / (1 - 0.5 * 0.8 * 0.9**2)))
     True
     """
@@ -108,4 +108,4 @@ def solve_row(
     arriving = leaving if travel is None else travel @ leaving
     if outside is not None:
         arriving = arriving + outside
-    return RowWaves(leaving=leaving, arriving=arriving, coupling=coupling)
+    return CascadeWaves(leaving=leaving, arriving=arriving, coupling=coupling)

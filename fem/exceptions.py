@@ -1,4 +1,7 @@
-"""The refusal of an argument that breaks a rule."""
+"""Exceptions: an argument that breaks a rule, and an answer that has not converged.
+
+The error of an answer is estimated in `fem/discretize/error_estimate.py`.
+"""
 
 
 class InputError(ValueError):
@@ -9,9 +12,9 @@ class InputError(ValueError):
     key : str
         Name of the argument or of the field, such as ``stator.length``.
     rule : str
-        The rest of the sentence: what is allowed, what was given and its unit.
+        The rest of the sentence: what is allowed, the value and its unit.
     value : object
-        What was given; None where the rule itself says it.
+        The value; None where the rule itself says it.
     owner : str
         Which of several transducers the key belongs to, by its name; empty where there is one object alone.
 
@@ -32,3 +35,27 @@ class InputError(ValueError):
         kind, dot, name = self.key.partition(".")
         key = f"{kind} {self.owner!r}{dot}{name}" if self.owner else self.key
         return f"{key} {self.rule}"
+
+
+class ConvergenceError(RuntimeError):
+    """Raised if a solver does not reach the tolerance; the message says why and what to try next.
+
+    Attributes
+    ----------
+    reached : object or None
+        The best answer with its error, if there is one.
+    """
+
+    def __init__(self, message: str, *, reached: object = None):
+        super().__init__(message)
+        self.reached = reached
+
+
+def refuse_above(
+    error: float, tolerance: float, what: str, *, advice: str = "ask for less", reached: object = None
+) -> None:
+    """Raise a ConvergenceError if an error exceeds the tolerance; ``what`` begins it, as in "the modes are"."""
+    if error > tolerance:
+        raise ConvergenceError(
+            f"{what} known to {error:.1e} only, {tolerance:.1e} was asked for: {advice}", reached=reached
+        )

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.condense.mesh_field import TopEdges
-from fem.discretize.quads import QuadSpace
+from fem.discretize.quads import QuadSpace, TopEdges
 from fem.mesh.quads import QuadMesh
 
 CORNERS = [[0.0, -0.2], [1.0, -1.0], [1.0, 0.0], [0.0, 0.0]]
