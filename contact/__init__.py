@@ -1,4 +1,4 @@
-"""Motion of the slider on a given wave: Hertz contact, friction spring, stick, slip and separation.
+"""Motion of the slider on a prescribed wave: Hertz contact, friction spring, stick, slip and separation.
 
 Conventions: exp(+i omega t), peak amplitudes, x along propagation, z out of the surface, compression positive, slider
 velocity positive along +x, SI units. The model is that of Feenstra and Breedveld, *Analysis of a Surface Acoustic Wave
@@ -22,8 +22,8 @@ _PUBLIC = {
     "averaged.pillar_results": "PillarLoadLine PillarMotion",
     "averaged.pillars": "balls_of PassingWave Pillars",
     "choice": "Answer",
+    "error_estimate": "reference_speed speed_scale",
     "exceptions": "ConvergenceError InputError",
-    "drive": "reference_speed speed_scale",
     "envelope": "Envelope",
     "jit": "kernels",
     "law.falling": "FallingFriction",
@@ -37,7 +37,7 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str):
-    """Import a public name from its module when it is first asked for: importing the package stays cheap."""
+    """Import a public name from its module when it is first used: importing the package stays cheap."""
     if name not in _HOME:
         raise AttributeError(f"module 'contact' has no attribute {name!r}")
     return getattr(import_module(f"contact.{_HOME[name]}"), name)

@@ -7,7 +7,7 @@ Contact i has the height h_i (positive: nearer to the surface) and meets a harmo
     travel    x_i = u_x,i - travel,         x_i' = u_x,i' - v     while it sticks,     u = a cos phi + b sin phi,
 
 and the body has the forces of its own -d_n z_s' - p and -d_t v - q. Every solver takes approach, travel and these
-forces from here. A slider that tilts (many contacts, averaged motion) has coordinates of its own at each place,
+forces from here. A slider that tilts (many contacts, averaged motion) has coordinates of its own at each position,
 z_s - theta x - psi y (`tilted`).
 Slip of sign s goes on while s x' - c z' > 0 (Feenstra and Breedveld, eq. 3, with the sign that the paper leaves out).
 """
@@ -54,7 +54,7 @@ def approach(paths, i, u_z, q):
 
 
 def tilted(q, pitch, roll, x, y):
-    """Return the coordinates at places from a tilted slider's centre; positive tilts, rad: approach grows with x, y."""
+    """Return the coordinates at (x, y) from a tilted slider's centre; positive tilts, rad: approach grows with x, y."""
     return Coordinates(q.normal - pitch * x - roll * y, q.along)
 
 

@@ -1,12 +1,8 @@
 r"""Choice of the method for a problem of the contact, by its applicability and its estimated error.
 
-The methods of each question, and the errors that they state, are in `contact/answers`:
-
-- a burst: table `methods.BURST_METHODS`, rule of "auto" `methods.run`, errors `methods._exact`, `methods.Window.error`
-  and `averaged/burst.averaged_run`;
-- a steady state: table `steady.STEADY_METHODS`, rule of "auto" above it, errors in the functions of the table;
-- a step: no table, its error `steps.step`; averaged sweeps and pillars: one method each, with its error, in
-  `averaged/sweep_rows` and `averaged/pillar_motion`.
+The errors are estimated in `error_estimate`. The methods of a burst are the table `answers.methods.BURST_METHODS`, with
+the rule of "auto" in `run` below it; those of a steady state are `answers.steady.STEADY_METHODS`, with their rule above
+it. The other answers have one method each.
 
 `choose` returns the result of the first method, the cheapest, that applies and whose estimated error is within the
 tolerance. If a method that the user named misses the tolerance, the exact method replaces it, provided that it is cheap
@@ -20,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from contact.drive import relative_to_reference
+from contact.error_estimate import relative_to_reference
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 
@@ -124,7 +120,7 @@ class Choice(NamedTuple):
 
 
 def choose(
-    methods: dict[str, Method], question, asked: str, *, what: str, exact: bool, way: str, exact_first: bool = False
+    methods: dict[str, Method], question, requested: str, *, what: str, exact: bool, way: str, exact_first: bool = False
 ) -> Choice:
     """Return the first result within its tolerance, or else the one with the smallest error.
 
@@ -134,7 +130,7 @@ def choose(
         `Method` by name, the cheapest first and "exact" last.
     question
         Problem that is passed to every method.
-    asked : str
+    requested : str
         "auto", or the only method to try; if this misses the tolerance, the exact method replaces it.
     what : str
         Name of the problem in error messages.
@@ -153,14 +149,14 @@ def choose(
     """
     why = {name: each.refusals(question) for name, each in methods.items()}
     names = [name for name in methods if not why[name]]
-    if asked != "auto":
-        if why[asked]:
-            others = [name for name in names if name != asked]
-            raise refused(what, {asked: why[asked]}, f"use method {' or '.join(others)}" if others else way)
-        names = [asked] + ["exact"] * (exact and asked != "exact" and "exact" in names)
+    if requested != "auto":
+        if why[requested]:
+            others = [name for name in names if name != requested]
+            raise refused(what, {requested: why[requested]}, f"use method {' or '.join(others)}" if others else way)
+        names = [requested] + ["exact"] * (exact and requested != "exact" and "exact" in names)
     elif not exact and len(names) > 1:
         names = [name for name in names if name != "exact"]
-    if asked == "auto" and exact_first:
+    if requested == "auto" and exact_first:
         names.sort(key=lambda name: name != "exact")
     if not names:
         raise refused(what, why, way)
@@ -171,7 +167,7 @@ def choose(
         try:
             result = methods[name].follow(question)
         except ConvergenceError as failed:
-            if name == asked:
+            if name == requested:
                 raise
             failures.insert(0 if name == "exact" else len(failures), failed)
             if name == "exact":
@@ -181,7 +177,7 @@ def choose(
             best = Choice(result, name, reasons)
         if result.error <= result.allowed or name == "exact":
             break
-        if name == asked:
+        if name == requested:
             reasons = (f"followed exactly, because the {name} method misses the tolerance",)
     if best is None:
         raise failures[0]

@@ -51,7 +51,7 @@ LAST_GUARD = tuple(map(int, (
 
 
 class Event(IntEnum):
-    """Kind of an event, and its place in the tally of a run."""
+    """Kind of an event, and its index in the tally of a run."""
 
     CONTACT = 0
     RELEASE = 1
@@ -63,7 +63,7 @@ class Event(IntEnum):
 
 
 class Count(IntEnum):
-    """Places of the work in the same tally."""
+    """Indices of the work in the same tally."""
 
     SEGMENTS = 6
     HALVINGS = 7

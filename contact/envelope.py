@@ -49,8 +49,8 @@ class Envelope:
 
         Fixed time steps take such a factor; a kink of the envelope within a cycle is lost to them.
         """
-        place = (np.arange(8) + 0.5) / 8.0
+        fraction = (np.arange(8) + 0.5) / 8.0
         ends = self.at(np.arange(cycles + 1) / frequency)
-        inside = self.at((np.arange(cycles)[:, None] + place) / frequency)
-        straight = ends[:-1, None] + (ends[1:] - ends[:-1])[:, None] * place
+        inside = self.at((np.arange(cycles)[:, None] + fraction) / frequency)
+        straight = ends[:-1, None] + (ends[1:] - ends[:-1])[:, None] * fraction
         return float(np.abs(inside - straight).mean(axis=1).sum())

@@ -1,4 +1,7 @@
-"""Exceptions: an argument that breaks a rule, and an answer that has not converged."""
+"""Exceptions: an argument that breaks a rule, and an answer that has not converged.
+
+The error of an answer is estimated in `contact/error_estimate.py`.
+"""
 
 
 class InputError(ValueError):
@@ -9,9 +12,9 @@ class InputError(ValueError):
     key : str
         Name of the argument or of the field, such as ``slider.mass``.
     rule : str
-        The rest of the sentence: what is allowed, what was given and its unit.
+        The rest of the sentence: what is allowed, the value and its unit.
     value : object
-        What was given; None where the rule itself says it.
+        The value received; None where the rule itself says it.
     """
 
     def __init__(self, key: str, rule: str, value: object = None, unit: str = ""):

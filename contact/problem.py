@@ -76,7 +76,7 @@ def full_friction(problem):
 
 
 class SliderNumber(IntEnum):
-    """Places of the numbers of a slider (`numbers`), SI units."""
+    """Indices of the numbers of a slider (`numbers`), SI units."""
 
     MASS = 0
     STIFFNESS = 1  # K

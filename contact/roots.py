@@ -130,9 +130,9 @@ def first_root(sigma, bary, rates, values):
                 # a guard that has just opened: a dip there would be the interpolation's own error
                 near = False
             if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
-                place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
-                if place < 2.0:
-                    return place
+                dip = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
+                if dip < 2.0:
+                    return dip
         if values[j] < 0.0:
             return root(sigma[j - 1], sigma[j], sigma, bary, values)
     return 2.0

@@ -15,8 +15,8 @@ import pytest
 from hypothesis import settings
 
 # no test measures time: an example may take long on a machine that is busy
-settings.register_profile("sawmotor", deadline=None)
-settings.load_profile("sawmotor")
+settings.register_profile("thorough", deadline=None)
+settings.register_profile("quick", deadline=None, max_examples=25)
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -31,7 +31,8 @@ gc.disable()  # while the tests are collected: what is made then stays
 
 
 def pytest_configure(config):
-    """Hand out the files in the order below; in a whole run by several workers start the compilers."""
+    """Number of examples; hand out the files in the order below; in a whole run by several workers compile."""
+    settings.load_profile("quick" if "not thorough" in config.option.markexpr else "thorough")
     config.option.loadscopereorder = False
     whole = config.args_source == config.ArgsSource.TESTPATHS and not config.option.collectonly
     if whole and getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):

@@ -1,1 +1,1 @@
-"""What is asked of a contact: steady states, bursts, waveforms, thresholds, load lines, steps."""
+"""Answers about a contact: steady states, bursts, waveforms, thresholds, load lines, steps."""

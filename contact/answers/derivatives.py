@@ -16,9 +16,8 @@ from collections.abc import Callable
 
 from contact.answers.load_line import mean_traction
 from contact.averaged.sweep import mean_motion
-from contact.drive import drive_direction
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, drive_direction
 from contact.slider import Slider
 
 STEP = 2e-3  # of v (relative) and of s; fourth-order differences of forces that are accurate to 1e-11

@@ -17,11 +17,10 @@ from contact.answers.steady import SteadyState, steady
 from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
 from contact.averaged.sweep import mean_motion
-from contact.averaged.sweep_rows import STALL_ERROR
 from contact.choice import Answer
-from contact.drive import towards_plus
+from contact.error_estimate import averaged_stall_error, search_error
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.problem import scaled
 from contact.slider import Slider
 
@@ -154,14 +153,12 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
             "held", "the wave does not move the unloaded slider; raise the amplitude above the threshold"
         )
     ratio = slider.normal_resonance(len(listed)) / listed[0].frequency
-    averaged_answer = Answer(
-        value=guess, error=guess * min(STALL_ERROR * ratio**2, 1.0), reasons=("mean traction at rest",)
-    )
+    averaged_answer = Answer(value=guess, error=guess * averaged_stall_error(ratio), reasons=("mean traction at rest",))
     if averaged_answer.error <= tolerance * guess:
         return averaged_answer
     try:
-        found = full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
-        return found.judged(tolerance, guess)
+        answer = full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
+        return answer.judged(tolerance, guess)
     except ConvergenceError as failed:
         reason = f"the full motion near the stall was not found: {failed}"
         return replace(averaged_answer, reasons=(*averaged_answer.reasons, reason)).judged(tolerance, guess)
@@ -219,9 +216,9 @@ def full_stall(slider, orbits, near, tolerance):
             else:
                 estimate, error = 0.5 * (low + high), 0.5 * (high - low)
             previous = latest if latest[1] > 0.0 else previous
-        if min(error, 0.5 * (high - low)) < tolerance * estimate:
+        if search_error(error, low, high) < tolerance * estimate:
             break
-    error = min(error, 0.5 * (high - low)) + tolerance * estimate
+    error = search_error(error, low, high) + tolerance * estimate
     return Answer(value=estimate, error=error, reasons=("load at which the full motion stops",))
 
 

@@ -1,8 +1,7 @@
 r"""Three methods to compute the motion during a burst: event-driven, fixed time steps and averaged.
 
-Each method starts from a slider at rest at phase 0. It returns the motion at the end of the burst, rows (v, z_s) during
-the burst, the estimated error of the last v and statistics. A method refuses a problem to which it does not apply.
-Every error estimate compares two runs of different resolution.
+Each method starts from a slider at rest at phase 0. It returns the motion at the end of the burst, its record (v, z_s),
+the error of the last v (`error_estimate`) and statistics. A method refuses a problem to which it does not apply.
 """
 
 import math
@@ -17,7 +16,7 @@ from contact.averaged.burst import COMPARED, averaged_run, refusals
 from contact.averaged.event_cycle import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
-from contact.drive import reference_speed
+from contact.error_estimate import calibrated_error, envelope_error, event_driven_error, reference_speed, stepped_error
 from contact.events.collocation import collocation
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
@@ -41,38 +40,21 @@ MAX_SEGMENTS = 1e8
 # the error: the truncation has no effect if events limit the segments, and the number of nodes has none if the forces
 # are polynomials (a punch).
 ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
-# Rounding errors of the velocity. DRIFT: per cycle, relative to the reference speed. SCATTER: over the root of the
-# number of segments, in units of `Problem.speed`; segments add and subtract lengths of order one, so that a wave with
-# little u_x leaves few digits. Against runs of 20 nodes the error was up to 4e-16 in 140 of 150 draws of
-# `tests/contact/aimed.py` at 1e-10, and within twice the stated one in all.
-DRIFT, SCATTER = 1e-15, 4e-16
 
 # Fixed time steps. Numbers of steps per cycle, and the smallest tolerance for which each was seen to be fine enough.
 STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
-# Order of convergence in the step size that the error estimate assumes. Spheres converge with order 1.5 to 2, punches
-# and contact dampers with order 1. Both may converge more slowly between two neighbouring step sizes.
-ORDER = 1.0
-# Every error estimate is increased by this fraction of the tolerance in `STEPS`, because two runs may agree by chance.
-FLOOR = 0.01
 # largest omega_n dt (contact resonance times step)
 MAX_STEP = 0.2
 # largest relative change of velocity in one step by the contact damper
 MAX_DAMPING = 5e-3
-# Under an envelope: largest relative change of the velocity that a cycle adds, over that of the wave's amplitude.
-# Against the oracle `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5
-# of this error.
-ENVELOPE_CHANGE = 3.0
 ENVELOPE_OUT = "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
 # SPENT: a ring-down ends when the amplitude is below this fraction of the envelope's maximum. A wave that is cut there
-# shifts the final position, by up to 4.2 times its amplitude (`steps.CUT`).
+# shifts the final position, by up to 4.2 times its amplitude (`error_estimate.CUT`).
 # RINGING_STEPS: minimum number of steps per cycle during the ring-down.
 SPENT, RINGING_STEPS = 1e-7, 80
 
 # Errors of the averaged method and of the fixed time steps: calibrated by the exact method in this many first cycles.
 WINDOW = 1000
-# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
-# that cannot be calibrated.
-CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
 
 
 def rest_problem(slider, orbits):
@@ -88,7 +70,7 @@ def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
     """
     begun, state = problem._replace(paths=_times(problem.paths, factor)), rest_state(slider, problem)
     motion = Motion(begun, grid=collocation(nodes), truncation=truncation)
-    motion.place(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
+    motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
     motion.problem = problem
     return motion
 
@@ -103,7 +85,7 @@ def _times(paths, factor):
 def silence(motion):
     """Return a copy of the motion that continues from the state at phase 0 without the wave."""
     still = motion.copy()
-    still.place(*motion.state[:3], motion.state[3:], problem=without_wave(motion.problem))
+    still.set_state(*motion.state[:3], motion.state[3:], problem=without_wave(motion.problem))
     still.begin()
     return still
 
@@ -120,7 +102,7 @@ def shaped_steps(slider, problem, least: int) -> int:
 def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RINGING_STEPS):
     """Move the slider in fixed time steps while the surface rings down.
 
-    Returns (times in s from the end of the burst, rows). There are about `samples` rows, or one per cycle if it is 0.
+    Returns (times in s from the end of the burst, record) of about `samples` samples, or one per cycle if it is 0.
     """
     frequency = motion.problem.omega / (2.0 * math.pi)
     number = shaped_steps(slider, motion.problem, least)
@@ -128,8 +110,8 @@ def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RI
     stride = max(1, cycles // samples) if samples else 1
     cycles -= cycles % stride
     shape = envelope.at(np.arange(cycles + 1) / frequency)
-    rows = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
-    return stride * np.arange(1, len(rows) + 1) / frequency, rows
+    record = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
+    return stride * np.arange(1, len(record) + 1) / frequency, record
 
 
 def spent(envelope):
@@ -146,7 +128,7 @@ def spent(envelope):
 
 
 class Burst(NamedTuple):
-    """A burst from rest that returns a row every `stride` cycles; `envelope` as in `time_stepping.steps`."""
+    """A burst from rest that returns a sample every `stride` cycles; `envelope` as in `time_stepping.steps`."""
 
     slider: Slider
     orbits: tuple[Orbit, ...]
@@ -158,14 +140,14 @@ class Burst(NamedTuple):
     bend: float = 0.0  # `Envelope.bend`
 
     @property
-    def cycles_per_compared_row(self) -> int:
-        """Number of cycles between two compared rows, a divisor of `stride`."""
+    def cycles_per_compared_sample(self) -> int:
+        """Number of cycles between two compared samples, a divisor of `stride`."""
         return largest_divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
 
     @property
-    def compared_per_returned_row(self) -> int:
-        """Number of compared rows for each returned row."""
-        return self.stride // self.cycles_per_compared_row
+    def compared_per_returned_sample(self) -> int:
+        """Number of compared samples for each returned one."""
+        return self.stride // self.cycles_per_compared_sample
 
     def allowed(self, velocity: float) -> float:
         """Return the allowed error of a velocity, both scaled."""
@@ -183,36 +165,35 @@ def _exact(burst):
         return _every_event(burst, *ORDERS[level][:3])
 
     def error(level, run, difference, reference):
-        # two runs may agree by chance: the error is never taken below that of the segments' truncation
-        # a slider that never moved has added nothing up
-        scatter = SCATTER * math.sqrt(burst.cycles * burst.problem.segments) if np.any(run[0]) else 0.0
-        rounding = DRIFT * burst.cycles * reference + scatter
-        return max(difference, 3e-6 * ORDERS[level][1] * reference) + rounding
+        return event_driven_error(
+            difference, truncation=ORDERS[level][1], reference=reference, cycles=burst.cycles,
+            segments=burst.problem.segments, moves=np.any(run[0]),
+        )  # fmt: skip
 
     for least in range(1, len(ORDERS)):
         try:
-            _, (_, motion, rows), result = _refined(burst, follow, error, ORDERS, least)
+            _, (_, motion, record), result = _refined(burst, follow, error, ORDERS, least)
             break
         except ConvergenceError:  # with few nodes the solver may report events without end: try the next level
             if least == len(ORDERS) - 1:
                 raise
-    every = burst.compared_per_returned_row
-    return result._replace(run=(motion, rows[every - 1 :: every]), statistics=motion.events())
+    every = burst.compared_per_returned_sample
+    return result._replace(run=(motion, record[every - 1 :: every]), statistics=motion.events())
 
 
 def _every_event(burst, nodes, truncation, longest):
-    """Return (velocities to compare, motion, rows) of one event-driven run."""
+    """Return (velocities to compare, motion, record) of one event-driven run."""
     problem = burst.problem._replace(longest=longest * burst.problem.longest)
     motion = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
     motion.begin()
-    rows = motion.turn(burst.cycles, stride=burst.cycles_per_compared_row)
+    record = motion.turn(burst.cycles, stride=burst.cycles_per_compared_sample)
     motion.problem = burst.problem
-    return _compared(rows, motion.state), motion, rows
+    return _compared(record, motion.state), motion, record
 
 
-def _compared(rows, state):
+def _compared(record, state):
     """Return the velocities in the second half of a burst and at its end."""
-    return np.append(rows[len(rows) // 2 :, Column.VELOCITY], state[At.VELOCITY])
+    return np.append(record[len(record) // 2 :, Column.VELOCITY], state[At.VELOCITY])
 
 
 def _exact_refusals(burst):
@@ -227,61 +208,44 @@ def _exact_refusals(burst):
 
 def _stepped(burst):
     """Run fixed time steps, refined until the estimated error is within the tolerance."""
-    start = _at_rest(burst)
     window = Window.of(burst)
 
-    def gain(level):
-        return (STEPS[level][0] / STEPS[level - 1][0]) ** ORDER - 1.0
-
     def follow(level):
-        state = start.state.copy()
-        rows = steps(
-            burst.problem,
-            state,
-            burst.cycles,
-            STEPS[level][0],
-            stride=burst.cycles_per_compared_row,
-            envelope=burst.envelope,
-        )
-        return _compared(rows, state), state, rows
+        return _every_step(burst, level)
+
+    def levels_error(level, difference, reference):
+        return stepped_error(difference, STEPS[level][0], STEPS[level - 1][0], STEPS[level][1] * reference)
 
     def in_window(level):
-        coarse, fine = (
-            steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
-                  stride=window.burst.cycles_per_compared_row)[:, Column.VELOCITY]
-            for k in (level - 1, level)
-        )  # fmt: skip
-        return fine, float(np.max(np.abs(fine - coarse))) / gain(level)
+        coarse, fine = (_every_step(window.burst, k)[2][:, Column.VELOCITY] for k in (level - 1, level))
+        return fine, levels_error(level, float(np.max(np.abs(fine - coarse))), 0.0)
 
     def error(level, run, difference, reference):
-        # a single difference may vanish by chance, since events fall anywhere in a step: compare the largest of many
-        estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
+        estimate = levels_error(level, difference, reference)
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
-    least = _serving_steps(burst)[1]  # [1], because the level below is run for comparison
-    level, (_, state, rows), result = _refined(burst, follow, error, STEPS, least)
-    start.state[:] = state
+    small = [k for k, (number, _) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
+    # the coarsest level with small enough steps is run for comparison only
+    level, (_, motion, record), result = _refined(burst, follow, error, STEPS, small[1])
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
-    gains = np.diff(rows[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_row
-    every = burst.compared_per_returned_row
+    gains = np.diff(record[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_sample
+    every = burst.compared_per_returned_sample
     return result._replace(
-        run=(start, rows[every - 1 :: every]), statistics=statistics,
-        error=result.error + ENVELOPE_CHANGE * burst.bend * float(np.max(np.abs(gains))),
+        run=(motion, record[every - 1 :: every]), statistics=statistics,
+        error=result.error + envelope_error(burst.bend, float(np.max(np.abs(gains)))),
     )  # fmt: skip
 
 
-def _serving_steps(burst):
-    """Return the levels of `STEPS` whose steps are small enough for the slider's resonances and dampers."""
-    return [k for k, (number, *_) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
-
-
-def _at_rest(burst):
-    """Return the motion at the start of a burst."""
+def _every_step(burst, level):
+    """Return (velocities to compare, motion, record) of one run with the fixed time steps of a level of `STEPS`."""
     factor = burst.envelope[0] if burst.envelope.size else 1.0
-    return rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
+    motion = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
+    number, stride = STEPS[level][0], burst.cycles_per_compared_sample
+    record = steps(burst.problem, motion.state, burst.cycles, number, stride=stride, envelope=burst.envelope)
+    return _compared(record, motion.state), motion, record
 
 
 def largest_divisor(number, most):
@@ -293,16 +257,16 @@ def _averaged(burst):
     """Integrate the averaged equations."""
     window = Window.of(burst)
 
-    def follow(asked):
-        return averaged_run(asked, rest(asked.slider, asked.orbits, asked.problem, nodes=14, truncation=1e-11))
+    def follow(part):
+        return averaged_run(part, rest(part.slider, part.orbits, part.problem, nodes=14, truncation=1e-11))
 
     def in_window():
-        _, rows, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_row))
-        return rows[:, Column.VELOCITY], error
+        _, record, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_sample))
+        return record[:, Column.VELOCITY], error
 
-    motion, rows, error, statistics = follow(burst)
+    motion, record, error, statistics = follow(burst)
     velocity = float(motion.state[At.VELOCITY])
-    return Result((motion, rows), window.error(error, velocity, in_window), burst.allowed(velocity), statistics)
+    return Result((motion, record), window.error(error, velocity, in_window), burst.allowed(velocity), statistics)
 
 
 def _averaged_refusals(burst):
@@ -343,15 +307,14 @@ class Window(NamedTuple):
         """Return the error of a method's velocity at the end of the burst.
 
         `estimate` is the method's own estimate. `in_window()` returns the method's velocities in the window and its
-        estimate for them. If the true error in the window exceeds that estimate, `estimate` is scaled by their ratio.
+        estimate for them.
         """
         if self.velocities is None:
-            return UNCHECKED * estimate
+            return calibrated_error(estimate, None, 0.0)
         if self.whole:
             return abs(velocity - float(self.velocities[-1])) + self.exact_error
         velocities, stated = in_window()
-        true = float(np.max(np.abs(velocities - self.velocities)))
-        return max(BEYOND * estimate * max(1.0, CALIBRATION * true / (stated + 1e-300)), true)
+        return calibrated_error(estimate, float(np.max(np.abs(velocities - self.velocities))), stated)
 
 
 def _refined(burst, follow, error, levels, least):
@@ -396,10 +359,7 @@ def _both(work, first, second):
         return job.result(), result
 
 
-# The cheapest method comes first. Sources of the error estimates:
-# averaged: a run with half the steps and fewer nodes, and the difference of first and second order;
-# stepped: two step sizes; both this and the averaged estimate are calibrated by the exact method (`Window`);
-# exact: two collocation orders, plus rounding per cycle.
+# The cheapest method comes first.
 BURST_METHODS = {
     "averaged": Method(_averaged, _averaged_refusals),
     "stepped": Method(_stepped, lambda burst: stepped_refusals(burst.slider, burst.problem, STEPS[-2][0])),
@@ -409,7 +369,7 @@ METHODS = ("auto", *BURST_METHODS)
 
 
 def run(method: str, burst: Burst) -> Choice:
-    """Return the run (motion at the end, rows) of a burst, its error and the method used.
+    """Return the run (motion at the end, record) of a burst, its error and the method used.
 
     Method "auto" uses the exact method up to `EXACT_CYCLES` cycles; if it fails, and for longer bursts, the cheapest
     one within the tolerance. Only the exact method accumulates the energies in the motion's sums.

@@ -27,11 +27,17 @@ from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.event_cycle import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
-from contact.averaged.sweep_rows import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
+from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer, Answered, Method, first_to_converge
-from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.error_estimate import (
+    first_order_error,
+    larger_wave,
+    reference_speed,
+    relative_to_reference,
+    two_orders_error,
+)
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import periodic
 from contact.problem import scaled
@@ -42,7 +48,7 @@ METHODS = ("auto", "exact", "averaged")
 # takes a third to all of the time; in seven draws at ratios of 22 to 136 both gave the same velocity.
 # SETTLE: largest number of cycles to follow before shooting if it fails from the averaged equilibrium; also the
 # smallest number of cycles for the mean velocity of an undamped bounce. Shooting failed at first in 3 of 190 searches
-# for drawn motors; two of these motions were found after 191 and 200 cycles.
+# for drawn motors; two of these searches ended after 191 and 200 cycles.
 SLOWEST_WAVE, SETTLE = 20.0, 200
 # That mean covers this many bounce periods, but at most this many wave cycles (less than a second). In 40 draws the
 # mean over 80 periods was 0.45 of that over 20 in the median, and more than twice as large in 4.
@@ -50,9 +56,6 @@ BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
 # Shooting would take too long if a cycle has more segments than this: a segment takes 2 to 4 us for one to three
 # contacts, and a search about 40 cycles.
 MAX_SEGMENTS = 8000.0
-# Estimated relative error of first-order averaging, divided by (f_n/f)^2. The true value was 0.1 to 1.9 at amplitudes
-# from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`).
-AVERAGING_ERROR = 3.0
 GOES_ON = (
     "without normal damping a start from rest goes on bouncing, at {:.4g} m/s in the mean: give slider.damping.normal "
     "or slider.damping.contact"
@@ -218,7 +221,7 @@ class _Search(NamedTuple):
 
     @property
     def hops(self):
-        """Whether averaging is no substitute for a periodic motion that was not found."""
+        """Whether averaging is no substitute for a periodic motion that is not known."""
         # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
         adhesive = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
         unstable = self.failure is not None and self.failure.status == "unstable"
@@ -281,11 +284,9 @@ def _equilibrium(slider, orbits, ratio, method):
 
 def _first_order(slider, orbits, balance, ratio):
     """Return the first-order averaged steady state of a law that only the event-driven solver supports."""
-    error = AVERAGING_ERROR * ratio**2
+    error = first_order_error(ratio)
     if balance.held:
-        larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        # the threshold has an error: take the velocity on a wave that is larger by that error
-        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
+        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger_wave(ratio)) for orbit in orbits))
         error = relative_to_reference(on_larger_wave.speed * on_larger_wave.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
@@ -339,7 +340,7 @@ def _periodic_solution(search):
             f"the motion that repeats with the wave's period grows by {fine.growth:.6g} per cycle: the slider hops",
         )
     sticks = fine.motion.memory is None and fine.motion.sticks
-    velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
+    velocity, error = fine.speed * unit, two_orders_error(abs(fine.speed - coarse.speed), fine.unseen_error) * unit
     # velocity and error of a sticking slider are rounding errors
     velocity, error = (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
     solution = search.solution(
@@ -433,7 +434,7 @@ def _of_long_run(search, run):
 
 
 # In the order in which they are tried. The averaged method answers for a slider that friction holds, and for one that
-# keeps its height but whose periodic motion was not found; a long run from rest answers for the others.
+# keeps its height but whose periodic motion is not known; a long run from rest answers for the others.
 STEADY_METHODS = {
     "shooting": Method(_shooting, _shooting_refusals),
     "averaged": Method(_averaged, _averaged_refusals),

@@ -1,4 +1,4 @@
-r"""Steps of the motor: displacement by a burst of N cycles, and number of cycles for a given displacement.
+r"""Steps of the motor: displacement by a burst of N cycles, and number of cycles for a required displacement.
 
 A step consists of a burst from rest and the motion after it, until the contacts stick and the slider only rings about
 its final position. Envelopes may describe the wave's amplitude during the burst and the ring-down of the surface after
@@ -16,7 +16,6 @@ import numpy as np
 
 from contact import parameter_check
 from contact.answers.methods import (
-    ENVELOPE_CHANGE,
     EXACT_CYCLES,
     rest,
     rest_problem,
@@ -28,13 +27,13 @@ from contact.answers.methods import (
 )
 from contact.choice import Answer
 from contact.codes import Event, Regime
-from contact.drive import towards_plus
 from contact.envelope import Envelope
+from contact.error_estimate import envelope_error, travel_error
 from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 
@@ -48,15 +47,6 @@ ENDLESS_SPANS = 10_000
 # Distances over the slip limit at rest. SETTLED: smaller displacements by slip are ignored. VISIBLE: the stopping time
 # ends with the last slip above this one.
 SETTLED, VISIBLE = 1e-12, 1e-3
-# Smallest stated error, relative to the largest of the step, its travel during the burst and the slip limit at rest.
-# Two levels may agree by chance, and the finer one has errors up to 3e-11 (90 draws of `tests/contact/aimed.py`).
-LEAST_ERROR = 2e-11
-# Error with the hysteretic law, relative to the ring amplitude: partial slip during the ring shifts the final position.
-# The shift was 0.07 to 0.37 of the ring in `tests/contact/test_stall_and_steps.py` and in five similar scenes.
-MEMORY_SHIFT = 0.5
-# Largest change of the final position over the amplitude at which a ring-down is cut: up to 4.2, in the median 0.25,
-# in 40 random motors of one to three contacts that were cut at amplitudes of 1e-5 to 3e-3.
-CUT = 5.0
 # regimes in which a contact does not slip as a whole
 HOLDING = (Regime.STICK, Regime.ANNULUS, Regime.GROW)
 
@@ -135,12 +125,6 @@ def step(
         _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
     )
     scale = max(abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed)))
-    # Fixed time steps are assumed to converge with first order: the error of the fine level is 1/(f/c - 1) times the
-    # difference, for f and c steps per cycle. The event-driven solver (0 steps) has spectral accuracy, so that the
-    # difference is the error of the coarse level.
-    factors = [1.0 / (f / c - 1.0) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c]
-    estimate = max(factors, default=1.0) * abs(fine.displacement - coarse.displacement)
-    shift = MEMORY_SHIFT * fine.ring if slider.law == "hysteretic" else 0.0
     frequency, bend, amplitude_left = listed[0].frequency, 0.0, 0.0
     if envelope is not None:
         bend += envelope.bend(cycles, frequency)
@@ -150,8 +134,13 @@ def step(
         amplitude_left = abs(complex(after.at(np.array([spent(after)]))[0])) * largest
     # a change of the wave in one cycle changes the slider's speed for at most the rest of the burst: with a constant
     # acceleration that is twice the cycle's share of the travel
-    unseen = 2.0 * ENVELOPE_CHANGE * bend * scale / cycles
-    return replace(fine, error=estimate + LEAST_ERROR * scale + shift + unseen + CUT * amplitude_left)
+    error = travel_error(
+        abs(fine.displacement - coarse.displacement),
+        [(f, c) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c],
+        scale=scale, ring=fine.ring if slider.law == "hysteretic" else 0.0,
+        change=envelope_error(bend, 2.0 * scale / cycles), cut=amplitude_left,
+    )  # fmt: skip
+    return replace(fine, error=error)
 
 
 class _Level(NamedTuple):
@@ -191,9 +180,9 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
     velocity, ringing_time, ringing_travel, ringing_steps = float(motion.state[2]), 0.0, 0.0, 0
     if after is not None:
         ringing_steps = _shaped_steps(slider, problem, level.ringing_steps, COARSE.ringing_steps)
-        times, rows = ring_down(slider, motion, after, least=ringing_steps)
+        times, record = ring_down(slider, motion, after, least=ringing_steps)
         ringing_time = float(times[-1]) if times.size else 0.0
-        ringing_travel = _distance(rows)
+        ringing_travel = _distance(record)
     still_travel, last_slip, ring = _stopped(slider, motion)
     during, stopping = (side * problem.length * burst_travel, side * problem.length * (ringing_travel + still_travel))
     result = Step(
@@ -279,9 +268,9 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
     return _distance(steps(problem, motion.state, cycles, number, envelope=shape)), number
 
 
-def _distance(rows) -> float:
-    """Return the scaled travel over cycles, one per row."""
-    return float(2.0 * math.pi * np.sum(rows[:, Column.MEAN_VELOCITY]))
+def _distance(record) -> float:
+    """Return the scaled travel over cycles, one per sample."""
+    return float(2.0 * math.pi * np.sum(record[:, Column.MEAN_VELOCITY]))
 
 
 @dataclass

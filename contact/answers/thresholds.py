@@ -1,6 +1,6 @@
 r"""Wave amplitudes at which a slider starts to move (threshold) and at which contact is first lost (release).
 
-Both are given as factors on the orbits. The averaged theory below assumes a slider that is heavy on the wave's time
+Both are factors on the orbits. The averaged theory below assumes a slider that is heavy on the wave's time
 scale. It rides at a constant height h such that the cycle mean of the normal forces balances the preload,
 <sum P_i> = preload. The approach of contact i is z_i = h + h_i + Re(U_i exp(i omega t)), where h_i is its height.
 
@@ -14,7 +14,7 @@ Without a load, and with u_x and u_z in quadrature, the threshold is |U_x|^2 + c
 The normal force p(z) is a homogeneous function. Hence, at equal heights, approach and orbits grow by the same factor,
 and the preload determines this factor.
 
-*Threshold, other cases.* These thresholds are found by bisection of the averaged equilibrium, to a relative accuracy
+*Threshold, other cases.* These thresholds follow from bisection of the averaged equilibrium, to a relative accuracy
 of 1e-5:
 
 - A hysteretic contact slips in an annulus before it slips as a whole. Its deformation depends on the previous cycle and
@@ -29,7 +29,7 @@ slider. Examples are a surface that moves along one axis only, and pairs of cont
 the first release the normal motion has no event, and up to the first slip the tangential motion has none. The full
 equations are then solved in harmonics of the wave (`periodic.sticking`). The *release* of every law except the
 reciprocal one, and the *threshold* of the elastic law, are the factors at which a contact in this motion just separates
-or slips. All other factors keep the error of averaging (`AVERAGING_ERROR`).
+or slips. All other factors keep the error of averaging.
 """
 
 import math
@@ -41,11 +41,11 @@ import numpy as np
 from contact.averaged.event_cycle import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
-from contact.drive import towards_plus
+from contact.error_estimate import averaged_threshold_error, bounds_error
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
 from contact.law.user import UserLaw
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.sticking import least, normal_motion, room_to_stick
 from contact.problem import scaled
 from contact.roots import bracketed
@@ -59,15 +59,10 @@ ACCURACY = 1e-5
 # ends without a root there, the averaged factor is the answer. In 207 searches for drawn motors a larger distance was
 # needed 16 times, always at f_n/f above 0.5.
 SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
-# Smallest stated relative error of that factor: bisection of the full motion at f_n/f = 0.2 differs by 5e-7.
-LEAST_ERROR = 1e-6
-# Estimated relative error of an averaged factor, divided by (f_n/f)^2. The true value was 0.5 to 1.4
-# (`tests/contact/test_threshold_answers.py`), and up to 1.9 in draws with unequal balls or the hysteretic law.
-AVERAGING_ERROR = 2.0
 # The threshold is infinite if the slider is still held at this many times the factor of the first slip of any contact.
 # In 38 drawn motors with unequal contacts it was 1 to 1.36 times that factor.
 CLIMB = 100.0
-# Orbits within this relative difference count as equal: a thousandth of LEAST_ERROR, and far above rounding.
+# Orbits within this relative difference count as equal: a thousandth of the least stated error, and far above rounding.
 ALIKE = 1e-9
 PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 
@@ -134,8 +129,8 @@ def _by_averaging(slider, orbits, factor):
     if math.isinf(factor):
         return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    relative = min(AVERAGING_ERROR * ratio**2, 1.0) + ACCURACY
-    return Answer(value=factor, error=factor * relative, reasons=("cycle means",))
+    error = float(factor * averaged_threshold_error(ratio, ACCURACY))
+    return Answer(value=factor, error=error, reasons=("cycle means",))
 
 
 def _by_full_motion(slider, orbits, averaged_factor, margins=None):
@@ -171,7 +166,7 @@ def _by_full_motion(slider, orbits, averaged_factor, margins=None):
         lower, upper = root(SAMPLES, 0), root(SAMPLES // 2, 1)
     except ConvergenceError:
         return averaged
-    error = abs(lower - upper) + LEAST_ERROR * lower
+    error = bounds_error(lower, upper)
     return Answer(value=0.5 * (lower + upper), error=error, reasons=("periodic motion up to the first event",))
 
 

@@ -22,10 +22,10 @@ from contact import parameter_check
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.choice import Answer, Answered
-from contact.drive import reference_speed, towards_plus
 from contact.envelope import Envelope
+from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.slider import Slider
 
 
@@ -140,13 +140,13 @@ def burst(
     share = cycles / frequency / (cycles / frequency + after)
     stride = max(1, round(cycles / max(1.0, samples * share)))
     side, driven = towards_plus(listed)
-    asked = Burst(slider, driven, rest_problem(slider, driven), cycles, stride, tolerance, np.empty(0, complex))
+    request = Burst(slider, driven, rest_problem(slider, driven), cycles, stride, tolerance, np.empty(0, complex))
     if envelope is not None:
         at_ends = envelope.at(np.arange(cycles + 1) / frequency)
-        asked = asked._replace(envelope=at_ends, bend=envelope.bend(cycles, frequency))
-    result, method, reasons = run(method, asked)
-    (motion, rows), statistics, problem = result.run, result.statistics, asked.problem
-    end, parts = side * float(motion.state[At.VELOCITY]) * problem.speed, _during(asked, motion, rows)
+        request = request._replace(envelope=at_ends, bend=envelope.bend(cycles, frequency))
+    result, method, reasons = run(method, request)
+    (motion, record), statistics, problem = result.run, result.statistics, request.problem
+    end, parts = side * float(motion.state[At.VELOCITY]) * problem.speed, _during(request, motion, record)
     ledgers = [ledger(slider, motion)] if motion.begun is not None else []
     slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
@@ -168,13 +168,13 @@ def burst(
     )  # fmt: skip
 
 
-def _during(burst, motion, rows):
-    """Return the parts of a burst: start, rows and, if the last row is not its end, the end; see `_follow_on`."""
+def _during(burst, motion, record):
+    """Return the parts of a burst: start, record and, if the last sample is not its end, the end; see `_follow_on`."""
     frequency, start = burst.orbits[0].frequency, -burst.slider.rest_approach(len(burst.orbits)) / burst.problem.length
-    ends = burst.stride * np.arange(1, len(rows) + 1)
+    ends = burst.stride * np.arange(1, len(record) + 1)
     parts = [
         (np.zeros(1), np.zeros(1), np.full(1, start)),
-        (ends / frequency, rows[:, Column.VELOCITY], rows[:, Column.POSITION]),
+        (ends / frequency, record[:, Column.VELOCITY], record[:, Column.POSITION]),
     ]
     if burst.cycles % burst.stride:
         parts.append((np.full(1, burst.cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
@@ -197,10 +197,10 @@ def _follow_on(slider, motion, after, envelope, samples):
     parts, rang, problem = [], 0.0, motion.problem
     if envelope is not None:
         count = max(2, round(samples / 2.0))
-        times, rows = ring_down(slider, motion, envelope, longest=after, samples=count)
+        times, record = ring_down(slider, motion, envelope, longest=after, samples=count)
         if times.size:
             rang = float(times[-1])
-            parts.append((times, rows[:, Column.VELOCITY], rows[:, Column.POSITION]))
+            parts.append((times, record[:, Column.VELOCITY], record[:, Column.POSITION]))
     if after <= rang:
         return parts, rang, None
     still, span, count = silence(motion), after - rang, max(2, round(samples))

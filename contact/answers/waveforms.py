@@ -15,13 +15,13 @@ import numpy as np
 from contact import parameter_check
 from contact.answers.methods import rest, rest_problem, silence
 from contact.averaged.event_cycle import balanced
-from contact.averaged.sweep_rows import MAX_RATIO_HELD
+from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.body import at_phase
 from contact.choice import Answer, Answered
-from contact.drive import towards_plus
+from contact.error_estimate import two_orders_error
 from contact.events.segment import Sample
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import periodic
 from contact.slider import Slider
@@ -107,10 +107,10 @@ def contact_history(
     parameter_check.positive("points_per_cycle", points_per_cycle, "")
     side, driven = towards_plus(listed)
     if stage == "start":
-        problem, other_error = rest_problem(slider, driven), 0.0
+        problem, unseen = rest_problem(slider, driven), 0.0
         motions = [rest(slider, driven, problem, nodes=n, truncation=e) for n, e in (FINE, COARSE)]
     else:
-        motions, other_error = _steady_motions(slider, driven)
+        motions, unseen = _steady_motions(slider, driven)
         motions = [silence(each) for each in motions] if stage == "after" else motions
     # Phases are counted from the start of the cycle in which the recording begins, or from the end of the wave.
     turn, count, whole_cycles = 2.0 * math.pi, max(1, round(cycles * points_per_cycle)), int(skip)
@@ -126,7 +126,7 @@ def contact_history(
         recorded.append(np.moveaxis(motion.move(begin, begin + turn * cycles * (1.0 + 1e-13), phases), -1, 0))
     motion, (z, x, P, Q, regime, v) = motions[0], recorded[0]
     problem, speed = motion.problem, side * v[:, 0] * motion.problem.speed
-    error = float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))) + other_error
+    error = two_orders_error(float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))), unseen)
     force = slider.mass * problem.omega**2 * problem.length
     v_t = at_phase(problem.paths, np.arange(problem.contacts), np.cos(phases)[:, None], np.sin(phases)[:, None])[3]
     return History(
@@ -166,7 +166,7 @@ def _steady_motions(slider, orbits):
     for motion in motions:
         motion.move(0.0, _phase_between(motion.problem.paths, problem.paths), np.empty(0))
         motion.problem = problem
-    return motions, fine.step + fine.rounding
+    return motions, fine.unseen_error
 
 
 def _phase_between(first, second):

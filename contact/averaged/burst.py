@@ -19,6 +19,7 @@ import numpy as np
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
 from contact.codes import Status
+from contact.error_estimate import richardson, second_order_burst_error
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
@@ -29,13 +30,6 @@ STIFFEST, STIFFEST_STEADY = 0.1, 0.3
 HARMONICS = 8
 # number of times in the second half of a burst at which two runs are compared
 COMPARED = 24
-# The error of v(t) of second-order averaging is estimated as LEFT_OF_FIRST times the difference of the two orders plus
-# LEFT_OF_RATIO times (f_n/f)^2 times the reference speed. `tests/benchmarks/averaging_error.py` measured them: among 86
-# bursts chosen to be difficult the largest true error is 1.3 times the stated one; it is 1.5 times with half of these
-# values and 1.1 times with twice these values.
-LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
-# The midpoint rule has order 2: a run with half the steps has four times the error, hence difference/3 is the error.
-STEP_GAIN = 3.0
 STICKS = (
     "not applicable",
     "the averaged method does not apply: a contact sticks through whole cycles; use method stepped or exact",
@@ -73,14 +67,14 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
 
 
 def averaged_run(burst, motion):
-    """Return (motion, rows, error, statistics) of a `methods.Burst` of at least 3 cycles.
+    """Return (motion, record, error, statistics) of a `methods.Burst` of at least 3 cycles.
 
-    `motion` is the motion at phase 0; it is advanced to the end of the burst. The rows are (v, z_s), where z_s excludes
+    `motion` is the motion at phase 0; it is advanced to the end of the burst. The record has (v, z_s); z_s excludes
     the motion within a cycle. `error` is that of v, scaled. It is the sum of three parts:
 
     - step size and quadrature, from a second run with half the steps and fewer nodes;
     - for a first-order run, the difference between first and second order, both with the coarse steps;
-    - the error of second-order averaging (`LEFT_OF_FIRST`, `LEFT_OF_RATIO`).
+    - the error of second-order averaging.
     """
     cycles, tolerance, unit, turn = burst.cycles, burst.tolerance, burst.reference(), 2.0 * math.pi
     motion.turn(1)
@@ -92,19 +86,19 @@ def averaged_run(burst, motion):
     late, stop = np.isin(phases, compared), turn * (cycles - 2)
 
     def follow(second_order, v_tolerance, per_period, nodes):
-        """Return (final state, rows) of a run with `per_period` steps per bounce and this relative tolerance on v."""
-        state, rows = motion.carried.slider.copy(), np.zeros((phases.size, 2))
+        """Return (final state, record) of a run with `per_period` steps per bounce and this relative tolerance on v."""
+        state, record = motion.carried.slider.copy(), np.zeros((phases.size, 2))
         rule = quadrature(nodes)
-        span = Span(stop, v_tolerance * unit, per_period, rule, int(second_order), phases, rows)
+        span = Span(stop, v_tolerance * unit, per_period, rule, int(second_order), phases, record)
         why = response(burst.problem, state, span, HARMONICS)
         if why != Status.DONE:
             raise ConvergenceError(*(STICKS if why == Status.STICKS else UNSETTLED))
-        return state, rows
+        return state, record
 
     def difference(one, other):
         """Return the largest difference in v between two runs over the second half of the burst."""
-        (state, rows), (other_state, other_rows) = one, other
-        apart = np.abs(rows - other_rows)[late, Column.VELOCITY]
+        (state, record), (other_state, other_record) = one, other
+        apart = np.abs(record - other_record)[late, Column.VELOCITY]
         return max(float(np.max(apart)), abs(float(state[At.VELOCITY] - other_state[At.VELOCITY])))
 
     v_tolerance = max(min(tolerance, 1e-3), 1e-9)
@@ -113,20 +107,21 @@ def averaged_run(burst, motion):
     first, second = (follow(order, 2.0 * v_tolerance, per_period // 2, few) for order in (False, True))
     averaging = difference(first, second)
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
-    left = LEFT_OF_FIRST * averaging + LEFT_OF_RATIO * ratio**2 * unit
+    left = second_order_burst_error(averaging, ratio, unit)
     second_order_needed = averaging + left > 0.7 * tolerance * unit
-    state, averaged_rows = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
-    steps = difference(fine, second if second_order_needed else first) / STEP_GAIN
+    state, averaged_record = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
+    # the midpoint rule, with half the steps
+    steps = richardson(difference(fine, second if second_order_needed else first), 2.0, 2)
     error = steps + left + (0.0 if second_order_needed else averaging)
-    rows = np.zeros((ends.size, 2))
-    rows[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    rows[inner] = averaged_rows[np.searchsorted(phases, at)]
+    record = np.zeros((ends.size, 2))
+    record[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
+    record[inner] = averaged_record[np.searchsorted(phases, at)]
     # The contacts slip within a cycle, so that the deformations at its start do not matter. The first cycle, started
     # with zero deformations, gives those at phase 0. The second cycle starts from the averaged state with these
     # deformations and is the last cycle of the burst.
-    motion.place(*state, 0.0)
+    motion.set_state(*state, 0.0)
     motion.turn(1)
-    motion.place(*state, motion.carried.deformation)
+    motion.set_state(*state, motion.carried.deformation)
     motion.turn(1)
-    rows[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    return motion, rows, error, {"cycles": cycles, "order": 2 if second_order_needed else 1}
+    record[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
+    return motion, record, error, {"cycles": cycles, "order": 2 if second_order_needed else 1}

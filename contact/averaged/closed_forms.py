@@ -14,11 +14,10 @@ import math
 import numpy as np
 
 from contact.averaged.riding import riding_height
-from contact.drive import drive_direction
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import back_load
 from contact.law.normal import load
-from contact.orbit import Orbit
+from contact.orbit import Orbit, drive_direction
 from contact.roots import bracketed
 from contact.slider import Slider
 

@@ -1,6 +1,6 @@
 r"""One cycle of the wave under a heavy slider: means of the contact forces between exact events.
 
-The slider's path is given: mean approach h, mean velocity v, and a fast part in a few harmonics of the wave. At the
+The slider's path is prescribed: mean approach h, mean velocity v, a fast part in a few harmonics of the wave. At the
 phase phi each contact then has, with z_k and y_k the harmonics of its motion relative to the slider,
 
     z = h + sum z_k,        x = x_1 + y - y_1  while it sticks from phi_1 on,        y = -v phi + sum y_k.         (1)
@@ -16,7 +16,7 @@ Everything that ends a regime is therefore known or bracketed:
 
 A slip limit X(z) that is not c z (`law.bent`) has no such windows: its cycle is scanned. The forces are integrated from
 event to event by quadrature or, for flat contacts, in closed form (`cycle_pieces`). `cycle` sums them over the contacts
-of a slider with fast motion; `contact_cycles` gives those of each contact, with its own place, height and friction.
+of a slider with fast motion; `contact_cycles` gives those of each contact, with its own position, height and friction.
 """
 
 from enum import IntEnum
@@ -51,7 +51,7 @@ ROOT, CLOSED_ROOT = 1e-5, 1e-9
 
 
 class Each(IntEnum):
-    """Rows of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
+    """Index of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
 
     NORMAL = 0
     TANGENTIAL = 1
@@ -73,7 +73,7 @@ class MeanForces(NamedTuple):
     first_normal, first_tangential : (n,) array, complex
         First harmonics, N.
     cycles : (len(Each), n) array
-        The rows `Each` that they were made from, in the units of the computation.
+        The values `Each` that they were made from, in the units of the computation.
     """
 
     normal: np.ndarray
@@ -84,7 +84,7 @@ class MeanForces(NamedTuple):
 
 
 def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
-    """Return the forces of rows `Each` for units of force in N, one or of each contact."""
+    """Return the forces of values `Each` for units of force in N, one or of each contact."""
     first = np.empty((2, cycles.shape[1]), complex)
     first[0].real, first[0].imag = (normal_unit * cycles[Each.NORMAL_COS], -normal_unit * cycles[Each.NORMAL_SIN])
     first[1].real = tangential_unit * cycles[Each.TANGENTIAL_COS]
@@ -401,7 +401,7 @@ def cycle(problem, h, v, rule, work):
     """Fill means, harmonics of the forces and counts of a cycle that repeats; return 0.
 
     `h`: mean approach of a contact of height 0; `v`: mean velocity; `rule`: quadrature of each smooth piece, see
-    `riding.quadrature`; `work`: a `Cycle`, of which the slider's fast motion is given.
+    `riding.quadrature`; `work`: a `Cycle`, which holds the slider's fast motion.
     """
     force = work.force
     _clear(work)
@@ -426,9 +426,9 @@ def cycle(problem, h, v, rule, work):
     },
 )  # fmt: skip
 def contact_cycles(problem, h, v, rule, work, out):
-    """Fill the rows `Each` for every contact by itself, in a cycle of a slider without fast motion; return 0.
+    """Fill the values `Each` for every contact by itself, in a cycle of a slider without fast motion; return 0.
 
-    `v`: mean velocity for each contact, so that contacts with another limit X = c z can be given in units of their own;
+    `v`: mean velocity for each contact, so that contacts with another limit X = c z can have units of their own;
     `rule`: as in `cycle`, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction; `work`: a `Cycle` of one
     harmonic. At v = 0 the motion before it is towards +x, with v = -1e-300 towards -x. With quadrature the friction is
     what a contact takes from the wave and does not give to the slider.

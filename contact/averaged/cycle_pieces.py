@@ -29,7 +29,7 @@ CLOSED = Rule(np.empty(0), np.empty(0))
 
 
 class Mean(IntEnum):
-    """Places in the means: sum of P, of Q and, with closed integrals, of the power lost to friction."""
+    """Indices of the means: sum of P, of Q and, with closed integrals, of the power lost to friction."""
 
     NORMAL = 0
     TANGENTIAL = 1
@@ -37,7 +37,7 @@ class Mean(IntEnum):
 
 
 class Counted(IntEnum):
-    """Places in the counts: contacts made, slips begun, contacts whose deformation depends on earlier cycles."""
+    """Indices of the counts: contacts made, slips begun, contacts whose deformation depends on earlier cycles."""
 
     MADE = 0
     SLIPS = 1

@@ -12,7 +12,7 @@ function `left(problem, means, v)`, the mean force that is left to accelerate th
     `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
     `event_cycle.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
     `bounce.Heights`           several heights of a bounce
-    `pillar_motion`            many contacts with their own places, stiffnesses and weights, on a wave that they load
+    `pillar_motion`            many contacts with their own positions, stiffnesses and weights, on a wave that they load
 
 For balls on a prescribed wave this search is compiled as a whole. `pillar_equilibrium` gives the same velocity of first
 order (4e-13 apart for 1 to 8 balls), but takes 9 to 4 times the CPU time for one state of 1 to 8 balls and 45 to 10
@@ -34,15 +34,16 @@ from contact.averaged.cycle_pieces import Counted, Cycle, Mean, cycle_arrays
 from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
+from contact.error_estimate import quadrature_error, tail_error
 from contact.jit.compiled import compiled, formula, native, per_thread
 from contact.problem import changed, full_friction
 from contact.roots import narrowed, trial
 
 
 class Entry(IntEnum):
-    """Columns of an answer: of the equilibrium, and from REGIME on what `sweep_rows` adds.
+    """Columns of an answer: of the equilibrium, and from REGIME on what `sweep_kernel` adds.
 
-    Scaled, and SI units where `sweep_rows` returns them; errors are over max(|v|, omega |u_x|/10).
+    Scaled, and SI units where `sweep_kernel` returns them; errors are over max(|v|, omega |u_x|/10).
     """
 
     VELOCITY = 0  # mean
@@ -66,12 +67,8 @@ class Entry(IntEnum):
     STATUS = 18
 
 
-# Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
-# RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
-NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
-# Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
-# f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
-TAIL_SHARE = 2.0
+# Nodes per smooth piece of a cycle: those of the search, and those of the answer.
+NODES, FINE_NODES = 16, 24
 # Rounding of a mean tangential force over mu F, of a sum over many contacts: what does not exceed a load by more than
 # that does not move the slider.
 ROUNDING = 1e-12
@@ -156,7 +153,7 @@ def full_slip_speed(paths, c):
 
 @formula
 def load_direction(largest):
-    """Return +1 or -1, the direction of motion that a load opposes, of `drive.towards_plus` orbits.
+    """Return +1 or -1, the direction of motion that a load opposes, of `orbit.towards_plus` orbits.
 
     It is that of the unloaded slider: -1 where even the largest mean force of a cycle at rest is negative. The load on
     a slider that the wave does not move without it acts against the crests.
@@ -181,7 +178,7 @@ def balanced_speed(problem, means, least, largest, fastest, close):
 
     `least` and `largest` bound the mean tangential force of a cycle at rest: the slider is held under a load between
     them. `fastest` is the speed beyond which every contact slips all the time; the search ends where a step is below
-    `close` of its range. Of `problem` the friction coefficient, preload, load and tangential damping are asked.
+    `close` of its range. Of `problem` the friction coefficient, preload, load and tangential damping are used.
     """
     friction = full_friction(problem)
     if least - problem.load > ROUNDING * friction:
@@ -216,7 +213,7 @@ def balanced_speed(problem, means, least, largest, fastest, close):
 
 
 @compiled
-def balance_row(problem, harmonics, work, out):
+def solve_equilibrium(problem, harmonics, work, out):
     """Fill an equilibrium, its columns by `Entry`; return the reason for ending.
 
     `harmonics` of the fast motion; 0: first order. The load is taken with the sign with which it opposes the unloaded
@@ -267,7 +264,7 @@ def _first_order(problem, h, close, work, out):
     # the search may stop early: Newton's step from there has an error of the square of the last step
     out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
     f = excess(problem, work.fine, h, v, work)
-    out[Entry.QUADRATURE] = RULE_ERROR * abs((f - left) / slope)
+    out[Entry.QUADRATURE] = quadrature_error((f - left) / slope)
     if slope < 0.0:
         v -= f / slope
     out[Entry.VELOCITY], out[Entry.FIRST_ORDER] = v, v
@@ -298,20 +295,17 @@ def _second_order(problem, slope, top, work, out):
     counts = second.counts
     out[Entry.VELOCITY], out[Entry.HEIGHT], out[Entry.RESIDUAL] = v, h, change
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
-    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper) and the fast motion as n^-2
-    # times that. The harmonics left out act on the mean through one more such factor. One harmonic may vanish by
-    # chance, hence the largest of the last three.
     force, last, tail = second.force, second.force.tangential_cos.size - 1, 0.0
     for k in range(max(last - 2, 0), last + 1):
         along = np.hypot(force.tangential_cos[k], force.tangential_sin[k])
         tail = max(tail, along + problem.friction * np.hypot(force.normal_cos[k], force.normal_sin[k]))
-    out[Entry.TAIL] = TAIL_SHARE * tail / (last + 2.0) ** 2
+    out[Entry.TAIL] = tail_error(tail, last + 1.0)
     return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 
 @native("t f1 t f1")
 def _mean_forces(problem, speeds, work, out):
-    """Fill the mean tangential forces of cycles at given velocities; return 0."""
+    """Fill the mean tangential forces of cycles at these velocities; return 0."""
     h = riding(problem, work.fine)
     for k in range(speeds.size):
         cycle(problem, h, speeds[k], work.fine, work.first)
@@ -320,7 +314,7 @@ def _mean_forces(problem, speeds, work, out):
 
 
 def mean_tangential_forces(problem, speeds):
-    """Return the mean tangential forces, scaled, of cycles at given scaled velocities, of first order."""
+    """Return the mean tangential forces, scaled, of cycles at these scaled velocities, of first order."""
     out = np.empty(len(speeds))
     _mean_forces(problem, speeds, work_arrays(1), out)
     return out

@@ -54,7 +54,7 @@ class Balance:
 
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
-    """Return the averaged equilibrium; the wave crests must drive towards +x (`drive.towards_plus`)."""
+    """Return the averaged equilibrium; the wave crests must drive towards +x (`orbit.towards_plus`)."""
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
     elastic_height = riding_approach(problem)
     if problem.law.kind != Tangential.RECIPROCAL:
@@ -152,7 +152,7 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
 def mean_tangential_force(problem, height, speed, deformations):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, started from `deformations`."""
     motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
-    motion.place(-height, 0.0, speed, deformations)
+    motion.set_state(-height, 0.0, speed, deformations)
     for turn in range(6):
         before = motion.carried.deformation.copy()
         motion.tally[:], motion.sums[:] = 0, 0.0

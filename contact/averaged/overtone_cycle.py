@@ -2,7 +2,7 @@
 
 Two waves meet the rows. The *driving* wave, the larger one, carries overtones and is followed from row to row
 (`overtone_march`). The *opposing* wave runs the other way. It keeps its fundamental only: overtones that run back are
-left out. It is found by iteration: follow the driving wave, update the opposing one from the forces, repeat until
+left out. It follows by iteration: follow the driving wave, update the opposing one from the forces, repeat until
 neither changes. Arrays per row are ordered from left to right; `self.downstream` takes them to the order in which the
 driving wave meets the rows, or back, and `self.downstream_...` are in that order.
 """
@@ -41,10 +41,10 @@ class OvertoneCycle(PillarCycle):
     def begin(self, forward, backward):
         """Take the amplitudes at the rows from a search with any number of harmonics."""
         self.reset()
-        for own, given in ((self.forward, forward), (self.backward, backward)):
-            given = given.reshape(len(given), -1)
-            shared = min(own.shape[1], given.shape[1])
-            own[:, :shared] = given[:, :shared]
+        for own, values in ((self.forward, forward), (self.backward, backward)):
+            values = values.reshape(len(values), -1)
+            shared = min(own.shape[1], values.shape[1])
+            own[:, :shared] = values[:, :shared]
 
     def reset(self):
         """Let the wave pass as if nothing touched it."""

@@ -5,7 +5,7 @@ compliance Gamma of the fundamental (`march`; n = 1, 2 ... N)
 
     dU_n/dx = i g sum_i (P_n + C* Q_n) exp(i n k x) delta(x - x_i)                                              (1)
 
-with U_1 given at the slider's edge and the other U_n = 0 there. Each row is passed by the implicit midpoint rule: its
+with U_1 known at the slider's edge and the other U_n = 0 there. Each row is passed by the implicit midpoint rule: its
 forces are those at the mean of the amplitudes on its two sides, which is iterated (`overtone_march`).
 
 Between two of the M samples of a cycle the surface moves along a straight line, so that z and y of a contact are linear

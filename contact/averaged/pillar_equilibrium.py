@@ -36,7 +36,7 @@ STEP = 1e-6  # of the finite differences, in scaled unknowns
 MAX_MOVE, MAX_WAVE = 1.0, 0.5
 MEMORY = 16  # number of steps that Anderson's method combines
 # Stagnation: in PATIENCE steps the residuals have not fallen below FALL times their value before. The search then
-# returns to the place of the smallest residuals and computes the derivatives there. It ends after USELESS stagnations
+# returns to the point of the smallest residuals and computes the derivatives there. It ends after USELESS stagnations
 # in a row without progress, or after MAX_EVALUATIONS.
 PATIENCE, FALL, USELESS, MAX_EVALUATIONS = 4, 0.3, 6, 2500
 # If a step increases the residuals, to more than FAR, it is replaced by one that is shorter by the factor SHORTER:
@@ -55,20 +55,20 @@ HEIGHT, PITCH, ROLL, SPEED = range(4)
 class Anderson:
     """Anderson's method, which improves the step f(x) of a fixed-point iteration by the last steps.
 
-    With the changes dx and df of the last places x and steps f, it takes f - gamma (dx + df), where gamma minimises
+    With the changes dx and df of the last points x and steps f, it takes f - gamma (dx + df), where gamma minimises
     |f - gamma df|.
     """
 
     def __init__(self):
-        self.places, self.steps = [], []
+        self.points, self.steps = [], []
 
-    def step(self, place, step):
-        """Return a better step than `step` from a place."""
+    def step(self, point, step):
+        """Return a better step than `step` from a point."""
         kept = min(MEMORY, step.size)
-        self.places, self.steps = [*self.places[-kept:], place], [*self.steps[-kept:], step]
+        self.points, self.steps = [*self.points[-kept:], point], [*self.steps[-kept:], step]
         if len(self.steps) == 1:
             return step
-        dx, df = np.diff(self.places, axis=0), np.diff(self.steps, axis=0)
+        dx, df = np.diff(self.points, axis=0), np.diff(self.steps, axis=0)
         gamma = np.linalg.lstsq(df.T, step, rcond=1e-10)[0]
         return step - gamma @ (dx + df)
 
@@ -185,8 +185,8 @@ class Equilibrium:
             self.rows = self._row_heights()
         w = y[SPEED]
         side = side if w == 0.0 else np.sign(w)
-        self.place = cycle.approaches(self.rows if self.soft else y[HEIGHT], y[PITCH], y[ROLL])
-        self.moving, self.forces = (w, side), cycle.forces(self.place, w, side)
+        self.approaches = cycle.approaches(self.rows if self.soft else y[HEIGHT], y[PITCH], y[ROLL])
+        self.moving, self.forces = (w, side), cycle.forces(self.approaches, w, side)
         sums = self._generalised(self.forces.normal, self.forces.tangential)
         self.traction = float(sums[SPEED]) * self.friction
         opposed = self.load + cycle.pillars.tangential_damping * w * cycle.wave.omega
@@ -206,14 +206,14 @@ class Equilibrium:
 
     def newton_step(self):
         """Return the derivatives of the forces in the amplitudes, and Newton's step of the amplitudes."""
-        slope = self.cycle.tangent(self.place, *self.moving, self.forces)
+        slope = self.cycle.tangent(self.approaches, *self.moving, self.forces)
         return slope, self.cycle.wave_step(self.forces, slope) / self.amplitude
 
-    def limited(self, moves, wave_step, method=None, place=None):
+    def limited(self, moves, wave_step, method=None, point=None):
         """Return a step of unknowns and amplitudes as a vector of `at`, improved by a method and limited in length."""
         step = np.append(moves, self.weight * wave_step.view(float))
         if method is not None:
-            step = method.step(place, step)
+            step = method.step(point, step)
         most = np.where(np.arange(step.size) < moves.size, MAX_MOVE, MAX_WAVE * self.weight)
         return step / max(1.0, _largest(step / most))
 
@@ -222,11 +222,11 @@ class Equilibrium:
         waves = self.weight * self.cycle.waves / self.amplitude
         return np.append(self.unknowns[active] / self.scale[active], waves.view(float))
 
-    def go_to(self, place, active):
+    def go_to(self, point, active):
         """Take unknowns and amplitudes from a vector of `at`."""
         n = len(active)
-        self.unknowns[active] = place[:n] * self.scale[active]
-        self.cycle.waves = place[n:].view(complex) * (self.amplitude / self.weight)
+        self.unknowns[active] = point[:n] * self.scale[active]
+        self.cycle.waves = point[n:].view(complex) * (self.amplitude / self.weight)
 
     def jacobian(self, active):
         """Return the derivatives of the residuals at constant wave amplitudes, by differences of the contacts' forces.
@@ -235,13 +235,13 @@ class Equilibrium:
         """
         cycle, here, (w, side), columns = self.cycle, self.forces, self.moving, np.zeros((4, 4))
         if self.plane:
-            there = cycle.forces(self.place + STEP * self.length, w, side)
+            there = cycle.forces(self.approaches + STEP * self.length, w, side)
             rise = [(new - old) / STEP for new, old in zip(there[:2], here[:2], strict=True)]
             for k, arm in enumerate((1.0, cycle.x / self.arm[0], cycle.y / self.arm[1])):
                 columns[k] = self._generalised(*(arm * each for each in rise))
         if SPEED in active:  # away from v = 0, where the residual has a kink
             step = STEP * self.speed * (np.sign(w) or side or 1.0)
-            there, scale = cycle.forces(self.place, w + step, side), self.speed / step
+            there, scale = cycle.forces(self.approaches, w + step, side), self.speed / step
             columns[SPEED] = scale * (
                 self._generalised(there.normal, there.tangential) - self._generalised(here.normal, here.tangential)
             )
@@ -249,11 +249,11 @@ class Equilibrium:
         return columns.T[np.ix_(active, active)]
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
-        """Return the equilibrium under a load, or at a fixed velocity over omega if `w` is given.
+        """Return the equilibrium under a load, or at the fixed velocity over omega `w`.
 
         `side`: sign of the motion before a velocity of zero.
         """
-        self.load, self.preload_at = load, self.cycle.pillars.preload_place(load)
+        self.load, self.preload_at = load, self.cycle.pillars.preload_point(load)
         active = list(self.plane)
         if w is None:
             active.append(SPEED)
@@ -276,12 +276,12 @@ class Equilibrium:
 class _Search:
     """One solution of the equations of a slider, from its current unknowns and amplitudes.
 
-    A step of all unknowns leads from the place `before` to `before` + `step`. The evaluation there decides on one move:
+    A step of all unknowns leads from the point `before` to `before` + `step`. The evaluation there decides on one move:
 
     1. The step has made the residuals worse: a shorter one is taken (`_shorten`).
     2. The amplitudes do not follow the slider yet: they move alone (`_move_waves`).
     3. Otherwise the next step is Newton's, improved by Anderson's method (`_advance`). If the residuals stagnate, it
-       starts at the best place so far, with new derivatives.
+       starts at the best point so far, with new derivatives.
 
     After such a stagnation the search is careful: it shortens more, and lets the amplitudes follow after every step.
     """
@@ -329,7 +329,7 @@ class _Search:
         return len(self.sizes) > PATIENCE and self.sizes[-1] > FALL * self.sizes[-PATIENCE - 1]
 
     def _evaluate(self):
-        """Compute the residuals and the step of the amplitudes at the current place."""
+        """Compute the residuals and the step of the amplitudes at the current point."""
         self._set_residual()
         follows = INNER * self.size if self.careful else (START if self.jacobian is None else np.inf)
         self.waits = self.waits + 1 if self.change > max(ROUNDING, follows) else 0

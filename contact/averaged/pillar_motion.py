@@ -7,11 +7,12 @@ from contact import parameter_check
 from contact.averaged.pillar_results import PillarLoadLine, PillarMotion
 from contact.averaged.pillar_slider import PillarSlider
 from contact.averaged.pillars import PassingWave, Pillars
+from contact.error_estimate import richardson
 from contact.exceptions import ConvergenceError, InputError
 
 HARMONICS = "harmonics"  # value of `loading` that includes the overtones of the wave
-# Numbers of harmonics to try, until the error of the velocity by those left out is below OVERTONE_ERROR. The error is
-# taken as a third of the change by the last doubling, as if it fell with the square of the number.
+# Numbers of harmonics to try, until the error of the velocity by those left out is below OVERTONE_ERROR. It falls with
+# the square of the number.
 NUMBERS = (8, 16, 32, 64)
 OVERTONE_ERROR = 5e-4  # half of the default tolerance
 
@@ -82,11 +83,11 @@ def pillar_motion(
         coarser = motion
         try:
             motion = truncated_motion(pillars, wave, load, True, coarser, number)
-        except ConvergenceError:  # this number has no equilibrium that is found from `coarser`; perhaps the next has
+        except ConvergenceError:  # this number has no equilibrium within reach of `coarser`; perhaps the next has
             if number == NUMBERS[-1]:
                 raise
             continue
-        truncation_error = abs(motion.velocity - coarser.velocity) / motion.speed_scale / 3.0
+        truncation_error = richardson(abs(motion.velocity - coarser.velocity) / motion.speed_scale, 2.0, 2)
         if truncation_error < OVERTONE_ERROR:
             break
     return replace(motion, relative_error=motion.relative_error + truncation_error, truncation=truncation_error)

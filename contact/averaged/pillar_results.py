@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.pillars import PassingWave, Pillars
-from contact.drive import speed_scale
+from contact.error_estimate import speed_scale
 
 
 class SearchState(NamedTuple):

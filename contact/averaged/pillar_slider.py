@@ -169,8 +169,8 @@ class PillarSlider:
             friction=friction[classes], first_normal=forces.first_normal[classes],
             first_tangential=forces.first_tangential[classes], relative_error=0.0, truncation=self.truncation,
             state=SearchState(
-                self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy(), self.equilibrium.place,
-                *self.equilibrium.moving,
+                self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy(),
+                self.equilibrium.approaches, *self.equilibrium.moving,
             ),
             sweeps=cycle.evaluations,
         )  # fmt: skip

@@ -81,7 +81,7 @@ class Pillars:
     def __post_init__(self):
         x = np.atleast_1d(np.asarray(self.x, dtype=float))
         if x.ndim != 1 or x.size == 0:
-            raise InputError("pillars.x", f"must be a list of at least one place, got the shape {np.shape(self.x)}")
+            raise InputError("pillars.x", f"must be a list of at least one position, got the shape {np.shape(self.x)}")
         for name, unit in (
             ("x", "m"), ("y", "m"), ("heights", "m"), ("normal_stiffness", "N/m"), ("tangential_stiffness", "N/m"),
             ("weights", ""),
@@ -114,15 +114,15 @@ class Pillars:
         """Raise if the pillars lie on a line and cannot support a tilt, or if the preload acts outside the pillars."""
         if self.tilt == "held":
             return
-        for name, places in (("x", self.x), ("y", self.y))[: 1 if self.tilt == "pitch" else 2]:
-            if np.ptp(places) == 0.0:
+        for name, positions in (("x", self.x), ("y", self.y))[: 1 if self.tilt == "pitch" else 2]:
+            if np.ptp(positions) == 0.0:
                 raise InputError("pillars.tilt", f'must be "held" where all pillars have the same {name}')
-        self.preload_place(0.0)
+        self.preload_point(0.0)
 
-    def preload_place(self, load: float) -> tuple[float, float]:
+    def preload_point(self, load: float) -> tuple[float, float]:
         """Return where the preload acts together with a load in N along -x, m; raise if it lifts a side that may tilt.
 
-        A load at a height b above the surface shifts the place by -b load/preload.
+        A load at a height b above the surface shifts the point by -b load/preload.
         """
         x, y = self.preload_at
         x -= self.load_height * load / self.preload
@@ -162,14 +162,14 @@ class Pillars:
 
 
 def balls_of(slider: Slider, x, y=0.0, *, radius=None, weights=1.0) -> Pillars:
-    """Return the contacts of a `Slider` at their own places, balls or punches of one material.
+    """Return the contacts of a `Slider` at their own positions, balls or punches of one material.
 
     Parameters
     ----------
     slider : Slider
         With the elastic law and Coulomb's friction; its preload is carried by all of them.
     x, y : array_like, shape (n,)
-        Places from the slider's centre, m.
+        Positions from the slider's centre, m.
     radius : float or array_like, shape (n,), optional
         Of each contact, m; None: `slider.radius`.
     weights : float or array_like, shape (n,)

@@ -25,7 +25,7 @@ NODES = 48  # of the answer for one slider
 
 
 class Rule(NamedTuple):
-    """A quadrature: places in [0, 1] and weights, arrays (n,)."""
+    """A quadrature: nodes in [0, 1] and weights, arrays (n,)."""
 
     node: np.ndarray
     weight: np.ndarray

@@ -1,6 +1,6 @@
 r"""Averaged steady states of one or many sliders, with their errors and the effect of an error of the wave.
 
-A compiled loop (`sweep_rows`) scales and solves each problem separately, with the second-order correction. Hence a
+A compiled loop (`sweep_kernel`) scales and solves each problem separately, with the second-order correction. Hence a
 result does not depend, to the last bit, on the other problems in the sweep or on the number of threads. A single steady
 state (`mean_motion`) is a sweep of one problem. A problem to which averaging does not apply, or for which it does not
 converge, has the regime "unknown"; use `steady` for it.
@@ -26,12 +26,11 @@ from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_cycle import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
-from contact.averaged.sweep_rows import Sweep, solve_rows
+from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.body import Paths
 from contact.codes import Status, Steady
-from contact.drive import towards_plus
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
 
@@ -115,8 +114,8 @@ def steady_sweep(
     factors = np.asarray(factors, float)
     for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
         parameter_check.non_negative("factors", factor, "")
-    rows = _entries(sliders, waves, which, factors.ravel(), wave_errors, threads)
-    return _answer(rows.reshape(*factors.shape, -1))
+    results = _entries(sliders, waves, which, factors.ravel(), wave_errors, threads)
+    return _answer(results.reshape(*factors.shape, -1))
 
 
 def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion:
@@ -133,15 +132,15 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
         Status "not applicable", "near the threshold", "runaway" or "not converged".
     """
     listed = as_orbits(orbits)
-    row = _entries([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
-    status = row[Entry.STATUS]
+    result = _entries([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
+    status = result[Entry.STATUS]
     if math.isnan(status):
         closed_form(slider, listed)  # raises with status "runaway" if nothing balances the load
         refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    if status != Status.DONE or row[Entry.REGIME] == Steady.UNKNOWN:
+    if status != Status.DONE or result[Entry.REGIME] == Steady.UNKNOWN:
         unreached = "not converged", "the averaged motion was not reached; use method exact"
         raise ConvergenceError(*REFUSALS.get(status, unreached))
-    return _answer(row)
+    return _answer(result)
 
 
 def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
@@ -160,16 +159,16 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     return forces_of(by_contact, force_unit, force_unit)
 
 
-def _answer(rows):
+def _answer(results):
     """Return the `MeanMotion` of result columns (`Entry`)."""
-    regime = np.nan_to_num(rows[..., Entry.REGIME]).astype(int)
-    rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
+    regime = np.nan_to_num(results[..., Entry.REGIME]).astype(int)
+    results = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, results)
     return MeanMotion(
-        velocity=rows[..., Entry.VELOCITY], first_order=rows[..., Entry.FIRST_ORDER],
-        height=rows[..., Entry.HEIGHT], regime=REGIMES[regime], held=rows[..., Entry.HELD] == 1.0,
-        relative_error=rows[..., Entry.ERROR], error_from_wave=rows[..., Entry.FROM_WAVE],
-        blocked_thrust=rows[..., Entry.THRUST], blocked_thrust_error=rows[..., Entry.THRUST_ERROR],
-        load_sign=rows[..., Entry.LOAD_SIGN],
+        velocity=results[..., Entry.VELOCITY], first_order=results[..., Entry.FIRST_ORDER],
+        height=results[..., Entry.HEIGHT], regime=REGIMES[regime], held=results[..., Entry.HELD] == 1.0,
+        relative_error=results[..., Entry.ERROR], error_from_wave=results[..., Entry.FROM_WAVE],
+        blocked_thrust=results[..., Entry.THRUST], blocked_thrust_error=results[..., Entry.THRUST_ERROR],
+        load_sign=results[..., Entry.LOAD_SIGN],
     )  # fmt: skip
 
 
@@ -209,7 +208,7 @@ def _by_law(sliders, which, averaged):
     """Yield (law, numbers, members) for each law of the problems `averaged`; `members` are the problems with this law.
 
     A kernel is compiled for the functions of one law, so that laws which differ only in their numbers are one law here.
-    `numbers` has shape (sliders, k). The row of a slider with another law holds the numbers of the first slider with
+    `numbers` has shape (sliders, k). The entry of a slider with another law holds the numbers of the first slider with
     this law; no problem of this group uses it.
     """
     laws = [slider.tangential_law for slider in sliders]
@@ -222,28 +221,30 @@ def _by_law(sliders, which, averaged):
             yield first, numbers, members
 
 
-def _fill_closed(slider, orbits, factor, row):
-    """Fill the row of a problem by a closed form, if one applies; its errors are zero."""
+def _fill_closed(slider, orbits, factor, result):
+    """Fill the result of a problem by a closed form, if one applies; its errors are zero."""
     try:
-        result = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
+        closed = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
     except ConvergenceError:
         return
-    if result is None:
+    if closed is None:
         return
-    row[:] = 0.0
-    row[Entry.LOAD_SIGN] = 1.0
-    row[Entry.VELOCITY] = row[Entry.FIRST_ORDER] = result["velocity"]
-    row[Entry.HEIGHT], row[Entry.HELD] = result["height"], result["regime"] == "stick"
-    row[Entry.REGIME] = np.flatnonzero(result["regime"] == REGIMES)[0]
+    result[:] = 0.0
+    result[Entry.LOAD_SIGN] = 1.0
+    result[Entry.VELOCITY] = result[Entry.FIRST_ORDER] = closed["velocity"]
+    result[Entry.HEIGHT], result[Entry.HELD] = closed["height"], closed["regime"] == "stick"
+    result[Entry.REGIME] = np.flatnonzero(closed["regime"] == REGIMES)[0]
 
 
 def _solve(problems, out, members, threads):
-    """Fill the rows of `members` in several threads, interleaved because neighbours have similar cost."""
+    """Fill the results of `members` in several threads, interleaved because neighbours have similar cost."""
     threads = min(threads or os.cpu_count() or 1, max(1, len(members) // 8))
     if threads == 1:
-        solve_rows(problems, out, members, HARMONICS, 0, 1)
+        solve_problems(problems, out, members, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:
-        jobs = [pool.submit(solve_rows, problems, out, members, HARMONICS, first, threads) for first in range(threads)]
+        jobs = [
+            pool.submit(solve_problems, problems, out, members, HARMONICS, first, threads) for first in range(threads)
+        ]
         for job in jobs:
             job.result()

@@ -85,18 +85,18 @@ class Span(NamedTuple):
     rule: Rule  # quadrature of a smooth piece, of at most `equilibrium.FINE_NODES` nodes
     second_order: int  # 1: with the correction of second order, 0: without
     at: np.ndarray  # (k,): phases at which v and z_s are recorded, increasing
-    rows: np.ndarray  # (k, 2): v and z_s at these phases
+    record: np.ndarray  # (k, 2): v and z_s at these phases
 
 
 @compiled
 def follow_bounce(problem, state, span, work):
     """Follow bounce and velocity until the bounce is negligible or the end; return (phase, samples taken, `Status`).
 
-    `state`, here (h, h', V), is changed in place. `gain` is the second-order correction of the mean normal force; it is
+    `state`, here (h, h', V), is overwritten. `gain` is the second-order correction of the mean normal force; it is
     kept from the middle of one step to the next. `largest` is the largest squared amplitude in a period of the bounce.
     """
     rule = span.rule
-    stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
+    stop, per_period, at, record = span.stop, span.per_period, span.at, span.record
     h_end = riding(problem, rule)
     _, slope = mean_normal_force(problem, max(h_end, state[At.POSITION]), rule)
     rate = np.sqrt(slope)
@@ -132,8 +132,8 @@ def follow_bounce(problem, state, span, work):
             return phase, taken, Status.UNSETTLED
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, Column.VELOCITY] = v0 + s * (v - v0)
-            rows[taken, Column.POSITION] = -cubic(s, h0, h, d * w0, d * w)
+            record[taken, Column.VELOCITY] = v0 + s * (v - v0)
+            record[taken, Column.POSITION] = -cubic(s, h0, h, d * w0, d * w)
             taken += 1
         phase += d
         steps += 1
@@ -161,7 +161,7 @@ def averaged_rate(problem, h, v, rule, work, max_rounds):
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity without the bounce; return the `Status`. `k`: (7,) work array, the stages' rates."""
-    stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
+    stop, at, record, tolerance = span.stop, span.at, span.record, 0.1 * span.tolerance
     h, v, rule, second = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
     max_rounds = 3 if span.second_order else 0
     if span.second_order:
@@ -204,8 +204,8 @@ def accelerate(problem, state, phase, taken, span, work, k):
             last += d * _DENSE[i] * k[i]
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            rows[taken, Column.VELOCITY] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
-            rows[taken, Column.POSITION] = -h
+            record[taken, Column.VELOCITY] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
+            record[taken, Column.POSITION] = -h
             taken += 1
         phase += d
         v = new_v
@@ -242,7 +242,7 @@ def _response(problem, state, span, work, k):
     state[At.NORMAL_VELOCITY] = fast_rate - state[At.NORMAL_VELOCITY]
     state[At.VELOCITY] = state[At.VELOCITY] + fast_speed
     for m in range(span.at.size):
-        span.rows[m, Column.VELOCITY] += fast_speed
+        span.record[m, Column.VELOCITY] += fast_speed
     return why
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from contact.body import Point
 from contact.codes import Regime, Tangential
 from contact.events.collocation import ROOT_AT_START, SMOOTH
-from contact.events.segment import Plane, Row, normal_force, point_at
+from contact.events.segment import Index, Plane, normal_force, point_at
 from contact.jit.compiled import compiled, formula
 from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip
@@ -27,7 +27,7 @@ from contact.roots import interpolate
 
 
 class Sum(IntEnum):
-    """Places in `State.sums`; from WAVE_NORMAL to LEAK energies, in the order of `answers.ledger.Ledger`."""
+    """Indices in `State.sums`; from WAVE_NORMAL to LEAK energies, in the order of `answers.ledger.Ledger`."""
 
     TANGENTIAL_FORCE = 0  # integral of sum Q over the phase
     NORMAL_FORCE = 1  # integral of the sum of the normal forces without their dampers
@@ -65,11 +65,11 @@ def account_slider(problem, grid, state, nodes, segment):
     slider, sums, last = nodes.slider, state.sums, nodes.guard.size - 1
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
-        w, v = slider[Row.NORMAL_VELOCITY, k], slider[Row.VELOCITY, k]
+        w, v = slider[Index.NORMAL_VELOCITY, k], slider[Index.VELOCITY, k]
         sums[Sum.NORMAL_LOSS] += weight * problem.normal_damping * w * w
         sums[Sum.TANGENTIAL_LOSS] += weight * problem.tangential_damping * v * v
         sums[Sum.LOAD_WORK] += weight * problem.load * v
-    sums[Sum.DISPLACEMENT] += slider[Row.TRAVEL, last]
+    sums[Sum.DISPLACEMENT] += slider[Index.TRAVEL, last]
 
 
 @compiled
@@ -143,9 +143,9 @@ def _slip_spring_work(problem, grid, state, nodes, segment, i):
         sigma, weight = 1.0 - 2.0 * g**3, 6.0 * g**2 * GAUSS_WEIGHTS[k]
         z = interpolate(sigma, grid.sigma, grid.bary, own[Plane.Z, i])
         z_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_Z_RATE, i])
-        z_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Row.NORMAL_VELOCITY])
+        z_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Index.NORMAL_VELOCITY])
         x_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_X_RATE, i])
-        x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Row.VELOCITY])
+        x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Index.VELOCITY])
         point = Point(z, 0.0, z_rate, x_rate)
         work -= weight * _spring_force(problem, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
         if segment.map == SMOOTH:  # d tau/d sigma of the map

@@ -1,7 +1,7 @@
 r"""The event-driven motion: segment after segment, each ended by the first root of any guard.
 
-*Cold start.* A segment is first computed to its longest length. If a guard turns negative on it, the root is found on
-the interpolant and the segment is computed again to end there. Newton's method with the guard's true rate then corrects
+*Cold start.* A segment is first computed to its longest length. If a guard turns negative on it, the root is that of
+the interpolant, and the segment is computed again to end there. Newton's method with the true rate then corrects
 the length until the guard vanishes to rounding.
 
 *Warm start* (`warm_start`). If the last cycle had the same segment, its length and accelerations are the first guess.
@@ -21,7 +21,7 @@ from contact.events import many_contacts
 from contact.events import segment as seg
 from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.energy import Sum, account, mark
-from contact.events.segment import At, Attempt, Column, Plane, Row
+from contact.events.segment import At, Attempt, Column, Index, Plane
 from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
 from contact.events.warm_start import Pattern, blank, matching, recall, store
 from contact.jit.compiled import compiled, native, per_thread
@@ -41,8 +41,8 @@ class Task(NamedTuple):
     limit: int  # largest number of segments of one repetition
     at: np.ndarray  # (k,): phases of the samples, rising, in (start, stop]; they do not change the motion
     samples: np.ndarray  # (k, contacts, len(Sample))
-    stride: int  # cycles per recorded row; 0: no rows
-    rows: np.ndarray  # (number // stride, len(Column))
+    stride: int  # cycles per recorded sample; 0: none
+    record: np.ndarray  # (number // stride, len(Column))
 
 
 class Work(NamedTuple):
@@ -56,7 +56,7 @@ class Work(NamedTuple):
 @per_thread
 def work_arrays(contacts: int, nodes: int) -> Work:
     """Return the work arrays for so many contacts and nodes of a segment."""
-    values = seg.Nodes(np.zeros((len(Row), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes))
+    values = seg.Nodes(np.zeros((len(Index), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes))
     return Work(values, blank(contacts, nodes), many_contacts.span(contacts, nodes, TALLY))
 
 
@@ -105,9 +105,9 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
                     return 0.0
                 seg.surface(problem, grid, nodes, segment)
         if arrived:
-            place, other, _ = earliest(problem, grid, state, nodes, memory)
+            root, other, _ = earliest(problem, grid, state, nodes, memory)
             # an earlier event, which the last cycle did not have, needs a cold start
-            known = other < 0 or (segment.contact >= 0 and place > 1.0 - 1e-6)
+            known = other < 0 or (segment.contact >= 0 and root > 1.0 - 1e-6)
             return segment.length if known else 0.0
     return 0.0
 
@@ -120,18 +120,18 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
     state.tally[Count.SWEEPS] += sweeps
     if not converged:
         return False, segment
-    place, contact, which = earliest(problem, grid, state, nodes, memory)
+    root, contact, which = earliest(problem, grid, state, nodes, memory)
     for _ in range(12):
         if contact < 0:
             break
         sharp = is_sharp(which, state.regime[contact])
-        segment = cut(segment, place, contact, which, sharp, entered)
+        segment = cut(segment, root, contact, which, sharp, entered)
         segment = _ended_at_event(problem, grid, state, nodes, task, segment, memory)
         if segment.length == 0.0 or segment.contact < 0:
             break
         # with the better motion another guard may come first
-        place, contact, which = earliest(problem, grid, state, nodes, memory)
-        if (contact == segment.contact and which == segment.guard) or place > 1.0 - 1e-6:
+        root, contact, which = earliest(problem, grid, state, nodes, memory)
+        if (contact == segment.contact and which == segment.guard) or root > 1.0 - 1e-6:
             break
     return True, segment
 
@@ -180,22 +180,22 @@ def _sampled(grid, state, nodes, task, segment, taken):
 def _move_to_end(problem, state, nodes, memory):
     """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
-    state.slider[At.POSITION] = slider[Row.POSITION, end]
-    state.slider[At.NORMAL_VELOCITY] = slider[Row.NORMAL_VELOCITY, end]
-    state.slider[At.VELOCITY] = slider[Row.VELOCITY, end]
+    state.slider[At.POSITION] = slider[Index.POSITION, end]
+    state.slider[At.NORMAL_VELOCITY] = slider[Index.NORMAL_VELOCITY, end]
+    state.slider[At.VELOCITY] = slider[Index.VELOCITY, end]
     for i in range(state.regime.size):
         state.deformation[i] = own[Plane.X, i, end]
         if memory is not None:
             if state.regime[i] == Regime.GROW:
                 write_curve(memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], problem.limit_slope)
-    _begin_with(nodes, slider[Row.NORMAL_ACCELERATION, end], slider[Row.TANGENTIAL_ACCELERATION, end])
+    _begin_with(nodes, slider[Index.NORMAL_ACCELERATION, end], slider[Index.TANGENTIAL_ACCELERATION, end])
 
 
 @compiled
 def _begin_with(nodes, normal, tangential):
     """Set the accelerations from which the next segment is guessed."""
-    nodes.slider[Row.NORMAL_ACCELERATION, 0] = normal
-    nodes.slider[Row.TANGENTIAL_ACCELERATION, 0] = tangential
+    nodes.slider[Index.NORMAL_ACCELERATION, 0] = normal
+    nodes.slider[Index.TANGENTIAL_ACCELERATION, 0] = tangential
 
 
 @compiled
@@ -213,16 +213,16 @@ def _from_last_cycle(problem, grid, state, work, task, memory, progress):
         return nothing
     segment = seg.Segment(progress.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
     recall(pattern, old, m, work.nodes)
-    found = _warm_started(problem, grid, state, work.nodes, task, segment, memory)
-    return seg.Segment(segment.phase, found, found, map_, contact, segment.guard, segment.last)
+    length = _warm_started(problem, grid, state, work.nodes, task, segment, memory)
+    return seg.Segment(segment.phase, length, length, map_, contact, segment.guard, segment.last)
 
 
 @compiled
 def _attempt(problem, grid, state, work, task, memory, progress):
     """Compute the next segment; return an `Attempt`."""
     nodes, longest = work.nodes, problem.longest
-    normal = nodes.slider[Row.NORMAL_ACCELERATION, 0]
-    tangential = nodes.slider[Row.TANGENTIAL_ACCELERATION, 0]
+    normal = nodes.slider[Index.NORMAL_ACCELERATION, 0]
+    tangential = nodes.slider[Index.TANGENTIAL_ACCELERATION, 0]
     segment = _from_last_cycle(problem, grid, state, work, task, memory, progress)
     if segment.length == 0.0:
         _begin_with(nodes, normal, tangential)
@@ -273,7 +273,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
     contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
     phase, length, idle, taken, spent = task.start, problem.longest, 0, 0, 0
     first, warm, entered = 0, True, False  # entered: the segment starts where a contact was made
-    work.pattern.count[new] = 0
+    work.pattern.stored[new] = 0
     while phase < task.stop:
         spent += 1
         if spent > task.limit:
@@ -318,7 +318,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
         "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
         "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
         "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
-        "task.at": "s", "task.samples": "s n 6", "task.rows": "r 3", "memory.number": "n", "memory.kind": "n p",
+        "task.at": "s", "task.samples": "s n 6", "task.record": "r 3", "memory.number": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n",
     },
 )  # fmt: skip
@@ -327,7 +327,7 @@ def travel(problem, grid, state, work, task, memory):
 
     `memory` is None for a law without one, and then nothing of the hysteretic law is compiled.
     """
-    work.pattern.count[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
+    work.pattern.stored[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
     for k in range(task.number):
         before = state.sums[Sum.DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
@@ -336,7 +336,7 @@ def travel(problem, grid, state, work, task, memory):
             return why
         state.tally[Count.CYCLES] += 1
         if task.stride > 0 and (k + 1) % task.stride == 0:
-            row = task.rows[(k + 1) // task.stride - 1]
-            row[Column.VELOCITY], row[Column.POSITION] = state.slider[At.VELOCITY], state.slider[At.POSITION]
-            row[Column.MEAN_VELOCITY] = (state.sums[Sum.DISPLACEMENT] - before) / (2.0 * np.pi)
+            recorded = task.record[(k + 1) // task.stride - 1]
+            recorded[Column.VELOCITY], recorded[Column.POSITION] = state.slider[At.VELOCITY], state.slider[At.POSITION]
+            recorded[Column.MEAN_VELOCITY] = (state.sums[Sum.DISPLACEMENT] - before) / (2.0 * np.pi)
     return Status.DONE

@@ -2,7 +2,7 @@ r"""The event-driven motion of many contacts: a segment spans the events of all,
 
 If a segment ended at every event of any contact, n contacts would cost O(n^2): n times as many segments, each with n
 contacts. Here a segment is as long as the wave and the contact's resonance allow, and the slider's accelerations on it
-are polynomials. With these given, each contact is followed by itself from event to event (`_followed`, with the guards,
+are polynomials. With these fixed, each contact is followed by itself from event to event (`_followed`, with the guards,
 transitions, maps and integrals of the other solver). Its forces are projected piece by piece,
 
     alpha_k = (2k + 1)/2 sum_i int F_i L_k d sigma,   k < nodes,   L_k Legendre's polynomials on the segment,
@@ -23,7 +23,7 @@ from contact.codes import LAST_GUARD, Count, Event, Outcome, Regime, Status
 from contact.events import segment as seg
 from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.energy import Sum, account_contact, account_slider, mark
-from contact.events.segment import At, Attempt, Plane, Row
+from contact.events.segment import At, Attempt, Index, Plane
 from contact.events.transitions import cut, end_guard, enter_next, is_sharp
 from contact.jit.compiled import compiled
 from contact.law.hysteretic import Memory
@@ -33,7 +33,7 @@ from contact.roots import first_root
 MANY = 12
 # Largest number of pieces of a contact on one segment, and of successive pieces without length
 MAX_PIECES, MAX_IDLE = 200, 20
-# Number of rows of `Nodes.slider` that have a series in `Span.series`: position, travel, velocities, accelerations
+# Number of indices `Index` that have a series in `Span.series`: position, travel, velocities, accelerations
 MOTION = 6
 
 
@@ -41,7 +41,7 @@ class Span(NamedTuple):
     """Work arrays of a segment that spans events; N is the number of nodes of a piece and of Legendre moments."""
 
     legendre: np.ndarray  # (N + 2, N): Legendre's polynomials at the nodes of a piece
-    # (MOTION, N + 2): coefficients of the rows of `Nodes.slider`, travel from the segment's start
+    # (MOTION, N + 2): coefficients of the slider's motion, travel from the segment's start
     series: np.ndarray
     moments: np.ndarray  # (2, N): sum of int F L_k d sigma, of the normal and the tangential forces
     start: np.ndarray  # (1,): travel where the piece begins
@@ -52,7 +52,7 @@ class Span(NamedTuple):
     sums: np.ndarray
     tally: np.ndarray
     phases: np.ndarray  # (events,): of the events on the segment
-    count: np.ndarray  # (1,) int: how many
+    stored: np.ndarray  # (1,) int: how many of them
 
 
 def span(contacts: int, nodes: int, tally: int) -> Span:
@@ -152,8 +152,8 @@ def _iterated(problem, grid, state, work, task, outer, memory):
         if seg.has_converged(change, last):
             normal, along = 0.0, 0.0
             for k in range(n - 2, n):
-                normal = max(normal, abs(span.series[Row.NORMAL_ACCELERATION, k]))
-                along = max(along, abs(span.series[Row.TANGENTIAL_ACCELERATION, k]))
+                normal = max(normal, abs(span.series[Index.NORMAL_ACCELERATION, k]))
+                along = max(along, abs(span.series[Index.TANGENTIAL_ACCELERATION, k]))
             # Error of the position between the ends, (L/2)^2/n^2 of the last coefficients; it changes sign about n
             # times, so its integral over the segment is smaller by another L/n.
             return Status.DONE, max(normal, along) * outer.length**3 / (4.0 * n**3)
@@ -166,12 +166,12 @@ def _guess(problem, state, span, outer, mobile):
     """Set the motion of constant accelerations: those at the end of the last segment."""
     series, half = span.series, 0.5 * outer.length
     for axis in range(2):
-        row = Row.NORMAL_ACCELERATION + axis
+        index = Index.NORMAL_ACCELERATION + axis
         end = 0.0
         for k in range(series.shape[1]):
-            end += series[row, k]
-            series[row, k] = 0.0
-        series[row, 0] = end if mobile else 0.0
+            end += series[index, k]
+            series[index, k] = 0.0
+        series[index, 0] = end if mobile else 0.0
     _integrate(state, series, half, span.legendre.shape[1])
 
 
@@ -181,10 +181,10 @@ def _updated(problem, state, span, outer, n):
     series = span.series
     for k in range(n):
         weight = 0.5 * (2 * k + 1)
-        force = damping_force(problem, Coordinates(series[Row.NORMAL_VELOCITY, k], series[Row.VELOCITY, k]))
+        force = damping_force(problem, Coordinates(series[Index.NORMAL_VELOCITY, k], series[Index.VELOCITY, k]))
         normal, along = weight * span.moments[0, k] + force.normal, weight * span.moments[1, k] + force.along
-        series[Row.NORMAL_ACCELERATION, k] = normal - (problem.preload if k == 0 else 0.0)
-        series[Row.TANGENTIAL_ACCELERATION, k] = along - (problem.load if k == 0 else 0.0)
+        series[Index.NORMAL_ACCELERATION, k] = normal - (problem.preload if k == 0 else 0.0)
+        series[Index.TANGENTIAL_ACCELERATION, k] = along - (problem.load if k == 0 else 0.0)
     return _integrate(state, series, 0.5 * outer.length, n)
 
 
@@ -193,9 +193,9 @@ def _integrate(state, series, half, n):
     """Set velocities and positions from the accelerations' series; return the largest change of one, in sum."""
     change = 0.0
     for axis in range(2):
-        acceleration = series[Row.NORMAL_ACCELERATION + axis]
-        normal_velocity, height = (series[Row.NORMAL_VELOCITY], series[Row.POSITION]) if axis == 0 else (
-            series[Row.VELOCITY], series[Row.TRAVEL])  # fmt: skip
+        acceleration = series[Index.NORMAL_ACCELERATION + axis]
+        normal_velocity, height = (series[Index.NORMAL_VELOCITY], series[Index.POSITION]) if axis == 0 else (
+            series[Index.VELOCITY], series[Index.TRAVEL])  # fmt: skip
         velocity = state.slider[At.NORMAL_VELOCITY] if axis == 0 else state.slider[At.VELOCITY]
         begin = state.slider[At.POSITION] if axis == 0 else 0.0
         change = max(change, _primitive(acceleration, normal_velocity, velocity, half, n))
@@ -227,7 +227,7 @@ def _all_followed(problem, grid, state, work, task, outer, following):
     """Follow every contact over the segment and fill the moments of the forces; return the reason for ending."""
     span = work.span
     span.moments[:] = 0.0
-    span.count[0] = 0
+    span.stored[0] = 0
     for i in range(state.regime.size):
         why = _followed(problem, grid, state, work, task, outer, i, following)
         if why != Status.DONE:
@@ -249,10 +249,10 @@ def _followed(problem, grid, state, work, task, outer, i, following):
     for _ in range(MAX_PIECES):
         piece = seg.segment_at(phase, min(length, stop - phase), ROOT_AT_START if entered else SMOOTH, 0)
         _fill_piece(problem, grid, state, work, outer, piece, i, memory)
-        place, which = _first_event(problem, grid, state, nodes, i, memory)
+        root, which = _first_event(problem, grid, state, nodes, i, memory)
         if which >= 0:
             sharp = is_sharp(which, state.regime[i])
-            piece = cut(piece, place, i, which, sharp, entered)
+            piece = cut(piece, root, i, which, sharp, entered)
             if piece.contact >= 0:
                 piece = _ended_at_event(problem, grid, state, work, outer, piece, i, memory)
             if piece.length > 0.0:
@@ -279,9 +279,9 @@ def _followed(problem, grid, state, work, task, outer, i, following):
             kind = enter_next(problem, state, nodes, i, piece.guard, memory)
             state.tally[kind] += 1
             entered = entered or kind == Event.CONTACT
-            if following.recorded and work.span.count[0] < work.span.phases.size:
-                work.span.phases[work.span.count[0]] = phase
-                work.span.count[0] += 1
+            if following.recorded and work.span.stored[0] < work.span.phases.size:
+                work.span.phases[work.span.stored[0]] = phase
+                work.span.stored[0] += 1
         if phase >= stop - 1e-15:
             return Status.DONE
         length = stop - phase
@@ -322,9 +322,9 @@ def _move(grid, work, outer, piece, first):
             for j in range(first, n):
                 slider[r, j] += c * legendre[k, j]
     if first == 0:
-        span.start[0] = slider[Row.TRAVEL, 0]
+        span.start[0] = slider[Index.TRAVEL, 0]
     for j in range(first, n):
-        slider[Row.TRAVEL, j] -= span.start[0]
+        slider[Index.TRAVEL, j] -= span.start[0]
 
 
 @compiled
@@ -333,9 +333,9 @@ def _first_event(problem, grid, state, nodes, i, memory):
     regime, first, which = state.regime[i], 2.0, -1
     for k in range(1 if regime == Regime.SEPARATED else LAST_GUARD[regime] + 1):
         seg.guards(problem, state, nodes, i, k, memory)
-        place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
-        if place < first:
-            first, which = place, k
+        root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
+        if root < first:
+            first, which = root, k
     return first, which
 
 
@@ -378,12 +378,12 @@ def _account_slider(problem, grid, state, work, outer):
     nodes, span, n = work.nodes, work.span, grid.sigma.size
     _move(grid, work, outer, outer, 0)
     account_slider(problem, grid, state, nodes, outer)
-    state.slider[At.POSITION] = nodes.slider[Row.POSITION, n - 1]
-    state.slider[At.NORMAL_VELOCITY] = nodes.slider[Row.NORMAL_VELOCITY, n - 1]
-    state.slider[At.VELOCITY] = nodes.slider[Row.VELOCITY, n - 1]
-    _sort(span.phases, span.count[0])
+    state.slider[At.POSITION] = nodes.slider[Index.POSITION, n - 1]
+    state.slider[At.NORMAL_VELOCITY] = nodes.slider[Index.NORMAL_VELOCITY, n - 1]
+    state.slider[At.VELOCITY] = nodes.slider[Index.VELOCITY, n - 1]
+    _sort(span.phases, span.stored[0])
     before = outer.phase
-    for k in range(span.count[0]):
+    for k in range(span.stored[0]):
         if state.sums[Sum.SINCE] > 0.0:
             state.sums[Sum.SINCE] += span.phases[k] - before
         mark(state.sums)

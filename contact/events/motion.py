@@ -56,7 +56,7 @@ class Motion:
         # what the kernels take: the arrays themselves
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
-    def place(self, height, normal_velocity, speed, deformations=0.0, problem=None):
+    def set_state(self, height, normal_velocity, speed, deformations=0.0, problem=None):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
 
         With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
@@ -84,21 +84,21 @@ class Motion:
         self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
-        """Move through `number` whole cycles; return rows (`Column`) every `stride` cycles, none for 0."""
-        rows = np.empty((number // stride if stride else 0, len(Column)))
+        """Move through `number` whole cycles; return a sample (`Column`) every `stride` cycles, none for 0."""
+        record = np.empty((number // stride if stride else 0, len(Column)))
         nothing = np.empty((0, self.regime.size, len(Sample)))
         whole = 2.0 * np.pi
         self._travel(event_driven.Task(
-            0.0, whole, number, mobile, self.truncation, self._limit(whole), nothing[:, 0, 0], nothing, stride, rows
+            0.0, whole, number, mobile, self.truncation, self._limit(whole), nothing[:, 0, 0], nothing, stride, record
         ))  # fmt: skip
-        return rows
+        return record
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
         """Move from one phase to another; return samples (k, contacts, len(`Sample`)) at the k phases `at`."""
         samples = np.zeros((at.size, self.regime.size, len(Sample)))
         cycles = self.tally[Count.CYCLES]
-        limit, rows = self._limit(stop - start), np.empty((0, len(Column)))
-        self._travel(event_driven.Task(start, stop, 1, True, self.truncation, limit, at, samples, 0, rows))
+        limit, record = self._limit(stop - start), np.empty((0, len(Column)))
+        self._travel(event_driven.Task(start, stop, 1, True, self.truncation, limit, at, samples, 0, record))
         self.tally[Count.CYCLES] = cycles
         return samples
 

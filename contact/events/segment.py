@@ -5,7 +5,7 @@ the forces again. One such iteration is a sweep. It reduces the error by a facto
 the contact resonance over omega and L the segment's length: four digits and more for a wave of 2 MHz. If the iteration
 does not converge, the segment is shortened.
 
-The values at the nodes are kept in `Nodes`: the slider's in the rows of one array (`Row`), those of each contact in the
+The values at the nodes are kept in `Nodes`: the slider's in one array (`Index`), those of each contact in the
 planes of another (`Plane`). The segment ends where a guard of a contact vanishes. A *guard* is a function that is
 positive inside a regime (`law.elastic`); its end is searched by Newton's method on the segment's length.
 """
@@ -39,7 +39,7 @@ MAX_SWEEPS = 25  # of Picard's iteration
 
 
 class At(IntEnum):
-    """Places in `State.slider`; the deformations follow them in the state of a whole motion."""
+    """Indices in `State.slider`; the deformations follow them in the state of a whole motion."""
 
     POSITION = 0
     NORMAL_VELOCITY = 1
@@ -48,15 +48,15 @@ class At(IntEnum):
 
 
 class Column(IntEnum):
-    """Columns of the rows that a run records."""
+    """Columns of the record of a run."""
 
     VELOCITY = 0
     POSITION = 1
     MEAN_VELOCITY = 2
 
 
-class Row(IntEnum):
-    """Rows of `Nodes.slider`: motion, accelerations, and the accelerations integrated once and twice over tau."""
+class Index(IntEnum):
+    """First index of `Nodes.slider`: motion, accelerations, and these integrated once and twice over tau."""
 
     POSITION = 0
     NORMAL_VELOCITY = 1
@@ -98,7 +98,7 @@ class State(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Values at the nodes: of the slider (len(Row), n), of the contacts (len(Plane), contacts, n), of a guard (n,)."""
+    """Values at the nodes: of the slider (len(Index), n), the contacts (len(Plane), contacts, n), a guard (n,)."""
 
     slider: np.ndarray
     contact: np.ndarray
@@ -173,15 +173,15 @@ def surface_of(problem, grid, nodes, segment, i, c0, s0, first):
 
 
 @compiled
-def place_at(nodes, j):
+def coordinates_at(nodes, j):
     """Return the slider's coordinates at a node, the travel from the segment's start."""
-    return Coordinates(nodes.slider[Row.POSITION, j], nodes.slider[Row.TRAVEL, j])
+    return Coordinates(nodes.slider[Index.POSITION, j], nodes.slider[Index.TRAVEL, j])
 
 
 @compiled
 def rate_at(nodes, j):
     """Return the rates of the slider's coordinates at a node."""
-    return Coordinates(nodes.slider[Row.NORMAL_VELOCITY, j], nodes.slider[Row.VELOCITY, j])
+    return Coordinates(nodes.slider[Index.NORMAL_VELOCITY, j], nodes.slider[Index.VELOCITY, j])
 
 
 @compiled
@@ -201,14 +201,14 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
         _moments(problem, grid, state, nodes, segment, memory)
     for j in range(n):
         force = body_force(problem, rate_at(nodes, j))
-        slider[Row.NORMAL_ACCELERATION, j] = force.normal if mobile else 0.0
-        slider[Row.TANGENTIAL_ACCELERATION, j] = force.along if mobile else 0.0
+        slider[Index.NORMAL_ACCELERATION, j] = force.normal if mobile else 0.0
+        slider[Index.TANGENTIAL_ACCELERATION, j] = force.along if mobile else 0.0
     for i in range(state.regime.size):
         contact_forces(problem, grid, state, nodes, i, memory)
         if mobile and state.regime[i] != Regime.SEPARATED:
             for j in range(n):
-                slider[Row.NORMAL_ACCELERATION, j] += normal_force(problem, nodes, i, j)
-                slider[Row.TANGENTIAL_ACCELERATION, j] += own[Plane.Q, i, j]
+                slider[Index.NORMAL_ACCELERATION, j] += normal_force(problem, nodes, i, j)
+                slider[Index.TANGENTIAL_ACCELERATION, j] += own[Plane.Q, i, j]
 
 
 @compiled
@@ -225,7 +225,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
     law, regime, sign, own = problem.law, state.regime[i], state.sign[i], nodes.contact
     n = grid.sigma.size
     for j in range(n):
-        own[Plane.Z, i, j] = approach(problem.paths, i, own[Plane.U_Z, i, j], place_at(nodes, j))
+        own[Plane.Z, i, j] = approach(problem.paths, i, own[Plane.U_Z, i, j], coordinates_at(nodes, j))
         own[Plane.BACK, i, j] = 0.0
     if regime == Regime.SEPARATED:
         for j in range(n):
@@ -238,7 +238,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
             own[Plane.X, i, j] = sign * slip_limit(problem, own[Plane.Z, i, j])
     else:
         for j in range(n):
-            own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], place_at(nodes, j))
+            own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], coordinates_at(nodes, j))
     for j in range(n):
         level, front = own[Plane.LEVEL, i, j], own[Plane.FRONT, i, j]
         own[Plane.Q, i, j], own[Plane.FRONT, i, j] = law.force(
@@ -260,7 +260,7 @@ def _moments(problem, grid, state, nodes, segment, memory):
         if state.regime[i] != Regime.GROW:
             continue
         for j in range(n):
-            z = approach(problem.paths, i, own[Plane.U_Z, i, j], place_at(nodes, j))
+            z = approach(problem.paths, i, own[Plane.U_Z, i, j], coordinates_at(nodes, j))
             x_rate = travel(own[Plane.U_X_RATE, i, j], rate_at(nodes, j))
             own[Plane.FRONT, i, j] = moment_rate(problem, z, x_rate)
         for j in range(n):
@@ -281,14 +281,16 @@ def integrate(grid, state, nodes, segment):
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     for j in range(n):
         tau = grid.tau[segment.map, j]
-        normal_velocity = z_rate + length * slider[Row.NORMAL_ONCE, j]
-        speed = v + length * slider[Row.TANGENTIAL_ONCE, j]
-        height = z_s + length * (z_rate * tau + length * slider[Row.NORMAL_TWICE, j])
-        way = length * (v * tau + length * slider[Row.TANGENTIAL_TWICE, j])
-        moved = max(abs(height - slider[Row.POSITION, j]), abs(way - slider[Row.TRAVEL, j]))
-        moved = max(moved, abs(normal_velocity - slider[Row.NORMAL_VELOCITY, j]), abs(speed - slider[Row.VELOCITY, j]))
-        slider[Row.POSITION, j], slider[Row.NORMAL_VELOCITY, j] = height, normal_velocity
-        slider[Row.TRAVEL, j], slider[Row.VELOCITY, j] = way, speed
+        normal_velocity = z_rate + length * slider[Index.NORMAL_ONCE, j]
+        speed = v + length * slider[Index.TANGENTIAL_ONCE, j]
+        height = z_s + length * (z_rate * tau + length * slider[Index.NORMAL_TWICE, j])
+        way = length * (v * tau + length * slider[Index.TANGENTIAL_TWICE, j])
+        moved = max(abs(height - slider[Index.POSITION, j]), abs(way - slider[Index.TRAVEL, j]))
+        moved = max(
+            moved, abs(normal_velocity - slider[Index.NORMAL_VELOCITY, j]), abs(speed - slider[Index.VELOCITY, j])
+        )
+        slider[Index.POSITION, j], slider[Index.NORMAL_VELOCITY, j] = height, normal_velocity
+        slider[Index.TRAVEL, j], slider[Index.VELOCITY, j] = way, speed
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
     return change
@@ -300,7 +302,7 @@ def _four(once, twice, j, slider):
 
     A vector register holds four doubles. The sums are independent, so that no addition waits for another.
     """
-    normal, tangential = slider[Row.NORMAL_ACCELERATION], slider[Row.TANGENTIAL_ACCELERATION]
+    normal, tangential = slider[Index.NORMAL_ACCELERATION], slider[Index.TANGENTIAL_ACCELERATION]
     a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = c0 = c1 = c2 = c3 = d0 = d1 = d2 = d3 = 0.0
     # unsigned indices: with signed ones numba puts a test for negative indices between the four loads
     j0, j1, j2, j3 = np.uint64(j), np.uint64(j + 1), np.uint64(j + 2), np.uint64(j + 3)
@@ -322,13 +324,13 @@ def _four(once, twice, j, slider):
         d1 += twice[k, j1] * g
         d2 += twice[k, j2] * g
         d3 += twice[k, j3] * g
-    out = slider[Row.NORMAL_ONCE]
+    out = slider[Index.NORMAL_ONCE]
     out[j0], out[j1], out[j2], out[j3] = a0, a1, a2, a3
-    out = slider[Row.NORMAL_TWICE]
+    out = slider[Index.NORMAL_TWICE]
     out[j0], out[j1], out[j2], out[j3] = b0, b1, b2, b3
-    out = slider[Row.TANGENTIAL_ONCE]
+    out = slider[Index.TANGENTIAL_ONCE]
     out[j0], out[j1], out[j2], out[j3] = c0, c1, c2, c3
-    out = slider[Row.TANGENTIAL_TWICE]
+    out = slider[Index.TANGENTIAL_TWICE]
     out[j0], out[j1], out[j2], out[j3] = d0, d1, d2, d3
 
 
@@ -368,16 +370,16 @@ def iterate_motion(problem, grid, state, nodes, segment, mobile, memory):
 def _guess(grid, state, nodes, segment):
     """Fill the first guess: constant accelerations from the end of the last segment."""
     slider = nodes.slider
-    normal, tangential = slider[Row.NORMAL_ACCELERATION, 0], slider[Row.TANGENTIAL_ACCELERATION, 0]
+    normal, tangential = slider[Index.NORMAL_ACCELERATION, 0], slider[Index.TANGENTIAL_ACCELERATION, 0]
     z_s = state.slider[At.POSITION]
     normal_velocity = state.slider[At.NORMAL_VELOCITY]
     v = state.slider[At.VELOCITY]
     for j in range(grid.sigma.size):
         t = segment.length * grid.tau[segment.map, j]
-        slider[Row.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)
-        slider[Row.NORMAL_VELOCITY, j] = normal_velocity + t * normal
-        slider[Row.TRAVEL, j] = t * (v + 0.5 * t * tangential)
-        slider[Row.VELOCITY, j] = v + t * tangential
+        slider[Index.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)
+        slider[Index.NORMAL_VELOCITY, j] = normal_velocity + t * normal
+        slider[Index.TRAVEL, j] = t * (v + 0.5 * t * tangential)
+        slider[Index.VELOCITY, j] = v + t * tangential
 
 
 @compiled
@@ -395,7 +397,7 @@ def end_kinematics(problem, state, nodes):
 def contact_end(problem, state, nodes, i):
     """Set approach and deformation of a contact at the end of the segment from the slider's motion there."""
     own, n = nodes.contact, nodes.guard.size - 1
-    q = place_at(nodes, n)
+    q = coordinates_at(nodes, n)
     z = approach(problem.paths, i, own[Plane.U_Z, i, n], q)
     own[Plane.Z, i, n] = z
     if state.regime[i] == Regime.SLIP:
@@ -479,8 +481,8 @@ def sample(grid, state, nodes, segment, i, phase, out):
         t = np.sqrt(t)
     elif segment.map == ROOT_AT_END:
         t = 1.0 - np.sqrt(1.0 - t)
-    place = 2.0 * t - 1.0
+    node_sigma = 2.0 * t - 1.0
     for k in range(Sample.REGIME):
-        out[k] = interpolate(place, grid.sigma, grid.bary, nodes.contact[Plane.Z + k, i])
+        out[k] = interpolate(node_sigma, grid.sigma, grid.bary, nodes.contact[Plane.Z + k, i])
     out[Sample.REGIME] = state.regime[i]
-    out[Sample.SLIDER_VELOCITY] = interpolate(place, grid.sigma, grid.bary, nodes.slider[Row.VELOCITY])
+    out[Sample.SLIDER_VELOCITY] = interpolate(node_sigma, grid.sigma, grid.bary, nodes.slider[Index.VELOCITY])

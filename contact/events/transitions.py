@@ -6,7 +6,7 @@ from contact.body import Coordinates, Point, approach, approach_rate, at_phase, 
 from contact.codes import LAST_GUARD, Event, Guard, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.events.energy import Sum
-from contact.events.segment import Plane, Row, Segment, guards, point_at
+from contact.events.segment import Index, Plane, Segment, guards, point_at
 from contact.jit.compiled import compiled
 from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
@@ -37,9 +37,9 @@ def earliest(problem, grid, state, nodes, memory):
                 if on_curve(memory, i):
                     continue  # the front is smooth only up to the first of the other events
             guards(problem, state, nodes, i, k, memory)
-            place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
-            if place < first:
-                first, contact, which = place, i, k
+            root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
+            if root < first:
+                first, contact, which = root, i, k
     return first, contact, which
 
 
@@ -53,9 +53,9 @@ def is_sharp(which, regime):
 
 
 @compiled
-def cut(segment, place, contact, which, sharp, entered):
+def cut(segment, root, contact, which, sharp, entered):
     """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
-    s = 0.5 * (min(place, 1.0) + 1.0)
+    s = 0.5 * (min(root, 1.0) + 1.0)
     if segment.map == ROOT_AT_START:
         s = s * s
     elif segment.map == ROOT_AT_END:
@@ -74,7 +74,9 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
     n, regime, sign, law = nodes.guard.size - 1, state.regime[i], state.sign[i], problem.law
     point = point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
-    acceleration = Coordinates(nodes.slider[Row.NORMAL_ACCELERATION, n], nodes.slider[Row.TANGENTIAL_ACCELERATION, n])
+    acceleration = Coordinates(
+        nodes.slider[Index.NORMAL_ACCELERATION, n], nodes.slider[Index.TANGENTIAL_ACCELERATION, n]
+    )
     second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
     value = law.guard(problem, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
     return value, law.guard_rate(problem, memory, i, regime, which, sign, point, second)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.events.segment import Row
+from contact.events.segment import Index
 from contact.jit.compiled import compiled
 
 # Segments stored per cycle. A motion with more events than that does not repeat closely enough to gain.
@@ -22,7 +22,7 @@ _NEAR = 0.3
 class Pattern(NamedTuple):
     """Segments of the last cycle and of this one, K of each at most."""
 
-    count: np.ndarray  # (2,) int: segments stored
+    stored: np.ndarray  # (2,) int: segments
     begin: np.ndarray  # (2, K): phases
     end: np.ndarray
     map: np.ndarray  # (2, K) int: as in `segment.Segment`
@@ -36,17 +36,17 @@ class Pattern(NamedTuple):
 def blank(contacts: int, nodes: int) -> Pattern:
     """Return an empty pattern for so many contacts and nodes of a segment."""
     which, contact = (2, MAX_SEGMENTS), (2, MAX_SEGMENTS, contacts)
-    kinds = [np.empty(which, np.int64) for _ in range(3)]
     return Pattern(
-        np.zeros(2, np.int64), np.empty(which), np.empty(which), *kinds, np.empty(contact, np.int64), np.empty(contact),
-        np.empty((2, MAX_SEGMENTS, 2, nodes)),
+        stored=np.zeros(2, np.int64), begin=np.empty(which), end=np.empty(which), map=np.empty(which, np.int64),
+        contact=np.empty(which, np.int64), guard=np.empty(which, np.int64), regime=np.empty(contact, np.int64),
+        sign=np.empty(contact), acceleration=np.empty((2, MAX_SEGMENTS, 2, nodes)),
     )  # fmt: skip
 
 
 @compiled
 def matching(pattern, old, first, phase, state):
     """Return the number of the last cycle's segment that begins here with these regimes, -1 if there is none."""
-    for m in range(first, min(first + 4, pattern.count[old])):
+    for m in range(first, min(first + 4, pattern.stored[old])):
         begin, end = pattern.begin[old, m], pattern.end[old, m]
         if abs(phase - begin) > _NEAR * (end - begin):
             continue
@@ -63,14 +63,14 @@ def matching(pattern, old, first, phase, state):
 def recall(pattern, old, m, nodes):
     """Fill the accelerations at the nodes with those of the last cycle's segment."""
     for j in range(nodes.guard.size):
-        nodes.slider[Row.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
-        nodes.slider[Row.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
+        nodes.slider[Index.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
+        nodes.slider[Index.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
 
 
 @compiled
 def store(pattern, new, segment, end, state, nodes):
     """Store a segment of this cycle, which ends at the phase `end`."""
-    m = pattern.count[new]
+    m = pattern.stored[new]
     if m >= pattern.begin.shape[1]:
         return
     pattern.begin[new, m], pattern.end[new, m], pattern.map[new, m] = segment.phase, end, segment.map
@@ -78,6 +78,6 @@ def store(pattern, new, segment, end, state, nodes):
     for i in range(state.regime.size):
         pattern.regime[new, m, i], pattern.sign[new, m, i] = state.regime[i], state.sign[i]
     for j in range(nodes.guard.size):
-        pattern.acceleration[new, m, 0, j] = nodes.slider[Row.NORMAL_ACCELERATION, j]
-        pattern.acceleration[new, m, 1, j] = nodes.slider[Row.TANGENTIAL_ACCELERATION, j]
-    pattern.count[new] = m + 1
+        pattern.acceleration[new, m, 0, j] = nodes.slider[Index.NORMAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 1, j] = nodes.slider[Index.TANGENTIAL_ACCELERATION, j]
+    pattern.stored[new] = m + 1

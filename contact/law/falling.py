@@ -82,7 +82,7 @@ class FallingFriction:
         )  # fmt: skip
 
 
-# Places in `Law.numbers`: c at the static coefficient, r, w_s (m/s), mu_h/static, p/p_h at an approach of 1 m
+# Indices in `Law.numbers`: c at the static coefficient, r, w_s (m/s), mu_h/static, p/p_h at an approach of 1 m
 SLOPE, SLIDING_RATIO, SPEED, HIGH_PRESSURE_RATIO, PRESSURE_RATIO = range(5)
 
 

@@ -65,7 +65,7 @@ from contact.roots import interpolate
 
 # Columns of `Memory.corner`: eta, u, w and M at the inner end of a piece
 ETA, U, W, MOMENT = 0, 1, 2, 3
-# Rows of `Memory.curve`: u, w and M at the nodes of a curve, and the derivatives of u and w in sigma
+# First index of `Memory.curve`: u, w and M at the nodes of a curve, and the derivatives of u and w in sigma
 ON_U, ON_W, ON_MOMENT, RATE_U, RATE_W = range(5)
 PIECES = 2048  # of one contact; a run that needs more is refused
 
@@ -175,7 +175,7 @@ def annulus_slip(z, eta):
 
 @compiled
 def write_curve(memory, i, z, x, level, c):
-    """Append a curve (4), given by z, x and M at the nodes of its segment; False if there is no room."""
+    """Append a curve (4) of z, x and M at the nodes of its segment; False if there is no room."""
     rates, k, n = memory.grid.rates, memory.number[i], z.size
     if k >= memory.kind.shape[1]:
         return False
@@ -395,14 +395,14 @@ def anchor(memory, i, eta, c):
     corner, kind = memory.corner[i, k], memory.kind[i, k]
     if kind != 0:
         return 0.5 * (corner[U] + corner[W]) + kind * c * (eta - corner[ETA])
-    place = place_on(memory.curve[i, k], eta, c, sigma, bary)
+    at = sigma_on(memory.curve[i, k], eta, c, sigma, bary)
     values = memory.curve[i, k]
-    return 0.5 * (interpolate(place, sigma, bary, values[ON_U]) + interpolate(place, sigma, bary, values[ON_W]))
+    return 0.5 * (interpolate(at, sigma, bary, values[ON_U]) + interpolate(at, sigma, bary, values[ON_W]))
 
 
 @compiled
-def place_on(curve, eta, c, sigma, bary):
-    """Return the place in sigma on a curve at which the edge was at eta = (w - u)/2c (bisection)."""
+def sigma_on(curve, eta, c, sigma, bary):
+    """Return sigma on a curve at which the edge was at eta = (w - u)/2c (bisection)."""
     a, b = -1.0, 1.0
     for _ in range(60):
         m = 0.5 * (a + b)
@@ -444,19 +444,19 @@ def _line_energy(deflection, slope, start, end):
 
 
 def _curve_energy(grid, curve, x, c, start, end):
-    """Return the same integral over a curve, up to the place at which the edge was at eta = end.
+    """Return the same integral over a curve, up to the node at which the edge was at eta = end.
 
     With sqrt(eta) dy = (2c/3) dM, eq. (6), it is [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM by parts; y and M are
     polynomials in sigma, which Gauss's rule integrates exactly.
     """
     sigma, bary = grid.sigma, grid.bary
-    stop = place_on(curve, end, c, sigma, bary) if 2.0 * c * end < curve[ON_W, -1] - curve[ON_U, -1] else 1.0
+    stop = sigma_on(curve, end, c, sigma, bary) if 2.0 * c * end < curve[ON_W, -1] - curve[ON_U, -1] else 1.0
     anchors, slope = 0.5 * (curve[ON_U] + curve[ON_W]), grid.rates @ curve[ON_MOMENT]
     node, weight = np.polynomial.legendre.leggauss(24)
     middle, half = 0.5 * (stop - 1.0), 0.5 * (stop + 1.0)
     inside = 0.0
-    for place, part in zip(middle + half * node, weight, strict=True):
-        inside += part * (x - interpolate(place, sigma, bary, anchors)) * interpolate(place, sigma, bary, slope)
+    for at, part in zip(middle + half * node, weight, strict=True):
+        inside += part * (x - interpolate(at, sigma, bary, anchors)) * interpolate(at, sigma, bary, slope)
     after, before = x - interpolate(stop, sigma, bary, anchors), x - anchors[0]
     edges = 2.0 * np.sqrt(end) * after**2 - 2.0 * np.sqrt(max(start, 0.0)) * before**2
     return 8.0 * c / 3.0 * half * inside + edges

@@ -26,8 +26,8 @@ Between events a contact i is in a regime (`codes.Regime`) with a sign s. What t
     follow(problem, memory, i, regime, which, s, point)           (regime, s, x, kind of event) beyond that guard
 
 A law may have a *memory*: what a contact remembers beyond its deformation (`law.hysteretic` keeps a chain of slipped
-and stuck annuli). `level` is the moment M of the memory, integrated with the motion, and `front` the place up to which
-slip has come in. Laws without memory take None and ignore both.
+and stuck annuli). `level` is the moment M of the memory, integrated with the motion, and `front` the inner edge of
+slip. Laws without memory take None and ignore both.
 
 The functions are fields of a named tuple, so that a solver is compiled for each law: a law that needs no slip speed
 does not pay for it. What a user has written is called by address instead (`callbacks`), so that one compiled solver

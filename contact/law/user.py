@@ -49,7 +49,7 @@ ARGUMENTS = {
 }
 # Functions of `protocol.Law` that a user's file may not define: guards, transitions and memory
 RESERVED = ("force", "guard", "guard_rate", "follow", "memory")
-# Places in `Law.numbers`: the fields of `Contact`, and behind them K
+# Indices in `Law.numbers`: the fields of `Contact`, and behind them K
 EFFECTIVE_MODULUS, TANGENTIAL_MODULUS, STIFFNESS = 2, 3, 5
 # Smallest scaled approach at which the coefficient is evaluated; relative step of differences
 CLOSEST, STEP = 1e-9, 1e-5

@@ -24,6 +24,7 @@ import numpy as np
 from contact.averaged.event_cycle import Balance
 from contact.body import at_phase, tangential_amplitude
 from contact.codes import Count, Tangential
+from contact.error_estimate import BATCHES, batch_mean_error, two_orders_error, two_starts_error
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion, rest_state
@@ -57,7 +58,6 @@ STEPS_PER_CYCLE, MAX_STEP = 64, 0.2
 # largest number of segments (some seconds) and of cycles in a run
 BUDGET, MAX_CYCLES = 600_000, 30_000
 MEMORY = 4.0  # cost of a segment with the hysteretic law over that with the elastic law: 2.0 to 4.0 in four bursts
-BATCHES, STUDENT = 16, 2.13  # number of batch means, and Student's factor for 95 % with 15 degrees of freedom
 # A contact with a tangential resonance above this times the wave frequency moves with the surface from the start.
 SLOW = 5.0
 
@@ -118,7 +118,7 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     difference = abs(first.speed - second.speed)
     if not settled:
         better = second if second.period or second.sticks else first
-        return replace(better, error=max(first.error, second.error, difference), starts=2)
+        return replace(better, error=two_starts_error(first, second), starts=2)
     if _together(first, second, _same_speed(first.speed, problem)):
         return first
     # the transient is irregular, or several steady motions exist: a start may keep the mean velocity of the transient
@@ -132,9 +132,9 @@ def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, 
     _refuse_unless_affordable(problem, math.inf)
     motion = Motion(problem, grid=collocation(10), truncation=1e-7)
     position, normal_velocity, velocity = begin[:3]
-    motion.place(position, normal_velocity, velocity, begin[3:])
-    rows = motion.turn(cycles, stride=1)
-    return float(np.mean(rows[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
+    motion.set_state(position, normal_velocity, velocity, begin[3:])
+    record = motion.turn(cycles, stride=1)
+    return float(np.mean(record[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
 
 
 def _same_speed(speed, problem):
@@ -176,7 +176,7 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target:
         return _matter_of_chance(absent, arrived, reference_speed, target.speed)
     # neither: what they do instead
     run = second if second.period or second.sticks else first
-    run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+    run = replace(run, error=two_starts_error(first, second), starts=2)
     difference = abs(run.speed - target.speed) + run.error
     if difference <= near.same:
         return Reached()
@@ -251,46 +251,46 @@ def run_from(problem, begin, rate, near=None):
     `near`, if it repeats, or if a quarter of the budget is spent; the mean is then taken over the cycles to come.
     """
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
-    motion.place(*begin[:3], begin[3:])
+    motion.set_state(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
-    rows, stuck, eventual = np.empty((0, 3)), 0, None
+    record, stuck, eventual = np.empty((0, 3)), 0, None
     while True:
         motion.begin()
-        rows = np.vstack([rows, motion.turn(block, stride=1)])
+        record = np.vstack([record, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[Count.SEGMENTS] + motion.tally[Count.HALVINGS])
         stuck = stuck + block if motion.sticks else 0
         if stuck >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
-                velocities=rows[:, Column.VELOCITY],
+                velocities=record[:, Column.VELOCITY],
             )  # fmt: skip
-        if near is not None and _arrived(rows, near):
-            return _arrival(motion, rows, passed, near)
-        period, gap = _period(rows)
+        if near is not None and _arrived(record, near):
+            return _arrival(motion, record, passed, near)
+        period, gap = _period(record)
         if period:
             run = _repeating(motion, begin, period, gap, passed)
             close = near is not None and abs(run.speed - near.speed) <= near.same
-            return replace(run, arrived=close, velocities=rows[:, Column.VELOCITY])
+            return replace(run, arrived=close, velocities=record[:, Column.VELOCITY])
         if near is not None and passed > MAX_REGULAR and eventual is None:
             eventual = _eventual(problem, motion, near)
             if abs(eventual - near.speed) <= near.same:
-                return _arrival(motion, rows, passed, near)
+                return _arrival(motion, record, passed, near)
         if spent > 0.25 * budget or passed > MAX_CYCLES // 4:
             run = _mean(motion, max(BATCHES, passed), passed, rate)
             return replace(
-                run, velocities=rows[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
+                run, velocities=record[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
             )
         # the next block takes at most a twentieth of the budget
         block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
 
 
-def _arrival(motion, rows, passed, near):
+def _arrival(motion, record, passed, near):
     """Return the result of a run that has reached the known motion."""
     return LongRun(
         speed=near.speed, error=near.same, period=1, sticks=False, cycles=1, passed=passed, motion=motion,
-        arrived=True, velocities=rows[:, Column.VELOCITY],
+        arrived=True, velocities=record[:, Column.VELOCITY],
     )  # fmt: skip
 
 
@@ -307,8 +307,8 @@ def _eventual(problem, motion, near):
     if 2.0 * math.pi / STEPS_PER_CYCLE * largest_resonance(problem) > MAX_STEP or problem.limit_slope == 0.0:
         return math.nan
     cycles = int(DECAYED * near.decay_cycles)
-    rows = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
-    return float(np.mean(rows[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
+    record = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
+    return float(np.mean(record[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
 
 
 def relaxation_rate(problem):
@@ -335,25 +335,25 @@ def _refuse_unless_affordable(problem, rate):
         )
 
 
-def _arrived(rows, near):
+def _arrived(record, near):
     """Return True if the last four cycles ended within `CLOSE` of the known motion."""
-    late = np.abs(rows[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
+    late = np.abs(record[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
     close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
     return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
 
-def _period(rows):
+def _period(record):
     """Return (period in cycles or 0, estimated distance from the periodic motion).
 
-    The rows of the last three periods are compared with those one period before. `ratio` is that of this difference to
+    The samples of the last three periods are compared with those one period before. `ratio` is this difference over
     the same difference two periods earlier, and the distance is the sum of a geometric series with this ratio.
     """
     for period in range(1, PERIODS + 1):
-        if len(rows) < 6 * period:
+        if len(record) < 6 * period:
             break
-        late = rows[-3 * period :] - rows[-4 * period : -period]
-        early = rows[-5 * period : -2 * period] - rows[-6 * period : -3 * period]
-        scale = 1.0 + np.max(np.abs(rows[-3 * period :]))
+        late = record[-3 * period :] - record[-4 * period : -period]
+        early = record[-5 * period : -2 * period] - record[-6 * period : -3 * period]
+        scale = 1.0 + np.max(np.abs(record[-3 * period :]))
         gap, former = float(np.max(np.abs(late))), float(np.max(np.abs(early)))
         if gap > REPEATS * scale:
             continue
@@ -373,31 +373,26 @@ def _repeating(motion, begin, period, gap, passed):
     if motion.memory is None:
         coarse.state[:], coarse.regime[:], coarse.sign[:] = before.state, before.regime, before.sign
     else:  # the memory is stored on the nodes of one order: repeat the whole run at the lower order
-        coarse.place(*begin[:3], begin[3:])
+        coarse.set_state(*begin[:3], begin[3:])
         coarse.turn(passed)
         coarse.begin()
     coarse.turn(period)
-    error = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
+    difference = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     speed = float(motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
-        speed=speed, error=error + gap, period=period, sticks=False, cycles=period, passed=passed, motion=motion
-    )
+        speed=speed, error=two_orders_error(difference, gap), period=period, sticks=False, cycles=period, passed=passed,
+        motion=motion,
+    )  # fmt: skip
 
 
 def _mean(motion, cycles, passed, rate):
-    """Return the mean over `cycles` more cycles from batch means; the remaining drift counts as an error.
-
-    The drift is the change from the first to the second half of the batches. If v relaxes with `rate`, only the share
-    `settled` of the remaining change is seen in it, so that the errors are divided by this share.
-    """
+    """Return the mean over `cycles` more cycles from batch means, during which v relaxes with `rate`."""
     motion.begin()
     batch_cycles = max(1, cycles // BATCHES)
     velocities = motion.turn(batch_cycles * BATCHES, stride=1)[:, Column.MEAN_VELOCITY]
     means = velocities.reshape(BATCHES, batch_cycles).mean(axis=1)
-    spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
-    half = BATCHES // 2
-    drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))
     settled = -math.expm1(-rate * 2.0 * math.pi * 0.5 * BATCHES * batch_cycles)
+    error, spread, drift = batch_mean_error(means, settled)
     if drift > 3.0 * spread or settled < 0.2:
         raise ConvergenceError(
             "not settled",
@@ -405,6 +400,6 @@ def _mean(motion, cycles, passed, rate):
             f"{drift * motion.problem.speed:.2g} m/s; raise the dampers or follow a burst",
         )
     return LongRun(
-        speed=float(np.mean(means)), error=(spread + drift) / settled, period=0, sticks=False,
+        speed=float(np.mean(means)), error=error, period=0, sticks=False,
         cycles=batch_cycles * BATCHES, passed=passed, motion=motion,
     )  # fmt: skip

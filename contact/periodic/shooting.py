@@ -14,6 +14,7 @@ import numpy as np
 
 from contact.averaged.event_cycle import Balance
 from contact.codes import Count
+from contact.error_estimate import shooting_rounding
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
@@ -51,14 +52,9 @@ class Periodic:
         return self.growth <= 1.0 + MULTIPLIER_ERROR
 
     @property
-    def rounding(self) -> float:
-        """Rounding error of the speed.
-
-        The rounding errors of the segments add up like a random walk, and the cycles amplify the sum by
-        1/(1 - multiplier).
-        """
-        enlarged = np.abs(np.linalg.inv(self.jacobian - np.eye(self.state.size))[2]) @ np.abs(self.state)
-        return 2.2e-16 * math.sqrt(max(1, self.motion.tally[Count.SEGMENTS])) * float(enlarged)
+    def unseen_error(self) -> float:
+        """Error of the speed that another collocation order does not show: the last Newton step and rounding."""
+        return self.step + shooting_rounding(self.jacobian, self.state, self.motion.tally[Count.SEGMENTS])
 
 
 def periodic(
@@ -66,7 +62,7 @@ def periodic(
 ) -> Periodic:
     """Return the periodic motion at one order of collocation.
 
-    Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if that is given.
+    Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if there is one.
     `truncation` is that of `Motion`. Before the search the full motion is followed for `settle` cycles.
     """
     cycle = _CycleMap(balance.problem, nodes, truncation)
@@ -100,7 +96,7 @@ class _CycleMap:
         if self.motion.memory is not None:  # the memory of a hysteretic contact is part of the state
             self.motion = self.base.copy()
         motion = self.motion
-        motion.place(*y[:3], y[3:])
+        motion.set_state(*y[:3], y[3:])
         motion.begin()
         motion.turn(1)
         if not np.max(np.abs(motion.state)) < BOUND:

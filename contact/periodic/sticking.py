@@ -29,7 +29,7 @@ class NormalMotion(NamedTuple):
     """Normal motion at m evenly spaced phases of a cycle."""
 
     phases: np.ndarray  # (m,)
-    approaches: np.ndarray  # (n, m), one row per contact
+    approaches: np.ndarray  # (n, m), by contact
 
 
 def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion:
@@ -88,9 +88,9 @@ def room_to_stick(problem: Problem, motion: NormalMotion, side: float) -> Room:
 
 
 def least(values: np.ndarray) -> np.ndarray:
-    """Return the minimum of each periodic row, from a parabola through the least sample and its neighbours."""
-    rows, at = np.arange(len(values)), np.argmin(values, axis=1)
-    low, mid, high = (values[rows, (at + k) % values.shape[1]] for k in (-1, 0, 1))
+    """Return the minimum of each periodic function, from a parabola through the least sample and its neighbours."""
+    contacts, at = np.arange(len(values)), np.argmin(values, axis=1)
+    low, mid, high = (values[contacts, (at + k) % values.shape[1]] for k in (-1, 0, 1))
     bend = low - 2.0 * mid + high
     return mid - np.divide((high - low) ** 2, 8.0 * bend, out=np.zeros_like(mid), where=bend > 0.0)
 

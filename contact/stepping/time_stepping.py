@@ -25,8 +25,8 @@ from contact.law.protocol import slip_limit, slip_rate
 from contact.stepping import end_corrections as edges
 
 
-class Row(IntEnum):
-    """Places in `Work.slider`."""
+class Index(IntEnum):
+    """Indices in `Work.slider`."""
 
     POSITION = 0
     NORMAL_VELOCITY = 1
@@ -49,7 +49,7 @@ class Plane(IntEnum):
 
 
 class Own(IntEnum):
-    """Rows of `Work.contact`: approach, deformation, sign of slip or 0."""
+    """First index of `Work.contact`: approach, deformation, sign of slip or 0."""
 
     Z = 0
     X = 1
@@ -61,8 +61,8 @@ class Task(NamedTuple):
 
     number: int  # of cycles
     per_cycle: int  # steps
-    stride: int  # cycles per recorded row; 0: no rows
-    rows: np.ndarray  # (number // stride, len(Column))
+    stride: int  # cycles per recorded sample; 0: none
+    record: np.ndarray  # (number // stride, len(Column))
     envelope: np.ndarray  # (number + 1,), complex: factor on the wave at the ends of the cycles; empty for none
 
 
@@ -71,7 +71,7 @@ class Work(NamedTuple):
 
     table: np.ndarray  # (len(Plane), steps + 1, n): surface motion
     contact: np.ndarray  # (len(Own), n)
-    slider: np.ndarray  # (len(Row),)
+    slider: np.ndarray  # (len(Index),)
 
 
 class Passage(NamedTuple):
@@ -93,7 +93,7 @@ class Passage(NamedTuple):
 def tabulate_cycle(paths, per_cycle, before, after, table):
     """Fill scaled displacement and velocity of the surface in one cycle under an envelope from `before` to `after`.
 
-    `table` (4, per_cycle + 1, contacts) has its rows in the order of `Plane`; `before` and `after` are the complex
+    `table` (4, per_cycle + 1, contacts) is in the order of `Plane`; `before` and `after` are the complex
     factors on the wave at the ends of the cycle, between which the envelope is linear.
     """
     h = 2.0 * np.pi / per_cycle
@@ -235,12 +235,12 @@ def _traction(problem, point, slip):
 def _step(problem, k, work):
     """Move the slider from step k of the cycle to the next."""
     table, own, slider = work.table, work.contact, work.slider
-    h, paths = slider[Row.STEP], problem.paths
-    rate = Coordinates(slider[Row.NORMAL_VELOCITY], slider[Row.VELOCITY])
+    h, paths = slider[Index.STEP], problem.paths
+    rate = Coordinates(slider[Index.NORMAL_VELOCITY], slider[Index.VELOCITY])
     force = body_force(problem, rate)
-    normal_half = rate.normal + 0.5 * h * (slider[Row.NORMAL] + force.normal)
-    along_half = rate.along + 0.5 * h * (slider[Row.TANGENTIAL] + force.along)
-    q = Coordinates(slider[Row.POSITION] + h * normal_half, h * along_half)
+    normal_half = rate.normal + 0.5 * h * (slider[Index.NORMAL] + force.normal)
+    along_half = rate.along + 0.5 * h * (slider[Index.TANGENTIAL] + force.along)
+    q = Coordinates(slider[Index.POSITION] + h * normal_half, h * along_half)
     # enough for rates at the step's end
     rate_next = Coordinates(2.0 * normal_half - rate.normal, 2.0 * along_half - rate.along)
     normal_force, tangential_force, normal_excess, tangential_excess = 0.0, 0.0, 0.0, 0.0
@@ -273,17 +273,17 @@ def _step(problem, k, work):
             tangential_force += _traction(problem, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
-    slider[Row.POSITION] = q.normal
-    slider[Row.NORMAL_VELOCITY] = normal_velocity * slider[Row.DAMP_N]
-    slider[Row.VELOCITY] = speed * slider[Row.DAMP_T]
-    slider[Row.NORMAL], slider[Row.TANGENTIAL] = normal_force, tangential_force
-    slider[Row.TRAVELLED] += q.along
+    slider[Index.POSITION] = q.normal
+    slider[Index.NORMAL_VELOCITY] = normal_velocity * slider[Index.DAMP_N]
+    slider[Index.VELOCITY] = speed * slider[Index.DAMP_T]
+    slider[Index.NORMAL], slider[Index.TANGENTIAL] = normal_force, tangential_force
+    slider[Index.TRAVELLED] += q.along
 
 
 @native(
     "t f1 t t",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "state": "3+n", "task.rows": "m 3",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "state": "3+n", "task.record": "m 3",
         "work.table": "4 s n", "work.contact": "3 n", "work.slider": "9",
     },
 )  # fmt: skip
@@ -295,19 +295,19 @@ def _run(problem, state, task, work):
     tabulate_cycle(problem.paths, per_cycle, e, e, work.table)
     _begin(problem, state, per_cycle, work)
     for cycle in range(task.number):
-        slider[Row.TRAVELLED] = 0.0
+        slider[Index.TRAVELLED] = 0.0
         if shaped:
             tabulate_cycle(problem.paths, per_cycle, envelope[cycle], envelope[cycle + 1], work.table)
         for k in range(per_cycle):
             _step(problem, k, work)
-        if not np.isfinite(slider[Row.POSITION] + slider[Row.NORMAL_VELOCITY] + slider[Row.VELOCITY]):
+        if not np.isfinite(slider[Index.POSITION] + slider[Index.NORMAL_VELOCITY] + slider[Index.VELOCITY]):
             return False
         if task.stride > 0 and (cycle + 1) % task.stride == 0:
-            row = task.rows[(cycle + 1) // task.stride - 1]
-            row[Column.VELOCITY], row[Column.POSITION] = slider[Row.VELOCITY], slider[Row.POSITION]
-            row[Column.MEAN_VELOCITY] = slider[Row.TRAVELLED] / (2.0 * np.pi)
-    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[Row.POSITION], slider[Row.NORMAL_VELOCITY]
-    state[At.VELOCITY] = slider[Row.VELOCITY]
+            recorded = task.record[(cycle + 1) // task.stride - 1]
+            recorded[Column.VELOCITY], recorded[Column.POSITION] = slider[Index.VELOCITY], slider[Index.POSITION]
+            recorded[Column.MEAN_VELOCITY] = slider[Index.TRAVELLED] / (2.0 * np.pi)
+    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[Index.POSITION], slider[Index.NORMAL_VELOCITY]
+    state[At.VELOCITY] = slider[Index.VELOCITY]
     for i in range(work.contact.shape[1]):
         state[At.DEFORMATIONS + i] = work.contact[Own.X, i]
     return True
@@ -318,11 +318,11 @@ def _begin(problem, state, per_cycle, work):
     """Set the forces of the first instant and what stays the same."""
     slider, own, table = work.slider, work.contact, work.table
     h = 2.0 * np.pi / per_cycle
-    slider[Row.STEP] = h
-    slider[Row.DAMP_N] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
-    slider[Row.DAMP_T] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
-    slider[Row.POSITION], slider[Row.NORMAL_VELOCITY] = state[At.POSITION], state[At.NORMAL_VELOCITY]
-    slider[Row.VELOCITY] = state[At.VELOCITY]
+    slider[Index.STEP] = h
+    slider[Index.DAMP_N] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
+    slider[Index.DAMP_T] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
+    slider[Index.POSITION], slider[Index.NORMAL_VELOCITY] = state[At.POSITION], state[At.NORMAL_VELOCITY]
+    slider[Index.VELOCITY] = state[At.VELOCITY]
     q = Coordinates(state[At.POSITION], 0.0)
     rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
     normal_force, tangential_force = 0.0, 0.0
@@ -338,20 +338,20 @@ def _begin(problem, state, per_cycle, work):
                 point = Point(z, x, z_rate, travel(table[Plane.W_X, 0, i], rate))
                 tangential_force += _traction(problem, point, slip)
         own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
-    slider[Row.NORMAL], slider[Row.TANGENTIAL] = normal_force, tangential_force
+    slider[Index.NORMAL], slider[Index.TANGENTIAL] = normal_force, tangential_force
 
 
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
-    """Move the slider through whole cycles of equal steps; return rows (number // stride, len(`Column`)).
+    """Move the slider through whole cycles of equal steps; return the record (number // stride, len(`Column`)).
 
-    `state` (3 + n,) holds z_s, z_s', v, x_1..x_n and is changed in place. `envelope` (number + 1,) is the factor on the
-    wave at the ends of the cycles, None for none. A row every `stride` cycles (0: none) has v, z_s and the mean v of
+    `state` (3 + n,) holds z_s, z_s', v, x_1..x_n and is overwritten. `envelope` (number + 1,) is the factor on the
+    wave at the ends of the cycles, None for none. A sample every `stride` cycles (0: none) has v, z_s and the mean v of
     the last one.
     """
     n = problem.contacts
-    work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Row)))
-    rows = np.empty((number // stride if stride else 0, len(Column)))
+    work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Index)))
+    record = np.empty((number // stride if stride else 0, len(Column)))
     envelope = np.empty(0, complex) if envelope is None else envelope
-    if not _run(problem, state, Task(number, per_cycle, stride, rows, envelope), work):
+    if not _run(problem, state, Task(number, per_cycle, stride, record, envelope), work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
-    return rows
+    return record

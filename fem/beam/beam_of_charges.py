@@ -154,6 +154,18 @@ class Emitter:
         """Charges of the nodes."""
         return np.concatenate([each.charge for each in self.sheets])
 
+    @cached_property
+    def _on_same_nodes(self) -> list[tuple[slice, ChargeSheet, np.ndarray, Fingers]]:
+        """Sheets that share their nodes: their numbers, the first of them, all charges (sheets, nodes), and moments."""
+        out, first = [], 0
+        for _, same_nodes in groupby(self.sheets, key=lambda sheet: id(sheet.x)):
+            sheets = list(same_nodes)
+            charge = np.stack([each.charge for each in sheets])
+            fingers = Fingers.of(sheets[0].x, charge, sheets[0].finger)
+            out.append((slice(first, first + len(sheets)), sheets[0], charge, fingers))
+            first += len(sheets)
+        return out
+
     def plane_waves(self, positions: np.ndarray, distance: float) -> np.ndarray:
         """Motion u at k_y = 0 and positions in m by the modes that reach a distance in m, shape (positions, 3)."""
         ones = np.ones((len(self.sheets), 1))
@@ -200,22 +212,17 @@ class Emitter:
         on it are combined to one source at its centre, by the Taylor series of the exponentials about the centre,
         equation (2) of `Fingers`.  ``along`` is signed by the direction of the branch.
         """
-        positions, waves, first, ordered = [], [], 0, np.sort(x_of_field)
-        for _, same_nodes in groupby(self.sheets, key=lambda sheet: id(sheet.x)):
-            sheets = list(same_nodes)
-            x, finger, own_shapes = sheets[0].x, sheets[0].finger, shapes[first : first + len(sheets)]
-            first += len(sheets)
-            charge = np.stack([each.charge for each in sheets])
-            fingers = Fingers.of(x, charge, finger)
+        positions, waves, ordered = [], [], np.sort(x_of_field)
+        for numbers, sheet, charge, fingers in self._on_same_nodes:
             # A finger is combined if no requested position lies on it, provided that the series is accurate for the
             # widest finger (MAX_PHASE).  `whole` marks the combined fingers, `single` the nodes of all others.
             whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")
             whole &= fingers.phase(along).max() < MAX_PHASE
-            single = ~whole[finger - finger[0]]
-            moments = np.tensordot(own_shapes, fingers.moments[:, whole], axes=(0, 0))  # (n, fingers, TERMS)
+            single = ~whole[sheet.finger - sheet.finger[0]]
+            moments = np.tensordot(shapes[numbers], fingers.moments[:, whole], axes=(0, 0))  # (n, fingers, TERMS)
             of_fingers = moments @ np.moveaxis(fingers.powers(along), 2, 0)  # (n, fingers, modes)
-            positions += [fingers.middles[whole], x[single]]
-            waves += [*of_fingers.transpose(1, 2, 0), *(charge[:, single].T @ own_shapes)]
+            positions += [fingers.middles[whole], sheet.x[single]]
+            waves += [*of_fingers.transpose(1, 2, 0), *(charge[:, single].T @ shapes[numbers])]
         return np.concatenate(positions), waves
 
 

@@ -127,7 +127,7 @@ def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | N
         wave=wave,
         solution=solution,
         source=of_charges,
-        faces=None if stator.ends == "absorbing" else faces(fields, line_source(fields.modes)),
+        faces=None if stator.ends == "absorbing" else faces(fields, line_source(fields.modes, "charge")),
         charges=all_charges(solution),
         apertures=tuple(each.aperture for each in transducers),
         centers=tuple(each.center_y for each in transducers),

@@ -22,7 +22,7 @@ from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.condense.electrodes import is_port
-from fem.geometry import Stator, Transducer, turn
+from fem.geometry import Stator, Transducer
 from fem.layout import check_plan
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -88,7 +88,7 @@ class CrossedBeam:
         """
         total: np.ndarray = np.zeros(())
         for row, beam in self._moving:
-            total = total + _in_plan(row, self._of_row(row, beam.motion, x, y))
+            total = total + row.rotated(self._of_row(row, beam.motion, x, y))
         return total
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
@@ -101,7 +101,7 @@ class CrossedBeam:
         error: np.ndarray = np.zeros(())
         for row, beam in self._moving:
             both = self._of_row(row, lambda s, t, of=beam: np.vstack(_stacked(of, s, t)), x, y)
-            total = total + _in_plan(row, both[:3])
+            total = total + row.rotated(both[:3])
             error = error + both[3].real
         return total, error / abs(total[[0, 2]]).max(axis=0)
 
@@ -153,15 +153,9 @@ class CrossedBeam:
                     # distance that the wave travels below the transducer: its sides projected on the wave's direction
                     direction = np.sin(row.angle - other.angle), np.cos(row.angle - other.angle)
                     distance = abs(np.array(direction)) @ [each.aperture, np.ptp(each.extent)]
-                    size = abs(self._of_row(row, beam.motion, *self._plan(other, each))[2, 0])
+                    size = abs(self._of_row(row, beam.motion, *other.middle_of(each))[2])
                     total += size * min(wavenumber * distance * each.metallisation * slowing, 2.0)
         return float(total)
-
-    def _plan(self, row: Row, each: Transducer) -> tuple[np.ndarray, np.ndarray]:
-        """Centre (x, y) of a row's transducer on the surface, m."""
-        (xs, ys), (xt, yt) = turn(row.angle)
-        s = each.center - row.middle[1]
-        return (np.array([row.middle[0] + s * xs + each.center_y * xt]), np.array([s * ys + each.center_y * yt]))
 
     def _of_row(self, row: Row, evaluate, x, y) -> np.ndarray:
         """Values of a row's beam at points (x, y) in m, shape (n, *shape of x and y)."""
@@ -220,15 +214,6 @@ def _stacked(beam: SurfaceBeam, s, t):
     """Motion of a beam, and its absolute error."""
     motion, error = beam.motion_and_error(s, t)
     return motion, (error * abs(motion[[0, 2]]).max(axis=0))[None]
-
-
-def _in_plan(row: Row, motion: np.ndarray) -> np.ndarray:
-    """Rotate (u_s, u_t, u_z) to (u_x, u_y, u_z)."""
-    if row.angle == 0:
-        return motion
-    (xs, ys), (xt, yt) = turn(row.angle)
-    along, across, normal = motion
-    return np.array([along * xs + across * xt, along * ys + across * yt, normal])
 
 
 def crossed_beam(

@@ -59,6 +59,20 @@ class Row:
         from_middle = np.asarray(x, dtype=float) - self.middle[0]
         return self.middle[1] + from_middle * xs + y * ys, from_middle * xt + y * yt
 
+    def middle_of(self, transducer: Transducer) -> tuple[float, float]:
+        """Centre (x, y) in m of one of its transducers on the surface: the inverse of `local`."""
+        (xs, ys), (xt, yt) = turn(self.angle)
+        s, t = transducer.center - self.middle[1], transducer.center_y
+        return self.middle[0] + s * xs + t * xt, s * ys + t * yt
+
+    def rotated(self, motion: np.ndarray) -> np.ndarray:
+        """Rotate (u_s, u_t, u_z) to (u_x, u_y, u_z)."""
+        if self.angle == 0:
+            return motion
+        (xs, ys), (xt, yt) = turn(self.angle)
+        along, across, normal = motion
+        return np.array([along * xs + across * xt, along * ys + across * yt, normal])
+
     @property
     def along_an_axis(self) -> bool:
         """True if s lies along x or y, so that a grid in x and y is also a grid in s and t."""
@@ -207,7 +221,7 @@ def mutual_admittance(
     forward, across = turn(widest if along is None else along)
     between = np.array([other.center - one.center, other.center_y - one.center_y])
     distance, offset = float(between @ forward), float(between @ across)
-    source = line_source(modes)
+    source = line_source(modes, "charge")
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
     # A mode is kept if its amplitude is more than exp(-LOCAL) after a wavelength, more than exp(-MAX_DECAY_EXPONENT)

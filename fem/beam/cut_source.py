@@ -98,7 +98,7 @@ class CutSource:
         A charge, or a force along x or z.
     section : Section
         Section with all fields, but without the layers of elements for the finger edges.
-    reduced : ReducedSection
+    reduced : LateralSection
         Matrices of the section on a reduced basis.
     frequency : float
         Hz.
@@ -115,7 +115,7 @@ class CutSource:
     """
 
     section: Section = field(repr=False)
-    reduced: "ReducedSection" = field(repr=False)
+    reduced: "LateralSection" = field(repr=False)
     frequency: float
     wavenumber: float
     surface_only: bool = False
@@ -289,8 +289,10 @@ class LateralPolynomials(NamedTuple):
         )
 
 
-class ReducedSection(NamedTuple):
-    """Section on a reduced basis.  The basis is real, so that reciprocity and the sign of losses are kept.
+class LateralSection(NamedTuple):
+    """Section at any lateral wavenumber, on a reduced basis.
+
+    The basis is real, so that reciprocity and the sign of losses are kept.
 
     Attributes
     ----------
@@ -346,7 +348,7 @@ class ReducedSection(NamedTuple):
         return k.real[grows & (abs(k.imag) < NEARLY_REAL * abs(k.real)) & (abs(k) < SIZES[1] * surface_wavenumber)]
 
 
-def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> ReducedSection:
+def _reduced(section: Section, frequency: float, wavenumber: float, singular: float) -> LateralSection:
     """Reduce a section to the fields of unit loads on its surface at wave vectors within a disc.
 
     The number of wave vectors is doubled until the reduced response agrees with the section's at others between them.
@@ -373,7 +375,7 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
         basis = np.hstack(columns)
         parity = None if odd is None else np.arange(basis.shape[1]) < columns[0].shape[1]
         opposite = section.solid.mirror_y is not None
-        reduced = ReducedSection(basis, whole.projected(basis), basis[surface], parity, opposite, np.inf)
+        reduced = LateralSection(basis, whole.projected(basis), basis[surface], parity, opposite, np.inf)
         largest_error = 0.0
         for trial in trials:
             true = np.linalg.solve(whole.operator(*vector(*trial)), loads)[surface]

@@ -245,8 +245,8 @@ class LineSource:
         yield Branch(-1, rule, along, motion * mirrored, SIGNS)
 
 
-@lru_cache(maxsize=4)
-def line_source(modes: GuidedModes, load: Load = "charge") -> LineSource:
+@lru_cache(maxsize=4)  # its keys are the arguments as they are written: no default
+def line_source(modes: GuidedModes, load: Load) -> LineSource:
     """Response of the bare section to a line of charge or force.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Response of a transducer with fingers of finite length to its own charges, which vary along the fingers.
+"""Response of a transducer with fingers of finite length to waves, voltages and its own charges.
 
 The fingers end at y = +-W/2.  Along y the charge is computed by Galerkin's method.  It is a sum of sheets, each uniform
 over |y| < L_b / 2: L_0 = W is the aperture, and the other sheets are shorter, because the charge concentrates and
@@ -41,6 +41,7 @@ the same effect as additional potentials (Q_U^-1 Q_a A)_f, which are added to th
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -75,6 +76,10 @@ STEPS = (
 )
 SHORTEST_SHEET = 0.2  # fraction of the aperture; shorter sheets are omitted
 MAX_UNKNOWNS = 1500  # sheets of all fingers of a transducer; solving for them takes 0.5 s
+
+
+# Results of `_by_fingers`, which the error estimate asks for again (`SurfaceBeam.coarser`).
+_with_fingers: WeakKeyDictionary[Scatterer, tuple[Scatterer, np.ndarray]] = WeakKeyDictionary()
 
 
 class Coupling(NamedTuple):
@@ -291,10 +296,12 @@ def aperture_response(
 
 def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
     """Scatterer with one potential per finger, and the matrix from its sides to the dipoles of the fingers."""
-    electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
-    superelement, dipoles = finger_ports(scatterer.columns, signs)
-    own = scatterer.potentials[electrodes]
-    return Scatterer(piece=superelement, modes=scatterer.modes, potentials=own), dipoles
+    if scatterer not in _with_fingers:
+        electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
+        superelement, dipoles = finger_ports(scatterer.columns, signs)
+        own = Scatterer(piece=superelement, modes=scatterer.modes, potentials=scatterer.potentials[electrodes])
+        _with_fingers[scatterer] = own, dipoles
+    return _with_fingers[scatterer]
 
 
 def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arriving: np.ndarray) -> _InSection:

@@ -64,7 +64,7 @@ class PointPotential:
         r = (low + high) / 2 + (high - low) / 2 * nodes
         values = _sum_of_modes(source, np.sort(r, axis=None))
         order = np.argsort(np.argsort(r, axis=None))
-        self._coefficients = values[order].reshape(r.shape) @ np.linalg.inv(chebvander(nodes, TERMS - 1)).T
+        self._coefficients = np.linalg.inv(chebvander(nodes, TERMS - 1)) @ values[order].reshape(r.shape).T
 
     def __call__(self, distances: np.ndarray) -> np.ndarray:
         """G at distances in m, an array of any shape."""
@@ -73,10 +73,10 @@ class PointPotential:
         piece = self.halvings + np.where(exponent < 0, exponent, np.floor(r / self.half_wavelength).astype(int) - 1)
         low, high = self.edges[piece], self.edges[piece + 1]
         twice = 2 * (2 * r - low - high) / (high - low)
-        last, before = self._coefficients[piece, -1], 0.0  # Clenshaw's recurrence
+        last, before = self._coefficients[-1][piece], 0.0  # Clenshaw's recurrence
         for term in range(TERMS - 2, 0, -1):
-            last, before = self._coefficients[piece, term] + twice * last - before, last
-        return self._coefficients[piece, 0] + twice / 2 * last - before
+            last, before = self._coefficients[term][piece] + twice * last - before, last
+        return self._coefficients[0][piece] + twice / 2 * last - before
 
 
 class StripPotential:
@@ -148,7 +148,7 @@ class _Antiderivatives:
         for integrand in self.integrands:
             before = np.cumsum(self.half_widths[:, None] * np.tensordot(whole, integrand, axes=(0, 1)), axis=0)
             out = np.append(np.zeros((1, before.shape[1])), before, axis=0)[panel]
-            for each in np.unique(panel):
+            for each in set(panel.tolist()):
                 out[panel == each] += weights[panel == each] @ integrand[each]
             results.append(out)
         return results[0], results[1]
@@ -184,12 +184,15 @@ def _wide(source: LineSource, x: np.ndarray, h: float) -> tuple[np.ndarray, np.n
 
 def _sum_of_modes(source: LineSource, r: np.ndarray) -> np.ndarray:
     """G at increasing distances, shape (n,)."""
+    k, potentials = source.wavenumbers, source.potential
     total = source.slope / np.pi * np.log(r).astype(complex)
-    for k, potential in zip(source.wavenumbers, source.potential, strict=True):
-        z = k * r[-k.imag * r < DECAYED]
-        small = abs(z) < SERIES
-        hankel = np.empty_like(z)
-        hankel[small] = 1 - 2j / np.pi * (np.log(z[small] / 2) + np.euler_gamma)
-        hankel[~small] = np.exp(-1j * z[~small]) * scaled_hankel(0, z[~small])
-        total[: len(z)] += potential * k / 2 * hankel
+    decay = np.maximum(-k.imag, DECAYED / np.finfo(float).max)  # the quotient of a wave without decay is finite
+    reached = np.searchsorted(r, DECAYED / decay)  # number of distances
+    z = np.concatenate([mode * r[:count] for mode, count in zip(k, reached, strict=True)])  # all modes at once
+    small = abs(z) < SERIES
+    hankel = np.empty_like(z)
+    hankel[small] = 1 - 2j / np.pi * (np.log(z[small] / 2) + np.euler_gamma)
+    hankel[~small] = np.exp(-1j * z[~small]) * scaled_hankel(0, z[~small])
+    for mode, potential, own in zip(k, potentials, np.split(hankel, np.cumsum(reached)[:-1]), strict=True):
+        total[: len(own)] += potential * mode / 2 * own
     return total

@@ -173,7 +173,7 @@ class OwnApertures:
         section, frequency = network.modes.section.full, network.modes.frequency
         if self.limits is None:
             modes = network.modes if section is network.modes.section else guided_modes(section, frequency)
-            return finger_coupling(line_source(modes), transducer, lengths, self.mirror_width)
+            return finger_coupling(line_source(modes, "charge"), transducer, lengths, self.mirror_width)
         key = id(section), transducer, tuple(lengths)
         with self._lock:
             if key not in self._at_nodes:
@@ -198,7 +198,9 @@ class OwnApertures:
         swing = slowness * farthest * (high - low) / 2  # change of a wave's phase over half the band, rad
         nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
         at = [
-            finger_coupling(line_source(guided_modes(section, float(each))), transducer, lengths, self.mirror_width)
+            finger_coupling(
+                line_source(guided_modes(section, float(each)), "charge"), transducer, lengths, self.mirror_width
+            )
             for each in nodes
         ]
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]

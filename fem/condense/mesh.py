@@ -155,7 +155,7 @@ class MeshedPiece:
     factor: Factor = field(repr=False)
     insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim
     layer: list[np.ndarray] = field(repr=False)  # of every element of `Assembly.layer`: its nodes from its unknowns
-    _last: dict = field(default_factory=dict, init=False, repr=False)
+    _last: dict = field(default_factory=dict, init=False, repr=False)  # unknowns on edges and vertices, by the sides
 
     def recover(self, sides: np.ndarray) -> "MeshField":
         """Field inside for values on lines and ports, shape (len(matrix),)."""
@@ -163,10 +163,9 @@ class MeshedPiece:
         key = sides.tobytes()
         if key not in self._last:
             self._last.clear()
-            self._last[key] = MeshField(
-                assembly=self.assembly, skeleton=self.skeleton(sides[:, None])[:, 0], condense=lambda: self
-            )
-        return self._last[key]
+            self._last[key] = self.skeleton(sides[:, None])[:, 0]
+        # the field refers to the piece, which must not refer to the field: a cycle would keep the factors in memory
+        return MeshField(assembly=self.assembly, skeleton=self._last[key], condense=lambda: self)
 
     def skeleton(self, sides: np.ndarray) -> np.ndarray:
         """Unknowns on edges and vertices for lines and ports (len(matrix), m), and a last row of zeros."""

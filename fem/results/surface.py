@@ -14,6 +14,7 @@ import numpy as np
 from fem.exceptions import ConvergenceError, InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface
+PER_WAVELENGTH = 12  # samples of the surface that a file and a picture show
 # M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
 MAX_MOTION_PER_VOLT = 1e-6
 FINER = 64  # points of a spline between two samples
@@ -161,9 +162,13 @@ class Surface:
         positions = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
         return standing_wave_ratio(self.normal_at(positions))
 
-    def samples(self, per_wavelength: int = 12) -> tuple[np.ndarray, np.ndarray]:
+    def samples(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions along the whole surface (m), sparser on a very long one, and the motion there: (n,) and (2, n)."""
-        step = max(self.phase_velocity / self.frequency / per_wavelength, self.length / MAX_SAMPLES)
+        return self._samples
+
+    @cached_property
+    def _samples(self) -> tuple[np.ndarray, np.ndarray]:
+        step = max(self.phase_velocity / self.frequency / PER_WAVELENGTH, self.length / MAX_SAMPLES)
         positions = []
         for piece in self.pieces:
             start, stop = max(piece.start, 0.0), min(piece.stop, self.length)

@@ -94,17 +94,22 @@ def solve_cascade(
     True
     """
     size = sum(len(each.leaves) for each in elements)
+    # waves that arrive at an element; only they are unknowns of the system
+    onward = np.full(size, True) if travel is None else travel.any(axis=0)
     coupling = np.zeros((size, size), dtype=complex)
     load = np.zeros((size, elements[0].excitation.shape[1]), dtype=complex)
     for each in elements:
         if travel is None:
             coupling[np.ix_(each.leaves, each.arrives)] = each.scattering
         else:
-            coupling[each.leaves] = each.scattering @ travel[each.arrives]
+            own = travel[each.arrives]
+            at, sent = own.any(axis=1), own.any(axis=0)  # what arrives here, and where it was sent
+            coupling[np.ix_(each.leaves, sent)] = each.scattering[:, at] @ own[np.ix_(at, sent)]
         load[each.leaves] = each.excitation
         if outside is not None:
             load[each.leaves] += each.scattering @ outside[each.arrives]
-    leaving = np.linalg.solve(np.eye(size) - coupling, load) if size else load
+    by_onward = coupling[:, onward]
+    leaving = load + by_onward @ np.linalg.solve(np.eye(by_onward.shape[1]) - by_onward[onward], load[onward])
     arriving = leaving if travel is None else travel @ leaving
     if outside is not None:
         arriving = arriving + outside

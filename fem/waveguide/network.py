@@ -33,7 +33,7 @@ NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below ro
 NO_WAVES = np.empty(0, dtype=int)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Scatterer:
     """A condensed piece in the waveguide."""
 

@@ -57,8 +57,9 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     if normal.max() < NODE * tangential.max() or amplitude_per_power(record) is None:
         return rows
     how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
-    voltages = np.unique([point["voltage_V"] for point in record.points if point["voltage_V"] > 0.0])
-    some = voltages[np.unique(np.linspace(0, voltages.size - 1, LOADS).round().astype(int))] if voltages.size else ()
+    voltages = sorted({point["voltage_V"] for point in record.points if point["voltage_V"] > 0.0})
+    numbers = sorted({round(at) for at in np.linspace(0, len(voltages) - 1, LOADS)}) if voltages else []
+    some = [voltages[number] for number in numbers]
     sizes = wave_load(record, some)
     for own, point in zip(rows, record.points, strict=True):
         if point["voltage_V"] > 0.0:

@@ -5,7 +5,7 @@ kept by their keys and values.
 """
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 from studies.chain import fem_model, resolve
@@ -24,11 +24,14 @@ class ChangedScenes:
     """The scene of a TOML document ``table`` with some of its keys changed."""
 
     def __init__(self, table: dict) -> None:
-        self._rules = {name: key.rule for name, key in keys_of(Scene).items()}
+        rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
-            if key not in self._rules:
+            if key not in rules:
                 raise SceneError(key, "is no key of a scene")
         self.table = table
+        # a cache of a method of this object would refer to the object: a cycle, which would keep the solved stators of
+        # a subclass in memory until the next collection of garbage
+        self._read = partial(_read_block, table, rules)
         self._block, self._slider = (lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider))
         self._stator = lru_cache(64)(_resolved_stator)
 
@@ -69,15 +72,16 @@ class ChangedScenes:
             resolve.check_slider(scene)
         return scene, stator
 
-    def _read(self, name: str, changes: tuple) -> Any:
-        """Return a block with some keys changed, or why it is refused."""
-        table = {name: self.table[name]} if name in self.table else {}
-        try:
-            for key, value in changes:
-                table = replaced(table, key, value)
-            return self._rules[name].read(name, table[name])
-        except SceneError as error:
-            return error.with_traceback(None)
+
+def _read_block(scene: dict, rules: dict[str, Any], name: str, changes: tuple) -> Any:
+    """Return a block of a scene's document with some keys changed, or why it is refused."""
+    table = {name: scene[name]} if name in scene else {}
+    try:
+        for key, value in changes:
+            table = replaced(table, key, value)
+        return rules[name].read(name, table[name])
+    except SceneError as error:
+        return error.with_traceback(None)
 
 
 def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:

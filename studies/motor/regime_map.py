@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 import contact
+from contact.error_estimate import averaged_threshold_error
 from studies.chain import bridge
 from studies.chain.bridge import DrivenContact
 from studies.record.plots import COLOURS, curve, finished, logarithmic, own
@@ -27,7 +28,6 @@ LOGGER = logging.getLogger(__name__)
 
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
-AVERAGING_ERROR = 2.0  # relative error of an averaged threshold or release over (f_n/f)^2, as in `contact.threshold`
 HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # cycle mean of max(cos, 0)^1.5
 
 
@@ -78,7 +78,7 @@ def run(
     error = np.array([factor.error / factor.value for factor in factors["release"]])[:, None]
     # the simulated points are averaged, but the lines hold for the exact motion
     bounce = np.array([s.normal_resonance(len(per_metre)) / per_metre[0].frequency for s in loaded])[:, None]
-    error = np.maximum(error, AVERAGING_ERROR * bounce**2)
+    error = np.maximum(error, averaged_threshold_error(bounce, 0.0))
     close = [abs(at[None, :] / line[:, None] - 1.0) <= error for line in lines.values()]
     known, expected = (kind != "unknown") & ~np.any(close, axis=0), np.select(below, KINDS[:3], KINDS[3])
     # a load changes only the threshold; the other lines depend on the normal motion alone

@@ -26,7 +26,8 @@ from studies.scene import Scene
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # observed factors between prediction and measurement
 SPEED = 2.5e10  # real operations per second of the stator's linear algebra on one x86_64 core of 2026
-START, COMPILE = 0.18, 15.0  # s: imports; compilation of the contact kernels if they are not cached
+# s: interpreter and imports of a run, and those that a mesh needs; compilation of the contact kernels if not cached
+START, MESH_START, COMPILE = 0.22, 0.25, 15.0
 SEARCH = 2.3  # s: search for drive.frequency = "center", measured for 10 finger pairs on twente-left
 # Time of a point with one contact in s, and exponent of the number of contacts. Measured: 1, 4, 16 and 64 balls take
 # 0.05, 0.04, 0.4 and 6 s.
@@ -74,7 +75,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     scene = resolve.resolved(scene)
     parts: list[dict] = []
     left_out_options: dict[str, Any] = {}
-    operations, block_bytes, seconds = 0.0, 0.0, START + SEARCH * searched
+    operations, block_bytes, seconds = 0.0, 0.0, START + MESH_START * bool(scene.piece) + SEARCH * searched
     if scene.transducer:
         with answered():
             parts, left_out_options, operations, block_bytes = _driven(scene, tolerance)

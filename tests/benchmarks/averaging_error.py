@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from contact import ConvergenceError, Orbit, Slider, burst
+from contact import ConvergenceError, Orbit, Slider, burst, error_estimate
 from contact.averaged import burst as averaged
 
 FREQUENCY = 2.2e6
@@ -65,8 +65,8 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--share", type=float, default=1.0)
     chosen = parser.parse_args()
-    averaged.LEFT_OF_FIRST *= chosen.share
-    averaged.LEFT_OF_RATIO *= chosen.share
+    error_estimate.LEFT_OF_FIRST *= chosen.share
+    error_estimate.LEFT_OF_RATIO *= chosen.share
     rows, refused = [], 0
     for scene in scenes(chosen.number, chosen.seed):
         try:

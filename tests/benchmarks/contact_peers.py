@@ -60,7 +60,8 @@ def rows_of(
         return found.velocity_at_burst_end / problem.speed
 
     def fixed(per_cycle, cycles=cycles):
-        return peers.naive(problem.row, peers.first_wave(problem), begin, cycles, per_cycle, BAND / problem.speed)
+        numbers, wave = peers.numbers(problem), peers.first_wave(problem)
+        return peers.naive(numbers, wave, begin, cycles, per_cycle, BAND / problem.speed)
 
     begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12).state.copy()
     truth = exact(*FINEST)

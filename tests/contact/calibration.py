@@ -72,7 +72,7 @@ def drawn(number: int):
 def checked(number: int) -> list[ContactChecked]:
     """Return the answers of every way that applies to one draw."""
     import contact
-    from contact.drive import relative_to_reference
+    from contact.error_estimate import relative_to_reference
 
     slider, orbits, cycles = drawn(number)
     truths = {"burst": _burst_truth(slider, orbits, cycles), "steady": _steady_truth(slider, orbits)}
@@ -138,7 +138,7 @@ def _by_way(found):
 def _burst_truth(slider, orbits, cycles):
     """Return v at the burst's end by the finest event-exact motion, m/s."""
     from contact.answers.methods import rest, rest_problem
-    from contact.drive import towards_plus
+    from contact.orbit import towards_plus
 
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
@@ -151,7 +151,7 @@ def _steady_truth(slider, orbits):
     """Return the mean velocity of the finest periodic motion, m/s, or None where there is none to trust."""
     import contact
     from contact.averaged.event_cycle import balanced
-    from contact.drive import towards_plus
+    from contact.orbit import towards_plus
     from contact.periodic.shooting import periodic
 
     side, driven = towards_plus(orbits)

@@ -4,7 +4,8 @@ import pytest
 
 from contact import ConvergenceError, Envelope, burst
 from contact.answers import methods
-from contact.drive import reference_speed, towards_plus
+from contact.error_estimate import reference_speed
+from contact.orbit import towards_plus
 from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider
 

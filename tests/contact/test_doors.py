@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Orbit, mean_motion, steady, steady_sweep, threshold_factor
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from tests.contact.motors import FREQUENCY, SEED, orbit, slider, steady_map
 
 FRICTION = SEED["friction_coefficient"] * SEED["preload"]

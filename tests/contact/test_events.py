@@ -89,7 +89,7 @@ def test_grazing_bounces_do_not_gain_energy():
         return 0.4 * kappa * max(-z, 0.0) ** 2.5 + 0.5 * w**2 + p * z
 
     for drop in (0.0, 1e-9, 1e-3, 2.0):  # scaled height above touching: grazing to high
-        motion.place(drop, 0.0, 0.0)
+        motion.set_state(drop, 0.0, 0.0)
         motion.tally[:] = 0
         begin = energy() if drop > 0.0 else p * 1.0
         motion.move(0.0, 100_000.0, np.empty(0))
@@ -104,7 +104,7 @@ def test_a_ball_in_flight_over_many_cycles_is_caught_at_its_first_contact():
     problem = scaled(s, (orbit(1e-9),), direction=1.0, start=0.0)
     motion = Motion(problem, grid=collocation(16), truncation=1e-12)
     gap = 0.5
-    motion.place(1e-9 / problem.length + gap, 0.0, 0.0)
+    motion.set_state(1e-9 / problem.length + gap, 0.0, 0.0)
     p, d_n = problem.preload, problem.normal_damping
     before = 0
     while motion.tally[Event.CONTACT] == 0:
@@ -128,7 +128,7 @@ def test_the_deformation_is_bounded_and_forgotten_in_flight():
 
 def test_overflow_is_said_not_returned():
     motion = Motion(scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0), grid=collocation(8), truncation=1e-8)
-    motion.place(np.nan, 0.0, 0.0)
+    motion.set_state(np.nan, 0.0, 0.0)
     with pytest.raises(ConvergenceError) as caught:
         motion.turn(1)
     assert caught.value.status == "not finite"

@@ -10,9 +10,10 @@ from contact import ConvergenceError, burst, steady, threshold_amplitude, thresh
 from contact.answers.methods import rest_problem
 from contact.answers.thresholds import release_amplitude
 from contact.averaged.event_cycle import opposed
-from contact.drive import reference_speed, towards_plus
+from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
+from contact.orbit import towards_plus
 from studies.evidence.stability import contact as part
 from studies.evidence.stability.contact import RANGES, SWEPT, VARIED, built, corner, motor
 from studies.evidence.stability.cross_check import cross_check
@@ -150,7 +151,7 @@ def drift(s, A, cycles):
     """Return how far a slider moves in two stretches of time, event by event from rest, scaled."""
     problem = rest_problem(s, (orbit(A),))
     motion = Motion(problem, grid=collocation(10), truncation=1e-8)
-    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0)
+    motion.set_state(-s.rest_approach(1) / problem.length, 0.0, 0.0)
     rows = motion.turn(2 * cycles, stride=1)[:, 2]
     return float(np.mean(rows[:cycles])), float(np.mean(rows[cycles:]))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact import Envelope, burst, step
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from tests.contact.motors import orbit, slider
 from tests.oracles.contact_motion import Motor
 

@@ -38,7 +38,7 @@ def thrown(case, speed_t=0.0, **changed):
     wave = orbit(deepest, frequency=speed / deepest / (2.0 * math.pi))  # sets the units, then is silent
     problem = without_wave(scaled(s, (wave,), direction=1.0, start=0.0))
     motion = Motion(problem, grid=collocation(16), truncation=1e-10)
-    motion.place(1e-9, -speed / problem.speed, speed_t)
+    motion.set_state(1e-9, -speed / problem.speed, speed_t)
     return s, motion, speed, deepest
 
 
@@ -101,7 +101,7 @@ def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
     wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 + over) * x_max),)
     problem = scaled(s, wave, direction=1.0, start=0.0)
     motion = Motion(problem, grid=collocation(16), truncation=1e-12)
-    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, x_max / problem.length)
+    motion.set_state(-s.rest_approach(1) / problem.length, 0.0, 0.0, x_max / problem.length)
     motion.turn(1, mobile=False)
     motion.tally[:], motion.sums[:] = 0, 0.0
     cycles = 300
@@ -121,7 +121,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
     wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 - 1e-9) * x_max),)
     problem = scaled(s, wave, direction=1.0, start=0.0)
     motion = Motion(problem, grid=collocation(16), truncation=1e-12)
-    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
+    motion.set_state(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
     motion.turn(300, mobile=False)
     assert motion.tally[Event.STICK_TO_SLIP] == 0
     assert motion.sums[energy.Sum.SLIP_LOSS] == 0.0
@@ -133,7 +133,7 @@ def held(cycles):
     assert steady(s, wave, tolerance=1.0).regime == "stick"
     balance = balanced(s, (wave,))
     motion = Motion(balance.problem, grid=collocation(12), truncation=1e-10)
-    motion.place(-balance.height, 0.0, 0.0, balance.motion.state[3:])
+    motion.set_state(-balance.height, 0.0, 0.0, balance.motion.state[3:])
     motion.turn(cycles)
     return motion
 

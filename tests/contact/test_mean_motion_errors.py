@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, mean_motion, steady
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from tests.contact.aimed import drawn
 
 

@@ -131,7 +131,7 @@ def test_no_closed_loop_gives_energy_out(path):
 def motion_of(s, A, nodes=16, truncation=1e-12):
     problem = scaled(s, (orbit(A),), direction=1.0, start=-0.5 * np.pi)
     motion = Motion(problem, grid=collocation(nodes), truncation=truncation)
-    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, 0.0)
+    motion.set_state(-s.rest_approach(1) / problem.length, 0.0, 0.0, 0.0)
     return motion
 
 

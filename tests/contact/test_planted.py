@@ -7,7 +7,7 @@ import pytest
 
 from contact import steady
 from contact.codes import Regime
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.jit import compiled
@@ -21,7 +21,7 @@ def test_a_copied_hysteretic_motion_goes_on_as_the_first_while_a_contact_grows()
     body = slider(law="hysteretic")
     problem = scaled(body, (orbit(2e-9, 0.1),), direction=1.0, start=-0.5 * np.pi)
     motion = Motion(problem, grid=collocation(12), truncation=1e-10)
-    motion.place(-body.rest_approach(1) / problem.length, 0.0, 0.0, 0.0)
+    motion.set_state(-body.rest_approach(1) / problem.length, 0.0, 0.0, 0.0)
     motion.turn(30)
     grew, at = 0, np.linspace(0.05, 1.0, 4)
     for phase in np.linspace(0.2, 5.2, 26):

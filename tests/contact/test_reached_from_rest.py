@@ -7,7 +7,8 @@ import pytest
 
 from contact import Orbit, burst, steady
 from contact.answers import methods
-from contact.drive import reference_speed, towards_plus
+from contact.error_estimate import reference_speed
+from contact.orbit import towards_plus
 from contact.periodic import settling
 from contact.stepping.time_stepping import steps
 from tests.contact.motors import slider

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact import ConvergenceError, Orbit, Slider, mean_motion
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from tests.contact.motors import slider
 
 DRAWS = 60

@@ -22,9 +22,9 @@ from contact import (
 )
 from contact.answers import load_line as stalls
 from contact.answers import methods
-from contact.averaged.sweep_rows import STALL_ERROR
-from contact.drive import towards_plus
+from contact.error_estimate import averaged_stall_error
 from contact.events.energy import Sum
+from contact.orbit import towards_plus
 from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
 from tests.oracles.contact_stop import TRAVEL, V, extrapolated
@@ -45,7 +45,7 @@ def test_a_light_motor_stalls_where_an_independent_integrator_says():
     assert (answer.status, answer.error < 1e-4 * answer.value) == ("ok", True)
     averaged, _ = blocked_thrust(slider(**LIGHT), WAVE)
     assert averaged == pytest.approx(62.81e-6, abs=0.005e-6)
-    assert 0.01 * averaged < answer.value - averaged < STALL_ERROR * 0.09**2 * averaged
+    assert 0.01 * averaged < answer.value - averaged < averaged_stall_error(0.09) * averaged
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_the_full_motion_goes_on_below_the_stall_and_not_above(changed, amplitud
 def test_a_stall_that_only_averaging_gives_has_its_error():
     heavy = stall(slider(), orbit(10e-9), tolerance=0.05)
     ratio = slider().normal_resonance(1) / 2.2e6
-    assert heavy.error == pytest.approx(STALL_ERROR * ratio**2 * heavy.value, rel=1e-9)
+    assert heavy.error == pytest.approx(averaged_stall_error(ratio) * heavy.value, rel=1e-9)
     assert heavy.value == blocked_thrust(slider(), orbit(10e-9))[0]
     with pytest.raises(ConvergenceError, match="does not move the unloaded slider"):
         stall(slider(), orbit(0.5e-9), tolerance=1e-3)

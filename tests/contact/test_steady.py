@@ -8,7 +8,7 @@ import pytest
 
 from contact import ConvergenceError, Orbit, burst, steady, threshold_amplitude
 from contact.answers.methods import rest, rest_problem
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from tests.contact.motors import orbit, slider
 from tests.oracles.contact_steps import steady_velocity
 
@@ -236,7 +236,7 @@ def test_a_bounce_that_nothing_damps_is_part_of_the_error(A):
     weight = np.sin(np.pi * (np.arange(cycles) + 0.5) / cycles) ** 4 / (0.375 * cycles)
     for speed in speeds:
         motion = rest(s, (orbit(A),), problem, nodes=9, truncation=1e-8)
-        motion.place(motion.state[0], 0.0, speed / problem.speed, motion.state[3:])
+        motion.set_state(motion.state[0], 0.0, speed / problem.speed, motion.state[3:])
         means = motion.turn(2 * cycles, stride=1)[:, 2]
         drifts.append(weight @ (means[cycles:] - means[:cycles]))
     reached = speeds[0] + (speeds[1] - speeds[0]) * drifts[0] / (drifts[0] - drifts[1])

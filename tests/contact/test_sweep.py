@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import Orbit, blocked_thrust, mean_motion, steady, steady_sweep, threshold_factor
-from contact.drive import reference_speed
+from contact.error_estimate import reference_speed
 from studies.chain.propagation import velocity_sensitivities
 from tests.contact.motors import orbit, slider
 

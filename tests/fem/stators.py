@@ -29,6 +29,14 @@ def lossless(name: str, orientation) -> Solid:
     return cut(name, orientation, quality=np.inf, loss=0.0)
 
 
+def constants(solid: Solid) -> dict:
+    """Stiffness, coupling, permittivity and density with losses, as the oracles take them."""
+    return {
+        "stiffness": solid.stiffness_lossy, "coupling": solid.coupling, "permittivity": solid.permittivity_lossy,
+        "density": solid.density,
+    }  # fmt: skip
+
+
 def plate(solid: Solid, *, length: float = 4.0, thickness: float = 0.8, frequency=FREQUENCY, **rest) -> Stator:
     """Length and thickness in wavelengths."""
     unit = slowest_wavelength(solid, frequency)

@@ -1,5 +1,7 @@
 """Pieces of the stator given as meshes: what must not change, what must balance, and what other programs say."""
 
+import gc
+import weakref
 from dataclasses import replace
 from itertools import pairwise
 
@@ -95,6 +97,24 @@ def test_a_meshed_plain_stretch_is_invisible(tmp_path, name, orientation, sides,
     assert abs(after - before).max() < bound * abs(before).max()
     assert abs(after - after.T).max() < 1e-11 * abs(after).max()
     assert power_balance(meshed).residual < 1e-11
+
+
+def test_a_piece_is_freed_with_its_last_user(tmp_path):
+    """Also after a field in it was asked for: no cycle of references keeps its factors."""
+    path = rectangle(tmp_path / "plain.msh", 0.9, 0.8, size=0.45)
+    stator = _with_pieces(plate(cut("PZT-4", "Z", quality=200), length=9.0), path, (4.2,))
+    level = Resolution(order=5, edge_layers=0)
+    section = discretise(stator, level, wavelength=slowest_wavelength(stator.solid, 2.3e6), surface_scale=np.inf)
+    (piece,) = StatorMeshes(stator, section, level, 2.3e6).condensed(2.3e6).values()
+    field = piece.recover(np.ones(len(piece.matrix)))
+    assert field.piece is piece
+    gc.disable()
+    try:
+        kept = weakref.ref(piece)
+        del piece, field
+        assert kept() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.fem.stators import cut
+from tests.fem.stators import constants, cut
 from tests.oracles.fem_plate_field import PlateField
 from tests.oracles.fem_plate_response import PlateResponse
 
@@ -29,13 +29,6 @@ def test_response_in_all_directions_of_an_isotropic_plane():
 def test_reciprocity_in_a_cut_without_symmetry():
     """The potential of a charge is the same at -k: G(-k) = G(k)^T."""
     solid = cut("LiNbO3 (Kovacs)", (10, 35, 20), quality=40.0)
-    field = PlateField(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        thickness=1e-3,
-        frequency=5e6,
-    )
+    field = PlateField(**constants(solid), thickness=1e-3, frequency=5e6)
     kx, ky = np.array([3e3, -5e3, 7e3]), np.array([1e3, 4e3, -2e3])
     np.testing.assert_allclose(field.response(kx, ky)[:, 3], field.response(-kx, -ky)[:, 3], rtol=1e-9)

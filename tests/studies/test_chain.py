@@ -1,5 +1,7 @@
 """The chain.  Symmetries and limits of the physics, and the record against what the scene asked for."""
 
+import gc
+import weakref
 from dataclasses import replace
 
 import pytest
@@ -9,19 +11,14 @@ from studies import Scene, Wave
 from studies.__main__ import main
 from studies.chain import bridge, changed_contacts, run, runs
 from studies.chain.bridge import DrivenContact
+from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.points import SliderAnswer
 from studies.chain.runs import needed_section_tolerance
 from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
 from studies.scene import read_table
-from tests.studies.settings import assigned
-
-
-def changed(name, *settings):
-    table = read_table(name)
-    table = assigned(table, *settings)
-    return Scene.from_table("", table)
+from tests.studies.settings import changed
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +48,19 @@ def test_threshold_and_release_lie_between_the_points_of_their_regimes(given):
 def test_the_error_is_that_of_the_worst_point_and_the_sum_of_its_parts(given):
     assert given.error["relative"] == max(point["relative_error"] for point in given.points)
     assert given.error["relative"] == sum(given.error["parts"].values())
+
+
+def test_the_stators_of_a_run_are_freed_with_it():
+    """No cycle of references keeps them until the next search for garbage: gigabytes in a loop over many scenes."""
+    gc.disable()
+    try:
+        contacts = ChangedContacts(read_table("twente-contact"), tolerance=0.1)
+        contacts.contact({"slider.friction_coefficient": 0.1})
+        kept = weakref.ref(contacts)
+        del contacts
+        assert kept() is None
+    finally:
+        gc.enable()
 
 
 def test_no_drive_gives_no_velocity_and_no_error():

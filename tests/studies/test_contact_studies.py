@@ -10,27 +10,17 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.resolve import resolved
 from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
-from studies.scene import Scene, read_table
+from studies.scene import Scene
 from studies.study import Panel
 from tests.studies.legible import assert_legible
-from tests.studies.settings import assigned
+from tests.studies.settings import SHORT, changed
 
 
 @pytest.fixture(scope="module")
 def motor():
     """A short motor on a stator, two balls at different places, and what a run says of it."""
-    table = read_table("twente-left")
-    settings = [
-        "stator.length=24 mm",
-        "stator.thickness=2 mm",
-        "transducer.0.center=5 mm",
-        "transducer.0.finger_pairs=3",
-        "transducer.0.period=0.98 mm",
-        "stator.diffraction=false",
-    ]
-    settings += ["slider.position=14.123 mm", 'slider.contacts=["0 mm", "0.35 mm"]', "drive.voltage=[40, 80]"]
-    table = assigned(table, *settings)
-    scene = Scene.from_table("", table)
+    balls = 'slider.contacts=["0 mm", "0.35 mm"]'
+    scene = changed("twente-left", *SHORT, "stator.diffraction=false", balls, "drive.voltage=[40, 80]")
     return scene, run(scene, tolerance=1e-3)
 
 

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from studies.results import MANIFEST
-from studies.scene import Scene, read_table
 from studies.study import Panel, StudyRecord, draw_study, run_study
-from tests.studies.settings import assigned
+from tests.studies.settings import SHORT, changed
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "studies" / "pictures" / "gallery"
@@ -17,16 +16,7 @@ KEPT = ROOT / "studies" / "pictures" / "gallery"
 @pytest.fixture(scope="module")
 def small_motor():
     """A short motor of three finger pairs, whose voltages are none of the shipped motor's."""
-    table = read_table("twente-left")
-    settings = [
-        "stator.length=24 mm",
-        "transducer.0.center=5 mm",
-        "transducer.0.finger_pairs=3",
-        "stator.thickness=2 mm",
-    ]
-    for setting in [*settings, "slider.position=14.123 mm", "drive.voltage=[35, 44, 61, 80]"]:
-        table = assigned(table, setting)
-    return Scene.from_table("", table)
+    return changed("twente-left", *SHORT, "drive.voltage=[35, 44, 61, 80]")
 
 
 def test_the_documents_show_every_picture_of_the_gallery_and_all_are_small():

@@ -110,7 +110,7 @@ def test_the_answer_and_the_picture_show_the_power():
     from studies.record.run_pictures import velocity
     from studies.record.text import answer
 
-    record = run(motor(power=["1 W", "4 W"], match="auto"), tolerance=1e-2)
+    record = run(motor(power=["1 W", "4 W"], match="auto"), tolerance=0.1)
     text = answer(record)
     assert "available (W)" in text
     first = record.scene.drive.match[0].name

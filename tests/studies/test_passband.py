@@ -5,13 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies import Scene
 from studies.chain import passband, run
 from studies.record.plots import saved
-from studies.scene import read_table
 from studies.stator import admittance, frequency_response
 from studies.study import StudyRecord, judged
-from tests.studies.settings import assigned
+from tests.studies.settings import changed
 
 
 @pytest.fixture(scope="module")
@@ -25,9 +23,7 @@ def chip():
         "slider.position=20 mm",
         "drive.voltage=60",
     ]
-    table = read_table("twente-left")
-    table = assigned(table, *settings)
-    return Scene.from_table("", table)
+    return changed("twente-left", *settings)
 
 
 def drawn(chosen, panel, tmp_path):

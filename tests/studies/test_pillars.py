@@ -297,6 +297,19 @@ def test_in_the_middle_of_a_standing_wave_pillars_have_a_velocity_and_the_amplit
         assert point[f"{name}_amplitude_m"] == pytest.approx(np.sqrt(np.mean(each**2)), rel=2e-3)
 
 
+def test_pillars_beside_the_middle_line_of_a_beam_have_its_amplitude(small):
+    """Of an aperture of 3 mm, 6 mm away; two plane waves fit the ripple of the plate to a tenth."""
+    grid = {"diameter": "20 um", "height": "2 um", "pitch": "0.1 mm", "rows": 10, "columns": 10}
+    slider = {"position": ["10 mm", "1 mm"], "radius": None, "contacts": None, "damping": None, "pillars": grid}
+    aperture = {"left": {"aperture": "3 mm"}}
+    found = run(small.replace(slider=slider, transducer=aperture, drive={"voltage": 120.0}), tolerance=1e-2)
+    places = np.meshgrid(*(middle + 1e-4 * (np.arange(10) - 4.5) for middle in (10e-3, 1e-3)), indexing="ij")
+    expected = 120.0 * np.sqrt(np.mean(abs(found.surface_motion.beam.motion(*places)[2]) ** 2))
+    assert found.points[0]["normal_amplitude_m"] == pytest.approx(expected, rel=0.12)
+    section = 120.0 * abs(found.surface_wave.motion(places[0][:, 0])[1])
+    assert section.mean() > 1.2 * expected
+
+
 def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
     # i omega F u/V, with the forces of the pillars and the stator's own motion below each of them
     from studies.chain.bridge import DrivenContact

@@ -11,7 +11,7 @@ from studies.__main__ import main
 from studies.chain import run
 from studies.report.explanation import COMPILE, MEMORY_WITHIN, TIME_WITHIN, explanation, plan
 from studies.scene import Scene, shipped_scenes
-from tests.studies.predictions import changed
+from tests.studies.settings import changed
 
 TWO = 'drive.voltage=["10 V", "20 V"]'
 AMPLITUDES = 'wave.normal_amplitude=["2 nm", "5 nm"]'
@@ -44,10 +44,13 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def compiled():
-    """Have the kernels of the contact and the modules of Python on disk, which a plan does not count."""
-    words = [sys.executable, "-m", "tests.studies.predictions", "twente-contact", "1e-3", AMPLITUDES]
-    for more in ([], ["wave.burst=1e-3"], ["wave.burst=0.03"]):
-        subprocess.run([*words, *more], capture_output=True, check=True)
+    """Have the kernels of the contact and the modules of Python on disk, which a plan does not count.
+
+    The burst of a stator needs kernels of the growing wave, which a burst of a given wave does not.
+    """
+    for name, tolerance, *settings in (SCENES[key] for key in ("contact", "short burst", "long burst", "burst")):
+        words = [sys.executable, "-m", "tests.studies.predictions", name, str(tolerance), *settings]
+        subprocess.run(words, capture_output=True, check=True)
 
 
 @pytest.mark.slow

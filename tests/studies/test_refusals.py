@@ -364,20 +364,11 @@ def scenes(tmp_path_factory):
     return folder
 
 
-def without(table: dict, key: str) -> dict:
-    """Return a copy of a scene's table that lacks a key."""
-    first, _, rest = key.partition(".")
-    kept = {name: value for name, value in table.items() if name != first}
-    return kept | {first: without(table[first], rest)} if rest else kept
-
-
 def spoilt(table: dict, settings: str) -> dict:
     """Return a scene's table changed by settings that are separated by semicolons."""
     for short, whole in SHORT.items():
         settings = settings.replace(short, whole)
-    for setting in filter(None, settings.split("; ")):
-        table = without(table, setting[1:]) if setting.startswith("-") else assigned(table, setting)
-    return table
+    return assigned(table, *filter(None, settings.split("; ")))
 
 
 @pytest.mark.parametrize(("name", "settings", "sentence"), CASES, ids=[f"{c[0]}:{c[1]}" for c in CASES])

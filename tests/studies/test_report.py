@@ -15,7 +15,7 @@ from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.page import report
 from studies.scene import Scene
-from tests.studies.predictions import changed
+from tests.studies.settings import changed
 
 EVIL = '<script>alert("ran")</script> & $\\frac{"'
 

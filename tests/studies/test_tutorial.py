@@ -9,8 +9,8 @@ from studies.chain import run
 from studies.lab.measurement_csv import read_measured
 from studies.record.quantities import ENDINGS, quantities, with_quantities
 from studies.record.velocity_comparison import compared
-from studies.scene import Scene, read_table
-from tests.studies.settings import assigned
+from studies.scene import Scene
+from tests.studies.settings import changed
 
 TUTORIAL = Path(__file__).parents[2] / "studies" / "README.md"
 ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| ([^|]+?) \| ?([^|]*?) ?\|$", re.MULTILINE)
@@ -30,12 +30,6 @@ def keys(path, value):
             yield from keys(path, each)
     else:
         yield path
-
-
-def changed(name, *settings):
-    table = read_table(name)
-    table = assigned(table, *settings)
-    return Scene.from_table("", table)
 
 
 @pytest.fixture(scope="module")

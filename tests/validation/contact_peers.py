@@ -13,7 +13,7 @@ import time
 import numba
 import numpy as np
 
-__all__ = ["cvode", "first_wave", "naive", "scipy_solver", "with_events"]
+__all__ = ["cvode", "first_wave", "naive", "numbers", "scipy_solver", "with_events"]
 
 SEPARATED, STICK, SLIP = 0, 1, 2
 
@@ -80,6 +80,11 @@ def _next(t, y, regime, sign, which, par, wave):
     return (SLIP if sign * (w_x - y[2]) - par[7] * (w - y[1]) > 0.0 else STICK), sign
 
 
+def numbers(problem):
+    """Return (8,): kappa, chi (not used here), d_n, p_0, d_t, q, mu and c of a problem, the parameters of the rates."""
+    return np.array(problem[:8], float)
+
+
 def first_wave(problem):
     """Return (4,): a, b of u_z = a cos phi + b sin phi under the first contact, then of u_x."""
     return np.array([each[0] for each in problem.paths[1:]])
@@ -101,7 +106,7 @@ def with_events(problem, state, cycles, segment, *, limit):
     limit : float
         s of run time.
     """
-    par, wave = problem.row, first_wave(problem)
+    par, wave = numbers(problem), first_wave(problem)
     t, stop, y = 0.0, 2.0 * np.pi * cycles, state.copy()
     regime, sign, events, begun = STICK, 1.0, 0, time.perf_counter()
     while t < stop * (1.0 - 1e-15):

@@ -8,6 +8,7 @@ NGSolve at its finest, stored here, known to 2e-7.
 import math
 from dataclasses import replace
 
+from tests.fem.stators import constants
 from tests.validation.attempt import Attempt
 from tests.validation.contenders import Problem
 
@@ -51,14 +52,7 @@ def reference(posed: Problem) -> tuple[complex, tuple[complex, complex]]:
     from tests.validation.strip_charges import StripCharges
 
     solid = posed.stator.solid
-    plate = PlateResponse(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        thickness=posed.stator.thickness,
-        frequency=posed.frequency,
-    )
+    plate = PlateResponse(**constants(solid), thickness=posed.stator.thickness, frequency=posed.frequency)
     strips = StripCharges(
         plate=plate,
         centers=np.concatenate([each.fingers.mean(axis=1) for each in posed.transducers]),

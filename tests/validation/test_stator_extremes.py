@@ -5,6 +5,7 @@ import pytest
 
 import fem
 from studies.evidence.stability.stator import TOLERANCE, VARIED, Motor, small_motor
+from tests.fem.stators import constants
 from tests.oracles.fem_lamb import surface_share, wavenumbers
 from tests.oracles.fem_plate_response import PlateResponse
 from tests.validation.strip_charges import StripCharges
@@ -21,8 +22,7 @@ def strips(motor: Motor) -> tuple[complex, np.ndarray]:
     """Admittance and motion by charges on the fingers of an infinite plate, exact partial waves."""
     solid = motor.stator.solid
     plate = PlateResponse(
-        stiffness=solid.stiffness_lossy, coupling=solid.coupling, permittivity=solid.permittivity_lossy,
-        density=solid.density, thickness=motor.stator.thickness, frequency=motor.frequency,
+        **constants(solid), thickness=motor.stator.thickness, frequency=motor.frequency,
     )  # fmt: skip
     (transducer,) = motor.transducers
     found = StripCharges(

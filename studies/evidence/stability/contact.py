@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import contact
-from contact.drive import relative_to_reference
+from contact.error_estimate import relative_to_reference
 from studies.evidence.stability.cross_check import cross_check
 from studies.evidence.stability.verdict import Case, Comparison, NoReference
 

@@ -17,10 +17,10 @@ import contact
 from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.body import normal_amplitude, tangential_amplitude
-from contact.drive import towards_plus
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
+from contact.orbit import towards_plus
 from contact.stepping.time_stepping import steps
 
 # Steps per cycle and collocation nodes of the two methods. The last gives the velocity, all give its error.
@@ -136,5 +136,5 @@ def _rows(problem, stepped, resolution, begin, cycles):
     if stepped:
         return steps(problem, begin.copy(), cycles, resolution)
     motion = Motion(problem, grid=collocation(resolution), truncation=10.0 ** (1 - resolution))
-    motion.place(*begin[:3], begin[3:])
+    motion.set_state(*begin[:3], begin[3:])
     return motion.turn(cycles, stride=1)

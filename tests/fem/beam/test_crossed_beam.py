@@ -100,7 +100,7 @@ def test_coupling_is_a_sum_of_hankel_functions():
         places.append(np.array([each.center, each.center_y]) + line @ turn(each.angle))
     (a, b), (q, p) = places, (each.charge for each in charges)
     distance = np.linalg.norm(a[:, :, None, None] - b, axis=-1)
-    source, section = line_source(modes), modes.section
+    source, section = line_source(modes, "charge"), modes.section
     potentials = modes.right[section.surface_dofs["phi"], modes.wavenumbers != 0] * source.amplitudes
     expected = 0.0
     for k, potential in zip(source.wavenumbers, potentials * section.solid.potential_unit, strict=True):

@@ -1,14 +1,15 @@
 """Line source in any cut: against the rotated modes, the section, reciprocity and the parabolic formula."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from scipy.special import fresnel
 
 from fem.beam.beam_of_section import surface_beam
-from fem.beam.cut_source import TILT, LateralPolynomials, ReducedSection, cut_source, surface_unknowns
-from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
+from fem.beam.cut_source import TILT, LateralPolynomials, LateralSection, cut_source, surface_unknowns
+from tests.fem.stators import comb, constants, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 
 
@@ -80,6 +81,18 @@ def test_stated_error_of_an_integral_that_ends_too_early(ceramic, monkeypatch):
 CUTS = {"128YX": ("LiNbO3 (Kovacs)", "128YX"), "YZ": ("LiNbO3 (Warner)", "YZ"), "ST-X": ("quartz (Bechmann)", "ST-X")}
 
 
+@cache
+def half_space(name):
+    """The beam of one finger pair on a half-space, on a coarse discretisation: several tests ask it for its source."""
+    return beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5)
+
+
+@cache
+def thin_plate(name):
+    """The beam of one finger pair on a plate."""
+    return beam_in(lossless(*CUTS[name]), thickness=0.8, length=14.0, pairs=1)
+
+
 def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
     """Where half and a quarter of the nodes do not show an exponential convergence; halving the spacing mends it."""
     monkeypatch.setattr("fem.beam.beam_of_charges.MAX_HALVINGS", 0)
@@ -112,7 +125,7 @@ def test_between_side_faces_the_field_is_repeated_across_the_width():
 @pytest.mark.parametrize("name", CUTS)
 def test_response_of_the_reduced_basis(name):
     """Fields at the surface of loads there, at wave vectors of its own disc, against the whole section."""
-    source = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5).source
+    source = half_space(name).source
     whole, surface = (
         LateralPolynomials.of(source.section, source.frequency, source.wavenumber),
         surface_unknowns(source.section),
@@ -127,7 +140,7 @@ def test_response_of_the_reduced_basis(name):
 
 def test_stated_error_of_the_basis():
     """At 60 wave vectors of waves the basis errs by 8e-6 at most; 2e-6 was stated from 5 trials of all SIZES."""
-    source = beam_in(lossless(*CUTS["128YX"]), thickness=np.inf, length=14.0, pairs=1, order=5).source
+    source = half_space("128YX").source
     whole, surface = (
         LateralPolynomials.of(source.section, source.frequency, source.wavenumber),
         surface_unknowns(source.section),
@@ -148,12 +161,12 @@ def test_basis_of_the_skimming_waves():
     At the smallest k_y u_y is 1.8e-4 off with 10 directions and SINGULAR[0] = 1e-4, 4e-5 with 10 directions alone, and
     7e-4 or more with TILT = 0.05.
     """
-    beam = beam_in(lossless(*CUTS["YZ"]), thickness=np.inf, length=14.0, pairs=1, order=5)
+    beam = half_space("YZ")
     section, wavenumber = beam.source.section, beam.source.wavenumber
     matrices = LateralPolynomials.of(section, beam.source.frequency, wavenumber)
     unit = np.eye(section.size)
     opposite = beam.source.reduced.opposite
-    whole = ReducedSection(unit, matrices, unit[surface_unknowns(section)], None, opposite, 0.0)
+    whole = LateralSection(unit, matrices, unit[surface_unknowns(section)], None, opposite, 0.0)
     signs, distances = (-1.0) ** np.arange(111), 14e-3 + np.arange(111) * np.pi / wavenumber
 
     def arriving(source):
@@ -174,14 +187,8 @@ def test_response_of_the_half_space():
     At small wave vectors it is 9e-5 and more off with LAYER = 2, at the others 7e-7 with SINGULAR[0] = 1e-4.
     """
     solid = lossless(*CUTS["128YX"])
-    source = beam_in(solid, thickness=np.inf, length=14.0, pairs=1, order=5).source
-    field = HalfSpaceField(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        frequency=source.frequency,
-    )
+    source = half_space("128YX").source
+    field = HalfSpaceField(**constants(solid), frequency=source.frequency)
     turn = 1 + 0.07j
     vectors = source.wavenumber * turn * np.array([(0.93, 0.2), (-0.4, 0.7), (0.5, 0.0), (0.1, 0.03), (0.01, 0.3)])
     expected = abs(field.response(*vectors.T, turn))
@@ -195,7 +202,7 @@ def test_response_of_the_half_space():
 
 @pytest.mark.parametrize("name", CUTS)
 def test_modes_without_lateral_wavenumber_are_the_section(name):
-    beam = beam_in(lossless(*CUTS[name]), thickness=0.8, length=14.0, pairs=1)
+    beam = thin_plate(name)
     edges = beam.charges[0].x[[0, -1]]
     x = np.array([edges[0] - 2e-3, edges[1] + 1.5e-3, edges[1] + 4e-3])
     assert abs(beam.motion_beyond_modes(x)).max() < 5e-3 * abs(beam.wave.motion(x)).max()
@@ -229,7 +236,7 @@ def test_constant_potential_leaves_no_motion():
 @pytest.mark.parametrize("name", CUTS)
 def test_reciprocity_gives_the_opposite_lateral_wavenumber(name):
     """Residues at -k_y, and those that the transposed response at k_y has, are solved for apart."""
-    source = beam_in(lossless(*CUTS[name]), thickness=0.8, length=14.0, pairs=1).source
+    source = thin_plate(name).source
     k_y = (0.2 + 0.03j) * source.wavenumber
     (here,), (there,) = (source.poles_at(np.array([sign * k_y])) for sign in (1, -1))
     for mode in np.flatnonzero(here.surface):
@@ -242,7 +249,7 @@ def test_reciprocity_gives_the_opposite_lateral_wavenumber(name):
 @pytest.mark.parametrize(("name", "gamma"), [("128YX", -0.34), ("YZ", -1.10), ("ST-X", 0.378)])
 def test_slowness_curvature_is_the_published_one(name, gamma):
     """Of the free surface: slowness surfaces of surface waves in tables, to the spread of the constants."""
-    beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5)
+    beam = half_space(name)
     k = beam.surface_wavenumbers(0.0).real
     step = 0.02 * k
     before, after = beam.surface_wavenumbers(np.array([-step, step])).real

@@ -9,7 +9,7 @@ import fem
 from fem.beam.beam_of_section import surface_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.solve.harmonic import solve_driven
-from tests.fem.stators import wave_of
+from tests.fem.stators import constants, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 
 CUTS = {"128YX": ("LiNbO3 (Kovacs)", 10e6, 0.396e-3), "YZ": ("LiNbO3 (Warner)", 9.6e6, 0.363e-3)}
@@ -24,13 +24,7 @@ def beam_and_field(cut: str, pairs: int, aperture: float, x, y, highest=4.0):
     beam = surface_beam(wave_of(solved))
     beam = replace(beam, wave=replace(beam.wave, relative_error=1e-5))  # the oracle has its charges
     solid, charges = stator.solid, beam.charges[0]
-    field = HalfSpaceField(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        frequency=frequency,
-    )
+    field = HalfSpaceField(**constants(solid), frequency=frequency)
     expected = field.motion(
         x - one.center,
         y,

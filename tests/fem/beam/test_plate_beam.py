@@ -9,7 +9,7 @@ import fem
 from fem.beam.beam_of_section import surface_beam
 from fem.discretize.error_estimate import LEVELS
 from fem.solve.harmonic import solve_driven
-from tests.fem.stators import lossless, wave_of
+from tests.fem.stators import constants, lossless, wave_of
 from tests.oracles.fem_plate_field import PlateField
 
 
@@ -28,14 +28,7 @@ def test_far_beside_the_aperture_of_a_floating_plate():
     beam = replace(beam, wave=replace(beam.wave, relative_error=1e-5))  # the oracle has its charges
     x, y = one.center + np.array([12e-3, 11.2e-3, 9.9e-3, 6e-3]), np.array([5.8e-3, 4.9e-3, -5.1e-3, 1e-3])
     charges = beam.charges[0]
-    field = PlateField(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        thickness=thickness,
-        frequency=frequency,
-    )
+    field = PlateField(**constants(solid), thickness=thickness, frequency=frequency)
     expected = field.motion(
         x - one.center,
         y,

@@ -15,7 +15,7 @@ from fem.discretize.error_estimate import LEVELS
 from fem.results.solution import driven_solution
 from fem.solve.harmonic import solve_driven
 from fem.waveguide.modes import power
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
+from tests.fem.stators import FREQUENCY, comb, constants, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_plate_beam import plate_beam
 from tests.oracles.fem_plate_response import PlateResponse
 
@@ -93,12 +93,7 @@ def test_charges_give_the_admittance():
 def test_exact_plate_response_over_the_plane_of_wave_vectors(lossy):
     solid = lossy.wave.solution.fields.stator.solid
     exact = PlateResponse(
-        stiffness=solid.stiffness_lossy,
-        coupling=solid.coupling,
-        permittivity=solid.permittivity_lossy,
-        density=solid.density,
-        thickness=lossy.wave.solution.fields.stator.thickness,
-        frequency=FREQUENCY,
+        **constants(solid), thickness=lossy.wave.solution.fields.stator.thickness, frequency=FREQUENCY
     )
     lossy = section_charges(lossy)
     charges = lossy.charges[0]

@@ -1,46 +1,33 @@
 r"""The averaged equilibrium of many sliders and waves: one compiled loop, one error rule.
 
-`solve_rows` solves one problem after the other, each in its own unit of length ell = max(rest approach, largest
-amplitude), so that no answer depends on its neighbours. See `equilibrium.balance_row` for the equations. One steady
+`solve_problems` solves one problem after the other, each in its own unit of length ell = max(rest approach, largest
+amplitude), so that no answer depends on its neighbours. `equilibrium.solve_equilibrium` has the equations. One steady
 state is a sweep of one problem.
 
-The error of the velocity is the largest of
-
-- the errors by neglected harmonics, by the residual and by quadrature;
-- a share of the second-order correction, and rounding;
-- if the slider is held or hardly moves: the velocity at a larger amplitude. Averaging may have misjudged the threshold,
-  by up to 12 (f_n/f)^2 in amplitude.
+The error of the velocity is that of second-order averaging or, if this is larger and the slider is held or hardly
+moves, the change of the velocity on a larger wave: averaging may have misjudged the threshold.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.equilibrium import Entry, Work, balance_row, excess, full_slip_speed, work_arrays
+from contact.averaged.equilibrium import Entry, Work, excess, full_slip_speed, solve_equilibrium, work_arrays
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.codes import Status, Steady
+from contact.error_estimate import averaged_stall_error, changed_waves_error, larger_wave, second_order_error
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.protocol import Law, with_numbers
 from contact.problem import SliderNumber, changed, in_units
 
-# Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the threshold of Feenstra and
-# Breedveld's slider, first order errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`).
-# At most half the amplitude is added.
-THRESHOLD_ERROR, MAX_THRESHOLD_ERROR = 12.0, 0.5
 # f_n/f up to which a slider that moves at the larger amplitude is called held, with that velocity as its error.
 # Beyond, averaging cannot tell.
 MAX_RATIO_HELD = 0.1
-# relative error of the averaged stalling load over (f_n/f)^2; true: 1.8 (`tests/contact/test_thrust.py`)
-STALL_ERROR = 3.0
 LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
 EDGE = 2e-3  # velocity over the reference speed below which the threshold is near
 MAX_AMPLITUDE_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
-CORRECTION_ERROR = 1e-4  # share of the second-order correction that is not trusted
-# Least relative error: the periodic motion of the full equations, which this is checked against, is itself known to
-# some 1e-10 (tests/contact/test_calibration.py).
-LEAST_ERROR = 1e-9
 
 
 class Sweep(NamedTuple):
@@ -63,7 +50,7 @@ class SweepArrays(NamedTuple):
 
     work: Work
     paths: Paths  # scaled paths of the problem
-    changed_row: np.ndarray  # (len(Entry),): row of the same problem on a changed wave
+    changed_result: np.ndarray  # (len(Entry),): result of the same problem on a changed wave
     changed_paths: Paths  # its paths
 
 
@@ -74,25 +61,25 @@ def sweep_arrays(harmonics: int, contacts: int) -> SweepArrays:
     return SweepArrays(work_arrays(harmonics), paths, np.zeros(len(Entry)), changed_paths)
 
 
-def solve_rows(sweep: Sweep, out, todo, harmonics: int, first: int, stride: int) -> None:
-    """Fill the rows of every `stride`-th problem of `todo`, from the `first`.
+def solve_problems(sweep: Sweep, out, todo, harmonics: int, first: int, stride: int) -> None:
+    """Fill the results of every `stride`-th problem of `todo`, from the `first`.
 
     Parameters
     ----------
     sweep : Sweep
     out : (n, len(Entry)) array
-        A row of a problem that is not solved keeps its regime and says why in its status.
+        The result of a problem that is not solved keeps its regime and says why in its status.
     todo : array of int
         Numbers of the problems to solve.
     harmonics : int
         Of the slider's fast motion; 0: averaging of first order.
     """
-    _solve_rows(sweep, out, todo, harmonics, first, stride, sweep_arrays(harmonics, sweep.paths.height.shape[1]))
+    _solve_problems(sweep, out, todo, harmonics, first, stride, sweep_arrays(harmonics, sweep.paths.height.shape[1]))
 
 
 @native("t f2 i1 i i i t")
-def _solve_rows(sweep, out, todo, harmonics, first, stride, arrays):
-    """Do the work of `solve_rows`; return 0."""
+def _solve_problems(sweep, out, todo, harmonics, first, stride, arrays):
+    """Do the work of `solve_problems`; return 0."""
     for t in range(first, todo.size, stride):
         k = todo[t]
         own, wave = sweep.which[k, 0], sweep.which[k, 1]
@@ -100,58 +87,58 @@ def _solve_rows(sweep, out, todo, harmonics, first, stride, arrays):
         law = with_numbers(sweep.law, sweep.laws[own])
         paths = of_run(sweep.paths, wave)
         problem = _scaled(slider, law, sweep.heights[own], paths, sweep.factors[k], omega, arrays.paths)
-        row, speed = out[k], problem.length * omega
-        _solve_row(problem, sweep.ratios[k], sweep.wave_errors[wave], harmonics, arrays, row)
-        row[Entry.VELOCITY] *= speed
-        row[Entry.FIRST_ORDER] *= speed
-        row[Entry.HEIGHT] *= problem.length
-        row[Entry.THRUST] *= slider[SliderNumber.MASS] * omega * speed
-        row[Entry.THRUST_ERROR] *= slider[SliderNumber.MASS] * omega * speed
+        result, speed = out[k], problem.length * omega
+        _solve_problem(problem, sweep.ratios[k], sweep.wave_errors[wave], harmonics, arrays, result)
+        result[Entry.VELOCITY] *= speed
+        result[Entry.FIRST_ORDER] *= speed
+        result[Entry.HEIGHT] *= problem.length
+        result[Entry.THRUST] *= slider[SliderNumber.MASS] * omega * speed
+        result[Entry.THRUST_ERROR] *= slider[SliderNumber.MASS] * omega * speed
     return 0
 
 
 @compiled
-def _solve_row(problem, ratio, wave_error, harmonics, arrays, row):
-    """Fill the row of one scaled problem, its velocities and thrusts scaled."""
-    work, changed_row, changed_paths = arrays.work, arrays.changed_row, arrays.changed_paths
-    status = balance_row(problem, harmonics, work, row)
-    row[Entry.STATUS] = status.value
+def _solve_problem(problem, ratio, wave_error, harmonics, arrays, result):
+    """Fill the result of one scaled problem, its velocities and thrusts scaled."""
+    work, changed_result, changed_paths = arrays.work, arrays.changed_result, arrays.changed_paths
+    status = solve_equilibrium(problem, harmonics, work, result)
+    result[Entry.STATUS] = status.value
     if status != Status.DONE:
         return
-    problem = changed(problem, row[Entry.LOAD_SIGN] * abs(problem.load), problem.paths)
-    v = row[Entry.VELOCITY]
+    problem = changed(problem, result[Entry.LOAD_SIGN] * abs(problem.load), problem.paths)
+    v = result[Entry.VELOCITY]
     reference = max(abs(v), full_slip_speed(problem.paths, 0.0) / 10.0)
-    error = max(row[Entry.TAIL], row[Entry.RESIDUAL], row[Entry.QUADRATURE], LEAST_ERROR * abs(v))
-    error = max(error, CORRECTION_ERROR * abs(v - row[Entry.FIRST_ORDER]))
-    if row[Entry.HELD] == 1.0 or abs(v) < EDGE * reference:
-        # Averaging may have misjudged the threshold by this factor: does the slider move on the larger wave?
-        factor = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        status = balance_row(_changed_wave(problem, factor, 0.0, 0.0, changed_paths), 0, work, changed_row)
-        difference = abs(changed_row[Entry.VELOCITY] - row[Entry.FIRST_ORDER])
+    error = second_order_error(
+        result[Entry.TAIL], result[Entry.RESIDUAL], result[Entry.QUADRATURE], v, result[Entry.FIRST_ORDER]
+    )
+    if result[Entry.HELD] == 1.0 or abs(v) < EDGE * reference:
+        larger = _changed_wave(problem, larger_wave(ratio), 0.0, 0.0, changed_paths)
+        status = solve_equilibrium(larger, 0, work, changed_result)
+        difference = abs(changed_result[Entry.VELOCITY] - result[Entry.FIRST_ORDER])
         if status == Status.DONE and difference > 0.0 and ratio > MAX_RATIO_HELD:
             status = Status.NEAR_THRESHOLD
-        row[Entry.STATUS] = status.value
+        result[Entry.STATUS] = status.value
         if status != Status.DONE:
             return
         error = max(error, difference)
         reference = max(reference, difference) if reference == 0.0 else reference
-    from_wave = _error_from_wave(problem, changed_paths, row[Entry.COARSE], wave_error, work, changed_row)
+    from_wave = _error_from_wave(problem, changed_paths, result[Entry.COARSE], wave_error, work, changed_result)
     if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(from_wave)):
         return
     # A slider at rest carries the least mean force that its contacts can have there; if the wave drives it towards -x,
     # against the direction of its crests, minus the largest one.
-    thrust = row[Entry.LEAST_AT_REST]
-    if row[Entry.LARGEST_AT_REST] <= -thrust:
-        thrust = -row[Entry.LARGEST_AT_REST]
-    row[Entry.REGIME] = Steady.STICK.value
-    if row[Entry.MADE_PER_CYCLE] > 0.0:
-        row[Entry.REGIME] = Steady.INTERMITTENT.value
-    elif row[Entry.SLIPS_PER_CYCLE] > 0.0:
-        row[Entry.REGIME] = Steady.SLIP.value
-    row[Entry.ERROR] = error / reference if reference > 0.0 else 0.0
-    row[Entry.FROM_WAVE] = from_wave / reference if reference > 0.0 else 0.0
-    row[Entry.THRUST] = max(thrust, 0.0)
-    row[Entry.THRUST_ERROR] = row[Entry.THRUST] * min(STALL_ERROR * ratio**2, 1.0)
+    thrust = result[Entry.LEAST_AT_REST]
+    if result[Entry.LARGEST_AT_REST] <= -thrust:
+        thrust = -result[Entry.LARGEST_AT_REST]
+    result[Entry.REGIME] = Steady.STICK.value
+    if result[Entry.MADE_PER_CYCLE] > 0.0:
+        result[Entry.REGIME] = Steady.INTERMITTENT.value
+    elif result[Entry.SLIPS_PER_CYCLE] > 0.0:
+        result[Entry.REGIME] = Steady.SLIP.value
+    result[Entry.ERROR] = error / reference if reference > 0.0 else 0.0
+    result[Entry.FROM_WAVE] = from_wave / reference if reference > 0.0 else 0.0
+    result[Entry.THRUST] = max(thrust, 0.0)
+    result[Entry.THRUST_ERROR] = result[Entry.THRUST] * averaged_stall_error(ratio)
 
 
 @compiled
@@ -192,11 +179,10 @@ def _changed_wave(problem, factor, ratio_change, phase_change, out):
 
 
 @compiled
-def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_row):
+def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_result):
     """Return the change of the first-order velocity `base` by the wave's relative error; inf if it cannot be computed.
 
-    It is the root of the sum of three squares: the changes by another amplitude (larger or smaller, whichever changes
-    more), by another ratio u_x/u_z and by another phase between u_x and u_z.
+    See `changed_waves_error`.
     """
     if wave_error == 0.0:
         return 0.0
@@ -205,19 +191,19 @@ def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_row
     if base != 0.0:
         high, low = (1.0 + LEAST_STEP) * base, (1.0 - LEAST_STEP) * base
         slope = (_surplus(problem, high, work) - _surplus(problem, low, work)) / (high - low)
-    larger = _change(_changed_wave(problem, 1.0 + step, 0.0, 0.0, changed_paths), base, slope, work, changed_row)
-    smaller = _change(_changed_wave(problem, 1.0 - step, 0.0, 0.0, changed_paths), base, slope, work, changed_row)
-    ratio = _change(_changed_wave(problem, 1.0, step, 0.0, changed_paths), base, slope, work, changed_row)
-    phase = _change(_changed_wave(problem, 1.0, 0.0, step, changed_paths), base, slope, work, changed_row)
-    return np.sqrt(max(larger, smaller) ** 2 + (ratio**2 + phase**2)) * wave_error / step
+    larger = _change(_changed_wave(problem, 1.0 + step, 0.0, 0.0, changed_paths), base, slope, work, changed_result)
+    smaller = _change(_changed_wave(problem, 1.0 - step, 0.0, 0.0, changed_paths), base, slope, work, changed_result)
+    ratio = _change(_changed_wave(problem, 1.0, step, 0.0, changed_paths), base, slope, work, changed_result)
+    phase = _change(_changed_wave(problem, 1.0, 0.0, step, changed_paths), base, slope, work, changed_result)
+    return changed_waves_error(larger, smaller, ratio, phase) * wave_error / step
 
 
 @compiled
-def _change(problem, base, slope, work, row):
+def _change(problem, base, slope, work, result):
     """Return the distance of the first-order velocity of a problem on a changed wave from `base`, inf if it has none.
 
     `slope` is the derivative of the mean force with respect to the velocity at `base`, on the unchanged wave. A Newton
-    step with it and a secant step are enough if both are small; otherwise the equilibrium is solved into `row`.
+    step with it and a secant step are enough if both are small; otherwise the equilibrium is solved into `result`.
     """
     if slope < 0.0:
         f_base = _surplus(problem, base, work)
@@ -228,7 +214,7 @@ def _change(problem, base, slope, work, row):
                 secant = v - f * (v - base) / (f - f_base)
                 if abs(secant - v) < 0.1 * abs(v - base):
                     return abs(secant - base)
-    return abs(row[Entry.COARSE] - base) if balance_row(problem, 0, work, row) == Status.DONE else np.inf
+    return abs(result[Entry.COARSE] - base) if solve_equilibrium(problem, 0, work, result) == Status.DONE else np.inf
 
 
 @compiled

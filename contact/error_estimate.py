@@ -1,0 +1,253 @@
+r"""Error estimates of all answers, one function for each way of computing.
+
+An answer is computed twice, at two resolutions or by two methods, and the functions here turn the difference into the
+error that is stated with it (`choice.Answer`). That of a velocity is relative to max(|v|, omega |u_x|/10). The true
+error is at most twice the stated one in 98 of 100 cases, as `tests/contact/test_calibration.py` and
+`tests/contact/test_burst_errors.py` measure.
+
+The functions stand in the order burst, step, steady state (shooting, long run, averaged), threshold and release, stall,
+errors of the wave. `ratio` is f_n/f, the contact resonance over the frequency of the wave.
+"""
+
+import math
+
+import numpy as np
+
+from contact.jit.compiled import formula
+from contact.orbit import Orbit
+
+# Event-driven motion. TRUNCATION: least relative error over the truncation error of a segment, because two runs may
+# agree by chance. DRIFT: rounding per cycle, relative to the reference speed. SCATTER: rounding over the root of the
+# number of segments, in units of `Problem.speed`; segments add and subtract lengths of order one, so that a wave with
+# little u_x leaves few digits. Against runs of 20 nodes the error was up to 4e-16 in 140 of 150 draws of
+# `tests/contact/aimed.py` at 1e-10, and within twice the stated one in all.
+TRUNCATION, DRIFT, SCATTER = 3e-6, 1e-15, 4e-16
+EPSILON = 2.2e-16  # rounding of one segment in `shooting_rounding`
+# Order of convergence of fixed time steps that is assumed. Spheres converge with order 1.5 to 2, punches and contact
+# dampers with order 1. Both may converge more slowly between two neighbouring step sizes.
+STEPPED_ORDER = 1
+# Every estimate is increased by this fraction of the error expected for the step, because two runs may agree by chance.
+FLOOR = 0.01
+# Under an envelope: largest relative change of the velocity that a cycle adds, over that of the wave's amplitude.
+# Against the oracle `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5
+# of this error.
+ENVELOPE_CHANGE = 3.0
+# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
+# that cannot be calibrated.
+CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
+# Second-order averaging of a burst: shares of the difference of the two orders and of (f_n/f)^2 times the reference
+# speed. `tests/benchmarks/averaging_error.py` measured them: among 86 difficult bursts the largest true
+# error is 1.3 times the stated one; it is 1.5 times with half of these values and 1.1 times with twice these values.
+LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
+# Travel. LEAST_TRAVEL_ERROR: relative; two levels may agree by chance, and the finer one has errors up to 3e-11 (90
+# draws of `tests/contact/aimed.py`). MEMORY_SHIFT: shift of the final position by partial slip of hysteretic contacts
+# over the amplitude of the ring; it was 0.07 to 0.37 in `tests/contact/test_stall_and_steps.py` and in five similar
+# scenes. CUT: largest change of the final position over the amplitude at which a ring-down is cut; it was up to 4.2, in
+# the median 0.25, in 40 random motors of one to three contacts that were cut at amplitudes of 1e-5 to 3e-3.
+LEAST_TRAVEL_ERROR, MEMORY_SHIFT, CUT = 2e-11, 0.5, 5.0
+# number of batch means of a long run, and Student's factor for 95 % with one degree of freedom less
+BATCHES, STUDENT = 16, 2.13
+# First-order averaging: relative errors over (f_n/f)^2. The true values were, of the velocity, 0.1 to 1.9 at amplitudes
+# from 0.75 to 20 nm and 12 just above the threshold (`tests/benchmarks/contact_ways.py`); of a threshold 0.5 to 1.4
+# (`tests/contact/test_threshold_answers.py`), up to 1.9 in draws with unequal balls or the hysteretic law; of the load
+# at the stall 1.8 (`tests/contact/test_thrust.py`).
+OF_VELOCITY, OF_THRESHOLD, OF_STALL = 3.0, 2.0, 3.0
+# Relative change of a wave on which a held slider must not move, over (f_n/f)^2, and its largest value.
+LARGER_WAVE, MAX_LARGER_WAVE = 12.0, 0.5
+# Second-order averaging: share of its correction that is not trusted, and the least relative error, since the periodic
+# motion of the full equations, which this is checked against, is itself known to some 1e-10
+# (`tests/contact/test_calibration.py`).
+CORRECTION_ERROR, LEAST_ERROR = 1e-4, 1e-9
+# Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
+# f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
+TAIL_SHARE = 2.0
+# Error of the finer of the two quadratures over their difference; the true one is 1/70 with 16 and 24 nodes per piece
+# and an elliptic orbit of general phase.
+RULE_ERROR = 0.1
+# smallest relative distance of two bounds; bisection of the full motion at f_n/f = 0.2 differs by 5e-7
+LEAST_DISTANCE = 1e-6
+
+
+def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
+    """Return max(|v|, omega |u_x|/10) in m/s, the measure of velocity errors."""
+    return speed_scale(velocity, max(o.omega * abs(o.tangential) for o in orbits))
+
+
+def speed_scale(velocity: float, surface_speed: float) -> float:
+    """Return the `reference_speed` where the peak speed of the surface along x, omega |u_x| in m/s, is known."""
+    return max(abs(velocity), surface_speed / 10.0)
+
+
+def relative_to_reference(difference: float, velocity: float, orbits: tuple[Orbit, ...]) -> float:
+    """Return a velocity difference over the reference speed, or 1 for a nonzero difference if that speed is zero."""
+    reference = reference_speed(velocity, orbits) or abs(difference)
+    return float(abs(difference) / reference) if reference > 0.0 else 0.0
+
+
+def richardson(difference: float, refinement: float, order: int) -> float:
+    """Return the error of the finer of two runs, by Richardson's extrapolation of their difference.
+
+    `refinement` is the ratio of their step sizes or numbers of harmonics, `order` the order of convergence.
+    """
+    return difference / (refinement**order - 1.0)
+
+
+def event_driven_error(
+    difference: float, *, truncation: float, reference: float, cycles: int, segments: float, moves: bool
+) -> float:
+    """Return the error of the velocity of an event-driven burst.
+
+    `difference` is that of two collocation orders, `truncation` that of a segment of the finer one. The velocity of a
+    slider that never `moves` sums up nothing and has no rounding errors.
+    """
+    scatter = SCATTER * math.sqrt(cycles * segments) if moves else 0.0
+    return max(difference, TRUNCATION * truncation * reference) + DRIFT * cycles * reference + scatter
+
+
+def stepped_error(difference: float, fine: int, coarse: int, expected: float = 0.0) -> float:
+    """Return the error of the finer of two runs with fixed time steps; `fine`, `coarse`: steps per cycle.
+
+    The difference may vanish by chance, since events fall anywhere in a step: give the largest of many. `expected` is
+    the error for which the finer step is usually fine enough.
+    """
+    return richardson(difference, fine / coarse, STEPPED_ORDER) + FLOOR * expected
+
+
+def envelope_error(bend: float, change_per_cycle: float) -> float:
+    """Return the error by what an envelope does within a cycle (`Envelope.bend`), for the largest change in a cycle."""
+    return ENVELOPE_CHANGE * bend * change_per_cycle
+
+
+def calibrated_error(estimate: float, true: float | None, stated: float) -> float:
+    """Return the error of a burst whose first cycles have also been computed by the event-driven method.
+
+    `estimate` is that of the whole burst, `stated` that of the first cycles and `true` their largest deviation from the
+    event-driven motion, None if this is not known. If `true` exceeds `stated`, `estimate` is scaled by their ratio.
+    """
+    if true is None:
+        return UNCHECKED * estimate
+    return max(BEYOND * estimate * max(1.0, CALIBRATION * true / (stated + 1e-300)), true)
+
+
+def second_order_burst_error(difference: float, ratio: float, reference: float) -> float:
+    """Return the error of second-order averaging in v(t); `difference` is that of first and second order."""
+    return LEFT_OF_FIRST * difference + LEFT_OF_RATIO * ratio**2 * reference
+
+
+def travel_error(
+    difference: float, steps: list[tuple[int, int]], *, scale: float, ring: float, change: float, cut: float
+) -> float:
+    """Return the error in m of the travel of a burst and of the motion after it, from the difference of two levels.
+
+    `steps`: fixed steps per cycle of the finer and the coarser level, for each part of the motion that uses them; the
+    rest is event-driven. `scale`: largest of the travels and of the slip limit at rest. `ring`: amplitude of the
+    remaining ring of hysteretic contacts. `change`: `envelope_error`. `cut`: amplitude of the wave at which its
+    ring-down is cut. All in m.
+    """
+    levels = max((stepped_error(difference, *pair) for pair in steps), default=difference)
+    return levels + LEAST_TRAVEL_ERROR * scale + MEMORY_SHIFT * ring + change + CUT * cut
+
+
+def two_orders_error(difference: float, unseen: float = 0.0) -> float:
+    """Return the error of an event-driven motion from two collocation orders and what their difference does not show.
+
+    The motion has spectral accuracy, so that the difference is the error of the lower order.
+    """
+    return difference + unseen
+
+
+def shooting_rounding(jacobian: np.ndarray, state: np.ndarray, segments: int) -> float:
+    """Return the rounding error of the velocity of a periodic motion with this Jacobian of the cycle map.
+
+    The rounding errors of the segments add up like a random walk, and the cycles amplify the sum by 1/(1 - multiplier).
+    """
+    enlarged = np.abs(np.linalg.inv(jacobian - np.eye(state.size))[2]) @ np.abs(state)
+    return EPSILON * math.sqrt(max(1, segments)) * float(enlarged)
+
+
+def two_starts_error(first, second) -> float:
+    """Return the error of the mean velocity from two `settling.LongRun` that started at almost the same state."""
+    return max(first.error, second.error, abs(first.speed - second.speed))
+
+
+def batch_mean_error(means: np.ndarray, settled: float) -> tuple[float, float, float]:
+    """Return (error, 95 % spread, drift) of the mean of `BATCHES` batch means of a velocity.
+
+    The drift is the change from the first to the second half of the batches. Of the change that remains it shows only
+    the share `settled`.
+    """
+    spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
+    half = BATCHES // 2
+    drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))
+    return (spread + drift) / settled if settled > 0.0 else math.inf, spread, drift
+
+
+def first_order_error(ratio: float) -> float:
+    """Return the relative error of a velocity by first-order averaging."""
+    return OF_VELOCITY * ratio**2
+
+
+@formula
+def larger_wave(ratio):
+    """Return the factor on the wave at which a slider that averaging says is held must not move.
+
+    Its velocity on the larger wave is the error of the velocity zero, because averaging may misjudge the threshold.
+    """
+    return 1.0 + min(LARGER_WAVE * ratio**2, MAX_LARGER_WAVE)
+
+
+@formula
+def second_order_error(tail, residual, quadrature, v, first_order):
+    """Return the error of a velocity v by second-order averaging, in the unit of v.
+
+    It is the largest of the errors by harmonics left out (`tail`), by the residual and by `quadrature`, of a share of
+    the second-order correction, and of rounding.
+    """
+    error = max(tail, residual, quadrature, LEAST_ERROR * abs(v))
+    return max(error, CORRECTION_ERROR * abs(v - first_order))
+
+
+@formula
+def tail_error(largest, harmonics):
+    """Return the error of the velocity by the harmonics left out, from the largest of the last three that are kept.
+
+    The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper) and the fast motion as n^-2
+    times that. The harmonics left out act on the mean through one more such factor. One harmonic may vanish by chance.
+    """
+    return TAIL_SHARE * largest / (harmonics + 1.0) ** 2
+
+
+@formula
+def quadrature_error(difference):
+    """Return the error of the velocity by the finer of two quadratures, from their difference."""
+    return RULE_ERROR * abs(difference)
+
+
+def averaged_threshold_error(ratio, accuracy: float):
+    """Return the relative error of an averaged threshold or release that was searched to an accuracy."""
+    return np.minimum(OF_THRESHOLD * ratio**2, 1.0) + accuracy
+
+
+def bounds_error(lower: float, upper: float) -> float:
+    """Return the error of the mean of a lower and an upper bound of a threshold or release."""
+    return abs(lower - upper) + LEAST_DISTANCE * lower
+
+
+@formula
+def averaged_stall_error(ratio):
+    """Return the relative error of the averaged load at which the motor stalls."""
+    return min(OF_STALL * ratio**2, 1.0)
+
+
+def search_error(change: float, low: float, high: float) -> float:
+    """Return the error of a root searched in a bracket; `change` is that of the last two estimates."""
+    return min(change, 0.5 * (high - low))
+
+
+@formula
+def changed_waves_error(larger, smaller, ratio, phase):
+    """Return the change of a velocity by a change of the wave, from the changes by four single changes of this size.
+
+    They are those by both amplitudes larger, both smaller, another ratio u_x/u_z and another phase between them.
+    """
+    return np.sqrt(max(larger, smaller) ** 2 + (ratio**2 + phase**2))
