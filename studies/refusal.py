@@ -1,6 +1,6 @@
 """What is said to a user who gets no answer: one sentence for each fault, naming key, rule, value and unit."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
@@ -56,6 +56,19 @@ class SceneError(ValueError):
         if not self.path.startswith(old):
             return self
         return SceneError(new + self.path.removeprefix(old), self.rule, self.place)
+
+
+def all_answers(calls: Iterable[Callable[[], Any]]) -> list[Any]:
+    """Return what each call without arguments returns; the refusals of all of them are raised as one SceneError."""
+    problems, answers = [], []
+    for call in calls:
+        try:
+            answers.append(call())
+        except SceneError as error:
+            problems.append(error)
+    if problems:
+        raise SceneError.together(problems)
+    return answers
 
 
 class RunError(RuntimeError):

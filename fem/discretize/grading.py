@@ -39,6 +39,17 @@ class Resolution:
     element_size: float = 1.0
     absorber: int = 2
 
+    @property
+    def name(self) -> str:
+        """Order and edge layers, as messages and results name them.
+
+        Examples
+        --------
+        >>> Resolution(order=6, edge_layers=1).name
+        'order 6, 1 edge layer'
+        """
+        return f"order {self.order}, {self.edge_layers} edge layer{'s' * (self.edge_layers != 1)}"
+
 
 def graded(
     length: float, layers: int, *, largest: float, smallest_first: bool = False, ratio: float = LAYER_RATIO

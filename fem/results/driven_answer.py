@@ -83,14 +83,13 @@ def surface_wave(
     """
     again = solve or (lambda: solution)
     surface = surface_of(solution, again)
-    resolution = solution.fields.resolution
     return SurfaceWave(
         **{name: getattr(surface, name) for name in Surface.__dataclass_fields__},
         circuit=solution.circuit,
         relative_error=relative_error,
         admittance_error=admittance_error,
         unknowns=solution.fields.unknowns,
-        resolution=f"order {resolution.order}, {resolution.edge_layers} edge layers",
+        resolution=solution.fields.resolution.name,
         solve=again,
         balance=balance or (lambda: power_balance(again())),
     )

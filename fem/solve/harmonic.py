@@ -64,7 +64,7 @@ def driven_wave(
     at = np.array(places or (stator.length / 2,))
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
-        LOGGER.debug(f"order {resolution.order}, {resolution.edge_layers} edge layers")
+        LOGGER.debug(resolution.name)
         solution = solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
         return solution, surface_of(solution).motion(at)
 

@@ -111,7 +111,7 @@ class ChangedContacts(ChangedScenes):
         latest, motion = self._latest  # once: a worker may have several threads
         if latest != question:
             self._count += 1
-            LOGGER.info(f"stator {self._count}")
+            LOGGER.info("stator" if self.as_run else f"stator {self._count}")  # a run has one
             start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
                 motion = solve(stator, places, tolerance=goal, slider=self.slider, missed=self.as_run)

@@ -10,7 +10,7 @@ import math
 from dataclasses import replace
 
 from studies.chain.ball_effects import loads_on_wave, radiation, travel_over_ripple
-from studies.chain.stator_effects import heating, stator_effects
+from studies.chain.stator_effects import heating, large_strain, stator_effects
 from studies.record import Record
 from studies.record.text import percent
 
@@ -42,7 +42,7 @@ def _effects(record: Record) -> tuple[tuple, list[tuple]]:
     if record.surface_wave is not None:
         always = [*stator_effects(record), *radiation(record), *heating(record)]
         for rows, point, loads in zip(at_points, record.points, loads_on_wave(record), strict=True):
-            rows += [*loads, *travel_over_ripple(record, point)]
+            rows += [*loads, *travel_over_ripple(record, point), *large_strain(record, point[record.level])]
     return _finite(always), [_finite(rows) for rows in at_points]
 
 

@@ -31,13 +31,14 @@ def waves_return(scene: Scene) -> bool:
 
 
 def frequencies(scene: Scene, count: int | None, least: int = 2):
-    """Return frequencies in Hz, evenly spaced about v / period of the driven transducer.
+    """Return frequencies in Hz, evenly spaced about the drive's, or v / period where the main lobe does not hold it.
 
     Without a count they are at least so many, and follow the ripple of waves that return: 4 in v / (2 length).
     """
     driven = scene.driven_transducer
     velocity = fem_model.surface_velocity(scene.stator)
-    middle = velocity / driven.wavelength
+    center = velocity / driven.wavelength  # with the velocity of the bare surface; fingers slow the wave by a few %
+    middle = scene.frequency if abs(scene.frequency - center) < center / driven.finger_pairs else center
     half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
     if count is None:
         ripples = 2 * half / (velocity / (2 * scene.stator.length)) if waves_return(scene) else 0.0

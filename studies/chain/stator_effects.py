@@ -32,6 +32,9 @@ UNEVEN_CHARGE, UNEVEN_PER_PAIR = 0.01, 0.0016
 # 4.0 in twente, 1.3 in lithium-niobate-128yx, 3.4 in lithium-niobate-yz (sawmotor run SCENE --set
 # stator.above=vacuum).
 VACUUM_FACTOR = 4.0
+# Relative change of a solid's stiffness over its strain, 3 + C111/C11 in size: 2 to 15 (M. A. Breazeale and J. Philip,
+# Physical Acoustics 17 (1984) 1). From LISTED on the effect is stated; hard PZT breaks at a third of that strain.
+NONLINEARITY, LISTED = 5.0, 0.01
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
 Rows = Iterator[tuple]  # effect, quantity, size, source and, for a size that is not relative, its unit
@@ -186,6 +189,19 @@ def _electrode_mass(record: Record) -> Rows:
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
     yield (effect, "u_z", phase, "first-order perturbation of the velocity under the fingers, over half of the row")
+
+
+def surface_strain(record: Record, level: float) -> float:
+    """Return the largest strain of the wave along the surface, k |u_x|, at a level in V."""
+    return 2 * math.pi / wavelength(record) * level * float(abs(record.surface["u_x_m_per_V"]).max())
+
+
+def large_strain(record: Record, level: float) -> Rows:
+    """Yield the effect of a strain beyond linear elasticity, from `LISTED` on."""
+    strain = surface_strain(record, level)
+    if NONLINEARITY * strain >= LISTED:
+        how = f"the strain k |u_x| = {strain:.2g}, times the nonlinearity parameter of solids, about {NONLINEARITY:g}"
+        yield "nonlinear elasticity", "u_z", NONLINEARITY * strain, how
 
 
 def heating(record: Record) -> Rows:

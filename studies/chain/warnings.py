@@ -17,6 +17,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
+from studies.chain.stator_effects import surface_strain
 from studies.record import Record
 from studies.record.text import percent
 from studies.scene import Scene
@@ -82,9 +83,8 @@ def _drive(record: Record) -> Iterator[str]:
         return
     c = fem_model.solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
-    wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
     u_x = highest * float(abs(record.surface["u_x_m_per_V"]).max())
-    stress = stiffness * wavenumber * u_x
+    stress = stiffness * surface_strain(record, highest)
     if stress > limits.tensile_stress:
         yield (
             f"the wave's stress at the surface reaches {stress / 1e6:.3g} MPa (u_x = {u_x * 1e9:.3g} nm); "

@@ -60,20 +60,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
-    from studies.inverse.goals import LEAST, read_constraint, read_variable
     from studies.inverse.optimum import Options
     from studies.inverse.optimum import design as search
 
     tolerance = read_tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()
-    variables = [read_variable(text) for text in arguments.over]
     out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-design")
     with Progress():
         optimum = search(
             table,
-            [*arguments.maximise, *(LEAST + name for name in arguments.minimise)],
-            variables,
-            [read_constraint(text) for text in arguments.subject],
+            arguments.maximise,
+            arguments.over,
+            arguments.subject,
+            minimise=arguments.minimise,
             options=Options(
                 **{key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")},
                 tolerance=tolerance,

@@ -1,11 +1,13 @@
 """``sawmotor fit``: numbers of a scene from measured curves, and what the data cannot tell."""
 
 import argparse
+from functools import partial
 
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
+from studies.refusal import all_answers
 
 HELP = "fit numbers of a scene to measured curves, and report which of them the data determine"
 
@@ -48,9 +50,11 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.inverse import read_measurement, read_parameter
     from studies.inverse.fit_picture import draw_fit
 
-    tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
-    measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
-    parameters = [read_parameter(text) for text in arguments.free]
+    files = [partial(read_measurement, file, tuple(settings)) for file, *settings in arguments.data]
+    free = [partial(read_parameter, text) for text in arguments.free]
+    of_scene = (partial(read_tolerance, arguments.tolerance), partial(changed_scene, arguments))
+    tolerance, scene, *read = all_answers([*of_scene, *files, *free])
+    measurements, parameters = read[: len(files)], read[len(files) :]
     with results_of(arguments, "fit", "-fit") as (result, out), Progress(), blas_on_one_thread():
         result_of_fit = fitted(scene, measurements, parameters, tolerance=tolerance, next_measurements=arguments.next)
         if result is not None:

@@ -4,13 +4,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studies.inverse.goals import LEAST
+from studies.inverse.parameters import Parameter
 from studies.record.plots import COLOURS, finished, saved
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
-from studies.report.intermediate import key_axis, si
+from studies.report.intermediate import key_axis
 from studies.results.content import write_json
-from studies.scene.keys import rule_at, unit_of
 from studies.scene.toml import document
+
+AT_END = 2e-3  # distance from an end of a range, relative to the range, below which the best value lies at it
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -25,38 +27,41 @@ class Design:
     robustness: dict
     rows: list[dict]  # evaluations of the search, in their order
     evaluations: int  # with those of the robustness
+    variables: tuple[Parameter, ...]  # with their ranges
     table: dict  # TOML document of the scene at the optimum
 
     def to_dict(self) -> dict:
         """Return what design.json holds."""
-        return {
+        whole = {
             "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
             "evaluations": self.evaluations,
         }  # fmt: skip
+        ends = {each.key: each.end_reached(self.optimum[each.key], AT_END) for each in self.variables}
+        at_ends = {key: side for key, side in ends.items() if side is not None}
+        return whole | ({"at_end_of_range": at_ends} if at_ends else {})
 
     def __str__(self) -> str:
         """Return what `sawmotor design` prints."""
         rows = [["variable", "best", "5 % off leaves", "constraints"]]
-        for key, robust in self.robustness.items():
+        for each in self.variables:
+            robust, best = self.robustness[each.key], each.text(self.optimum[each.key], 5)
             kept = "kept" if robust["keeps_constraints"] else "broken"
-            rows.append([key, self._best(key, 5), f"{100 * robust['least_share_of_goal']:.4g} %", kept])
+            rows.append([each.key, best, f"{100 * robust['least_share_of_goal']:.4g} %", kept])
         notes: list[tuple[str, str | list[str]]] = [("at the best", [
             f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
             if isinstance(value, float) and "." not in name and name != "relative_error"
         ])]  # fmt: skip
         if len(self.front) > 1:
             notes.append(("front", f"{len(self.front)} motors that none beats in {' and '.join(self.goals)}"))
+        ends = (each.end_in_words(self.optimum[each.key], AT_END) for each in self.variables)
+        notes += [("remark", remark) for remarks in ends for remark in remarks]
         notes.append(("evaluations", f"{self.evaluations}"))
         return "\n".join([*table(rows), "", *labelled(notes)])
 
     def __repr__(self) -> str:
         """Return the goals, the variables of the best motor and the number of evaluations on one line."""
-        best = ", ".join(f"{key} = {self._best(key, 4)}" for key in self.robustness)
+        best = ", ".join(f"{each.key} = {each.text(self.optimum[each.key])}" for each in self.variables)
         return f"Design({' and '.join(self.goals)}: {best}, {self.evaluations} evaluations)"
-
-    def _best(self, key: str, digits: int) -> str:
-        """Return the value of a variable at the optimum, with its unit."""
-        return si(self.optimum[key], unit_of(rule_at(key)) or "", digits).rstrip()
 
     def write(self, folder: Path) -> None:
         """Write design.json, optimum.toml and design.png into a directory."""

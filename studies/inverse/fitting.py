@@ -10,6 +10,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from studies.inverse.profile import BetterMinimumError, End, allowed_excess, pro
 from studies.inverse.result import Fit
 from studies.lab.measurement import FIELD, Measurement
 from studies.progress import reported_to
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
@@ -110,9 +111,9 @@ def prepared(
     tolerance: float,
 ) -> tuple[Problem, tuple[Parameter, ...], bool]:
     """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
-    loaded = Scene.load(scene)
+    readers = (partial(Scene.load, scene), partial(as_measurements, measurements), partial(as_parameters, parameters))
+    loaded, curves, wanted = all_answers(readers)
     predictor = MeasurementPredictor(loaded, tolerance=tolerance)
-    curves, wanted = as_measurements(measurements), as_parameters(parameters)
     fixed = tuple(each for each in wanted if not each.vary)
     for each in fixed:
         if each.value is None:
@@ -232,9 +233,16 @@ def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Dire
 
 
 def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any) -> None:
-    if not measurements:
-        raise SceneError("measurements", "is required: a CSV file of measured points")
-    for each in measurements:
+    """Refuse what this scene cannot be fitted to or by; one error carries the faults of all of them."""
+    by_key = {each.key: each for each in parameters}
+
+    def check_number() -> None:
+        if not measurements:
+            raise SceneError("measurements", "is required: a CSV file of measured points")
+        if not parameters:
+            raise SceneError("parameters", "is required: KEY=LOW:HIGH")
+
+    def check_measurement(each: Measurement) -> None:
         if each.quantity not in FIELD and not predictor.slider:
             raise SceneError(
                 f"measurements {each.name}", "needs a scene with a [slider]: without one there is no velocity"
@@ -243,20 +251,20 @@ def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any)
             refuse_other_range(predictor.scene({}), each.network, "measurements")
         if each.scan is not None:
             placed(predictor.scene({}), each.scan, "measurements")
-    if not parameters:
-        raise SceneError("parameters", "is required: KEY=LOW:HIGH")
-    keys = [parameter.key for parameter in parameters]
-    for key in keys:
-        if keys.count(key) > 1:
+
+    def check_parameter(key: str) -> None:
+        if sum(each.key == key for each in parameters) > 1:
             raise SceneError(f"parameters {key}", "is given twice")
         if key == AMPLITUDE_FACTOR and predictor.given_wave:
             raise SceneError(f"parameters {key}", "needs a stator; with a given [wave] free amplitude_per_volt")
         if key == AMPLITUDE_PER_VOLT and not predictor.given_wave:
             raise SceneError(f"parameters {key}", "needs a given [wave]; with a stator free amplitude_factor")
         if "." in key:  # an end of the range that the scene refuses is refused by name
-            parameter = parameters[keys.index(key)]
-            for end in (parameter.low, parameter.high):
+            for end in (by_key[key].low, by_key[key].high):
                 predictor.scene({key: end})
+
+    each_measurement = [partial(check_measurement, each) for each in measurements]
+    all_answers([check_number, *each_measurement, *(partial(check_parameter, key) for key in by_key)])
 
 
 def _weighted(measurements: Any) -> tuple[list[Measurement], bool]:

@@ -89,19 +89,21 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
     return tuple(goals)
 
 
-def read_variable(text: str) -> Parameter:
-    """Read ``KEY=LOW:HIGH`` of a number or a count of the scene."""
-    return read_parameter(text, "variables", design=True)
+def read_variable(text: str | Parameter) -> Parameter:
+    """Read ``KEY=LOW:HIGH`` of a number or a count of the scene; a parameter is returned as it is."""
+    return read_parameter(text, "variables", design=True) if isinstance(text, str) else text
 
 
-def read_constraint(text: str) -> Constraint:
-    """Read ``NAME <= VALUE`` or ``NAME >= VALUE``, the name an outcome or a key of the scene.
+def read_constraint(text: str | Constraint) -> Constraint:
+    """Read ``NAME <= VALUE`` or ``NAME >= VALUE``, the name an outcome or a key of the scene; or return a constraint.
 
     Examples
     --------
     >>> read_constraint("contact_pressure <= 400 MPa").bound
     400000000.0
     """
+    if isinstance(text, Constraint):
+        return text
     match = re.fullmatch(r"\s*([\w.]+)\s*(<=|>=)\s*(.+?)\s*", text)
     if match is None:
         raise SceneError("constraints", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")

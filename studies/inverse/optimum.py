@@ -11,6 +11,7 @@ what no evaluation at the tolerance beats in both.
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +19,11 @@ import numpy as np
 from studies.chain.outcomes import keywords
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
-from studies.inverse.goals import read_constraint, read_goals, read_variable
+from studies.inverse.goals import LEAST, read_constraint, read_goals, read_variable
 from studies.inverse.parameters import ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.progress import reported_to
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
 from studies.scene.override import replaced
 
@@ -34,10 +35,11 @@ CHANGE = 0.05  # of each variable, for the robustness
 
 def design(
     scene: Scene | str | Path | dict,
-    goals: str | list[str],
-    variables: list | dict,
+    goals: str | Sequence[str] = (),
+    variables: Sequence | dict = (),
     constraints: Sequence = (),
     *,
+    minimise: str | Sequence[str] = (),
     options: Options = DEFAULT,
     progress: Callable[[str], None] | None = None,
 ) -> Design:
@@ -48,11 +50,14 @@ def design(
     scene : Scene, path, name of a shipped scene, or its TOML document
         With a slider; of several voltages or amplitudes the largest counts.
     goals : str or list of str
-        One or two: of ``GOALS``, to be maximised, or such as "least power_W" or "least slider.mass", to be minimised.
+        Of ``GOALS``, to be maximised; "least power_W" is the same as ``minimise="power_W"``.
     variables : list or dict
         Texts ``"slider.preload=1 mN:20 mN"`` or `Parameter` objects, or a dict of a key's range.
     constraints : list
         Texts ``"stick_margin <= 0"`` or `Constraint` objects.
+    minimise : str or list of str
+        What is to be as small as it can: power_W, contact_pressure, normal_amplitude or one of the varied keys.
+        There are one or two goals in all.
     options : Options
     progress : callable, optional
         Called with a few words about each step, as it is logged.
@@ -68,9 +73,10 @@ def design(
         if isinstance(scene, (str, Path)):
             scene = Scene.load(scene)
         table = scene.to_table() if isinstance(scene, Scene) else scene
-        names = [goals] if isinstance(goals, str) else list(goals)
-        varied = tuple(read_variable(each) if isinstance(each, str) else each for each in ranges(variables))
-        bounds = tuple(read_constraint(each) if isinstance(each, str) else each for each in constraints)
+        names = [*_listed(goals), *(LEAST + each for each in _listed(minimise))]
+        readers = [partial(read_variable, each) for each in ranges(variables)]
+        read = all_answers([*readers, *(partial(read_constraint, each) for each in constraints)])
+        varied, bounds = tuple(read[: len(readers)]), tuple(read[len(readers) :])
         budget = 60 * len(varied) if options.evaluations is None else options.evaluations
         aims = read_goals(names, varied)
         if not varied:
@@ -107,8 +113,12 @@ def design(
             evaluations = len(ask.rows) + (0 if coarse is None else len(coarse.rows))
             return Design(
                 goals=tuple(names), columns=tuple(str(each.column(optimum)) for each in aims), optimum=optimum,
-                front=front, robustness=robustness, rows=rows, evaluations=evaluations, table=best,
+                front=front, robustness=robustness, rows=rows, evaluations=evaluations, variables=varied, table=best,
             )  # fmt: skip
+
+
+def _listed(names: str | Sequence[str]) -> list[str]:
+    return [names] if isinstance(names, str) else list(names)
 
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:

@@ -8,13 +8,16 @@ readings is averaged, and ``time_offset`` the time of its trace at which the bur
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import read_measured
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError, all_answers, nearest, shown
+from studies.report.intermediate import scaled_unit
 from studies.scene.keys import LEVELS, rule_at, unit_of
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
@@ -100,6 +103,30 @@ class Parameter:
         low, high = self.inner(self.low), self.inner(self.high)
         return (self.inner(value) - low) / (high - low)
 
+    def text(self, value: float, digits: int = 4) -> str:
+        """Return a value with a unit that suits its size.
+
+        Examples
+        --------
+        >>> Parameter(key="slider.mass", low=1e-5, high=1e-3).text(3e-5)
+        '30 mg'
+        """
+        factor, unit = scaled_unit(value, self.unit)
+        return f"{value * factor:.{digits}g} {unit}".rstrip()
+
+    def end_reached(self, value: float, within: float) -> str | None:
+        """Return "lower" or "upper" for a value at an end, or a fraction ``within`` of the range from it; else None."""
+        if self.counted:
+            return {self.high: "upper", self.low: "lower"}.get(value)
+        share = self.share(value)
+        return "lower" if share < within else "upper" if share > 1.0 - within else None
+
+    def end_in_words(self, value: float, within: float) -> list[str]:
+        """Return the remark that a best value lies at an end of the range; nothing where it does not."""
+        side = self.end_reached(value, within)
+        here = f"{self.key} is best at the {side} end of its range, {self.text(value)}"
+        return [] if side is None else [f"{here}: a wider range may hold a better value"]
+
     def inner(self, value: float) -> float:
         """Return what the solvers work with."""
         return math.log(value) if self.logarithmic else value
@@ -170,10 +197,14 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
             )
             for each in parameters.values()
         )  # fmt: skip
-    return tuple(read_parameter(each) if isinstance(each, str) else each for each in ranges(parameters))
+    return tuple(all_answers(partial(_as_parameter, each) for each in ranges(parameters)))
 
 
-def ranges(parameters: list | dict) -> list:
+def _as_parameter(parameter: Parameter | str) -> Parameter:
+    return read_parameter(parameter) if isinstance(parameter, str) else parameter
+
+
+def ranges(parameters: Sequence | dict) -> list:
     """Return a list of parameters or their texts, from such a list or a dict of a key's range.
 
     Examples
@@ -192,7 +223,11 @@ def ranges(parameters: list | dict) -> list:
 def as_measurements(measurements: Any) -> list[Measurement]:
     """Return measurements: `Measurement` objects or paths of CSV files, one or a list."""
     several = measurements if isinstance(measurements, (list, tuple)) else [measurements]
-    return [each if isinstance(each, Measurement) else read_measurement(each) for each in several]
+    return all_answers(partial(_as_measurement, each) for each in several)
+
+
+def _as_measurement(measurement: Measurement | str | Path) -> Measurement:
+    return measurement if isinstance(measurement, Measurement) else read_measurement(measurement)
 
 
 def read_setting(text: str, option: str = "measurements") -> tuple[str, object]:

@@ -65,6 +65,12 @@ class Residual:
             np.array([each.high for each in self.parameters]),
         )
 
+    def __repr__(self) -> str:
+        """Return the measurements and the free parameters with their ranges on one line."""
+        curves = ", ".join(f"{each.name} ({len(each.values)} values)" for each in self._problem.measurements)
+        free = ", ".join(f"{p.key} = {p.text(p.low)} to {p.text(p.high)}" for p in self.parameters)
+        return f"Residual({curves}; {free})"
+
     def __call__(self, values: Any) -> np.ndarray:
         """Return the residuals."""
         return self._problem.residuals([self._inner(values)])[0]

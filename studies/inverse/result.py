@@ -13,11 +13,11 @@ from studies.inverse.directions import Direction
 from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
 from studies.inverse.parameters import Parameter
-from studies.inverse.profile import End
+from studies.inverse.profile import AT_END, End
 from studies.lab.measurement import Measurement
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
-from studies.report.intermediate import scaled_unit, si
+from studies.report.intermediate import scaled_unit
 from studies.results.content import write_json
 from studies.scene import Scene
 from studies.scene.toml import document
@@ -85,9 +85,9 @@ class Fit:
         parts = []
         for each in self.problem.parameters:
             value = self.values[each.key]
-            factor, unit = scaled_unit(value, each.unit)
+            factor, _ = scaled_unit(value, each.unit)
             low, high = ("open" if end is None else f"{end * factor:.4g}" for end in self.intervals[each.key])
-            parts.append(f"{each.key} = {value * factor:.4g} {unit}".rstrip() + f" ({low} to {high})")
+            parts.append(f"{each.key} = {each.text(value)} ({low} to {high})")
         freedom = f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
         return f"Fit({', '.join([*parts, freedom])})"
 
@@ -165,8 +165,11 @@ class Fit:
         for direction in self.directions:
             yield "undetermined", direction.sentence
         for rival in self.rivals:
-            at = (f"{each.key} = {si(rival[each.key], each.unit, 4)}".rstrip() for each in self.problem.parameters)
+            at = (f"{each.key} = {each.text(rival[each.key])}" for each in self.problem.parameters)
             yield "also possible", f"{', '.join(at)}: another minimum that these data do not rule out"
+        for each in self.problem.parameters:
+            for remark in each.end_in_words(self.values[each.key], AT_END):
+                yield "remark", remark
         for key, ends in self.ends.items():
             for way, end in zip(("below", "above"), ends, strict=True):
                 if end is not None and not end.closed:

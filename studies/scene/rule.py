@@ -9,8 +9,9 @@ a TOML file holds and what it returned before.  ``written(value)`` is the invers
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
-from studies.refusal import SceneError, resembling, shown
+from studies.refusal import SceneError, all_answers, resembling, shown
 
 
 class Rule:
@@ -162,12 +163,5 @@ def entries_of(value) -> list | None:
 
 def read_each(rules, path: str, values, names=None) -> tuple:
     """Return the entries of a list, or of a table with names, as rules read them; one error carries all faults."""
-    problems, entries = [], []
-    for name, rule, value in zip(names or range(len(rules)), rules, values, strict=True):
-        try:
-            entries.append(rule.read(f"{path}.{name}", value))
-        except SceneError as error:
-            problems.append(error)
-    if problems:
-        raise SceneError.together(problems)
-    return tuple(entries)
+    each = zip(names or range(len(rules)), rules, values, strict=True)
+    return tuple(all_answers(partial(rule.read, f"{path}.{name}", value) for name, rule, value in each))

@@ -1,12 +1,12 @@
 """What a network analyser on the transducers would show: S-parameters, and circuits for simulators.
 
 Method: the admittance matrix of all transducers with two combs over a band (`--band 1.9:2.5:401` in MHz; by default the
-passband of the driven transducer), converted to S-parameters with a real reference impedance (`--z0 50`). The ports are
-in the order of the scene, independent of how the scene drives or terminates them. The result is written as
-``network.sNp`` (Touchstone 1.1). A measured file (`--measured FILE.s2p`) is drawn over it; nothing is fitted. Each
-transducer, with the others terminated as in the scene, is also written as a SPICE subcircuit of a static capacitance
-with one motional branch (Butterworth and Van Dyke) and with several branches. Expected: passive and reciprocal; the
-circuit with several branches is within a tenth of the largest admittance. Run time: about 15 s.
+passband of the driven transducer about the drive's frequency), converted to S-parameters with a real reference
+impedance (`--z0 50`). The ports are in the order of the scene, independent of how the scene drives or terminates them.
+The result is written as ``network.sNp`` (Touchstone 1.1). A measured file (`--measured FILE.s2p`) is drawn over it;
+nothing is fitted. Each transducer, with the others terminated as in the scene, is also written as a SPICE subcircuit of
+a static capacitance with one motional branch (Butterworth and Van Dyke) and with several branches. Expected: passive
+and reciprocal; the circuit with several branches is within a tenth of the largest admittance. Run time: about 15 s.
 """
 
 from pathlib import Path

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,7 @@ REASONS = 5  # shown; all are in the rows
 SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Sweep:
     """What a sweep left.
 
@@ -52,8 +52,8 @@ class Sweep:
     counts: dict[str, int]
     cost: float
     seconds: float
-    columns: Callable[[], dict[str, list]] = field(repr=False)
-    axes: tuple[Axis, ...] = field(default=(), repr=False)
+    columns: Callable[[], dict[str, list]]
+    axes: tuple[Axis, ...] = ()
 
     @property
     def failed(self) -> int:
@@ -95,6 +95,15 @@ class Sweep:
         notes += [("seconds", f"{self.seconds:.2f}, {duration(self.cost)} of work"), ("results", f"{self.path}")]
         points = labelled([("points", f"{self.points}: {kinds}")])
         return "\n".join([*points, *(table(ranges) if ranges else []), *labelled(notes)])
+
+    def __repr__(self) -> str:
+        """Return the axes with their sizes, the kinds of rows and the range of the velocity on one line."""
+        axes = [f"{' and '.join(each.keys)} ({len(each)})" for each in self.axes]
+        parts = [" x ".join(axes) or "one point", ", ".join(f"{number} {kind}" for kind, number in self.counts.items())]
+        if "velocity_m_per_s" in self.summary["ranges"]:
+            shown, (low, high) = quantity("velocity_m_per_s"), self.summary["ranges"]["velocity_m_per_s"]
+            parts.append(f"velocity {shown.text(low)} to {shown.text(high)} {shown.shown}")
+        return f"Sweep({'; '.join(parts)})"
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the rows as a pandas table, in the order of their points.

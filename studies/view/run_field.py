@@ -181,8 +181,9 @@ def motion_again(record: Record) -> SurfaceMotion:
 
     If run.json names no known resolution, the chain is run again without the slider.
     """
-    scene, resolution_name = record.scene, record.wave.get("resolution")
-    named = [each for each in LEVELS if resolution_name == f"order {each.order}, {each.edge_layers} edge layers"]
+    scene = record.scene
+    resolution_name = record.wave.get("resolution", "").replace(" 1 edge layers", " 1 edge layer")  # of older runs
+    named = [each for each in LEVELS if resolution_name == each.name]
     if not named:
         without_slider = replace(scene, slider=None)
         motion = run_chain(without_slider, tolerance=record.tolerance).surface_motion

@@ -168,3 +168,29 @@ def test_goals_and_counts_that_do_not_exist_are_refused():
         read_variable("transducer.0.finger_pairs=2.5:10")
     assert read_variable("transducer.0.finger_pairs=5:12").low == 5
     assert read_variable("drive.voltage=5 V:100 V").high == 100.0
+
+
+def test_a_best_value_at_an_end_of_its_range_is_remarked():
+    """Velocity rises with the amplitude, without end: the best is the largest that the range allows."""
+    key = "wave.normal_amplitude"
+    best = design("twente-contact", "velocity", {key: ("2 nm", "10 nm")}, options=Options(evaluations=16))
+    assert f"{key} is best at the upper end of its range, 10 nm" in str(best)
+    assert best.to_dict()["at_end_of_range"] == {key: "upper"}
+    inside = design("twente-contact", variables={key: "2 nm:30 nm"}, constraints=["velocity >= 30 mm/s"], minimise=key,
+                    options=Options(evaluations=24))  # fmt: skip
+    assert inside.goals == (f"least {key}",)
+    assert "at_end_of_range" not in inside.to_dict()
+    assert "end of its range" not in str(inside)
+
+
+def test_a_count_is_at_an_end_of_its_range_only_there():
+    pairs = read_variable("transducer.0.finger_pairs=5:500")
+    assert [pairs.end_reached(value, 0.1) for value in (5, 6, 499, 500)] == ["lower", None, None, "upper"]
+
+
+def test_a_design_tells_all_faults_at_once():
+    with pytest.raises(SceneError) as refused:
+        design("twente-contact", "velocity", {"slider.mas": "1 mg:1 g", "slider.preload": "4 mN:1 mN"}, ["speed <= 3"])
+    assert [each.path for each in refused.value.problems] == [
+        "slider.mas", "variables slider.preload", "constraints speed"
+    ]  # fmt: skip

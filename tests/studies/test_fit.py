@@ -373,3 +373,29 @@ def test_what_a_fit_does_is_logged(caplog):
     assert "fit: least squares" in [
         each.message for each in caplog.records if each.name == "studies.inverse.prediction"
     ]
+
+
+def test_a_fit_tells_all_faults_at_once(tmp_path, capsys):
+    file = tmp_path / "lab.csv"
+    file.write_text("force_N,velocity_m_per_s\n0,0\n")
+    words = ["--data", str(file), "--data", str(tmp_path / "none.csv")]
+    words += ["--free", "slider.preload=4 mN:1 mN", "speed=1:2"]
+    assert main(["fit", "twente-contact", "--set", "slider.mass=-1", *words, "--json"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    parts = ("slider.mass", "must have the columns", "none.csv", "--free slider.preload", "--free speed")
+    assert len(lines) == len(parts)
+    assert all(any(part in line for line in lines) for part in parts)
+    with pytest.raises(SceneError) as refused:
+        fit("twente-contact", LAB, ["amplitude_factor=0.5:2", "slider.mass=1 mg:1 g", "slider.mass=1 mg:2 g"])
+    assert [each.path for each in refused.value.problems] == ["parameters amplitude_factor", "parameters slider.mass"]
+
+
+def test_an_estimate_at_an_end_of_its_range_is_remarked():
+    """The data ask for a ratio of 0.7."""
+    assert "best at the upper end of its range, 0.6" in str(fit("twente-contact", LAB, {RATIO: (0.3, 0.6)}))
+    assert "end of its range" not in str(fit("twente-contact", LAB, {RATIO: (0.3, 1.5)}))
+
+
+def test_a_residual_shows_itself():
+    residual = Residual("twente-contact", LAB, {RATIO: (0.3, 1.5), "slider.mass": (1e-5, 1e-3)})
+    assert repr(residual) == f"Residual(lab (4 values); {RATIO} = 0.3 to 1.5, slider.mass = 10 mg to 1 g)"

@@ -255,3 +255,13 @@ def test_a_network_of_a_scene_is_scikit_rf_s(small):
     assert found.is_passive()
     record = run(small.replace(drive={"voltage": 1.0}), tolerance=0.02)
     assert found.y[1, 0, 0] == pytest.approx(complex(record.electrical["admittance_S"]), rel=0.1)
+
+
+def test_a_sweep_shows_itself(contact):
+    over = {"slider.preload": [1e-3, 2e-3], "wave.normal_amplitude": [3e-9, 6e-9, 9e-9]}
+    grid = sweep(contact, over)
+    low, high = grid.summary["ranges"]["velocity_m_per_s"]
+    assert repr(grid) == (
+        f"Sweep(slider.preload (2) x wave.normal_amplitude (3); 6 ok; "
+        f"velocity {1e3 * low:.5g} to {1e3 * high:.5g} mm/s)"
+    )

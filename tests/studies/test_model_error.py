@@ -215,3 +215,21 @@ def test_the_model_error_of_a_point_does_not_depend_on_the_other_points(motor):
     largest = next(row["size"] for row in record.model_error if row["effect"] == "load of the slider on the wave")
     others = sum(abs(row["size"]) for row in record.model_error if row["quantity"] == "u_z") - largest
     assert errors[1] / point["amplitude_sensitivity"] == pytest.approx(others + largest, rel=1e-9)
+
+
+def test_a_strain_beyond_linear_elasticity_is_stated_warned_of_and_refused(small):
+    """The strain of a wave is its wavenumber times its amplitude; stiffness changes by about 5 times the strain."""
+    record = run(small.replace(slider=None, drive={"voltage": ["60 V"]}), tolerance=0.1)
+    assert "nonlinear elasticity" not in {each["effect"] for each in record.model_error}
+    wavenumber = 2 * math.pi * record.scene.frequency / record.wave["phase_velocity_m_per_s"]
+    per_volt = wavenumber * abs(record.surface["u_x_m_per_V"]).max()
+    for size, code in ((0.05, 0), (0.5, 0), (2.0, 1)):
+        volts = size / 5 / per_volt
+        driven = run(small.replace(slider=None, drive={"voltage": [volts]}), tolerance=0.1)
+        assert effect(driven, "nonlinear elasticity")["size"] == pytest.approx(size, rel=1e-3)
+        assert any("nonlinear elasticity" in each for each in driven.warnings) == (size > 0.1)
+        assert driven.exit_code == code
+    assert "nonlinear elasticity" in driven.shortfall
+    on_slider = run(small.replace(drive={"voltage": [10.0, volts]}), tolerance=0.1)
+    assert on_slider.refused
+    assert effect(on_slider, "nonlinear elasticity")["size"] == pytest.approx(2.0, rel=1e-3)

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+import fem
 from studies.__main__ import main
 from studies.chain import run
 from studies.report.explanation import COMPILE, MEMORY_WITHIN, TIME_WITHIN, explanation, plan
@@ -84,10 +85,13 @@ def test_levels_are_those_that_the_run_solves():
     scene = changed("twente-left", 'drive.voltage=["9 V"]', "-slider")
     said = []
     record = run(scene, tolerance=1e-2, progress=said.append)
-    solved = [text for text in said if text.startswith("stator 1, order")]
+    solved = [text for text in said if text.startswith("stator, order")]
     planned = plan(scene, tolerance=1e-2)
     (part,) = planned["parts"]
-    assert solved == [f"stator 1, order {each['order']}, {each['edge_layers']} edge layers" for each in part["levels"]]
+    assert solved == [
+        f"stator, {fem.Resolution(order=each['order'], edge_layers=each['edge_layers']).name}"
+        for each in part["levels"]
+    ]
     assert record.surface_wave.unknowns == part["levels"][-1]["unknowns"]
     assert planned["left_out"] == record.left_out
 
