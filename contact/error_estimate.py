@@ -5,6 +5,9 @@ error that is stated with it (`choice.Answer`). That of a velocity is relative t
 error is at most twice the stated one in 98 of 100 cases, as `tests/contact/test_calibration.py` and
 `tests/contact/test_burst_errors.py` measure.
 
+Where an answer has several errors, they are added up where they are computed; that of pillars is what is left of the
+equations (`averaged.pillar_slider`) and `richardson` of the number of harmonics (`averaged.pillar_motion`).
+
 The functions stand in the order burst, step, steady state (shooting, long run, averaged), threshold and release, stall,
 errors of the wave. `ratio` is f_n/f, the contact resonance over the frequency of the wave.
 """

@@ -7,7 +7,7 @@ from contact import burst, mean_motion
 from contact.answers.load_line import blocked_thrust
 from contact.averaged.cycle_mean import cycle
 from contact.averaged.cycle_pieces import cycle_arrays
-from contact.averaged.event_cycle import balanced
+from contact.averaged.event_equilibrium import balanced
 from contact.averaged.riding import quadrature
 from tests.contact.motors import orbit, slider
 

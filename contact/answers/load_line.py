@@ -170,7 +170,8 @@ def full_stall(slider, orbits, near, tolerance):
     ``near`` is the stall of the averaged motion, from which the search starts. The relative error of the answer is at
     most twice `tolerance`, half of it for the steady states and half for the search.
 
-    A secant through the last two loads that move extrapolates to zero velocity. The next load lies a little below that
+    A secant extrapolates to zero velocity, through the last load against which the slider advances and the load tried
+    last (it interpolates if that drags the slider back at a finite speed). The next load lies a little below that
     estimate (`APPROACH`), because a load above the stall gives no slope. Where the secant fails - the slider is held or
     is dragged back without limit, or the velocity does not fall - the bracket is bisected.
 
@@ -179,7 +180,7 @@ def full_stall(slider, orbits, near, tolerance):
     raised if the slider still moves there. Later it is a load that has been seen to stall.
     """
     direction = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
-    limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)
+    limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)  # at the friction itself nothing holds the slider
 
     def velocity(load):
         try:
@@ -241,16 +242,16 @@ def load_line(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int,
     loads = stalled.value * np.linspace(0.0, 1.0, points)
     velocity, wave_power = np.zeros(points), np.zeros(points)
     errors = np.full(points, stalled.error / stalled.value)
-    worst: Answer | SteadyState = stalled
+    first_reported: Answer | SteadyState = stalled
     for k, load in enumerate(loads[:-1]):
         state = steady(replace(slider, load=float(load)), listed, tolerance=tolerance)
         velocity[k], errors[k] = direction * state.velocity, state.relative_error
-        if state.status != "ok":
-            worst = state
+        if first_reported.status == "ok":
+            first_reported = state
         wave_power[k] = state.ledger.wave * listed[0].frequency
     power = loads * velocity
     efficiency = np.divide(power, wave_power, out=np.zeros(points), where=wave_power > 0.0)
     return LoadLine(
         load=loads, velocity=velocity, power=power, efficiency=efficiency, relative_error=errors, stall=stalled,
-        status=worst.status, message=worst.message,
+        status=first_reported.status, message=first_reported.message,
     )  # fmt: skip

@@ -25,7 +25,7 @@ from contact.answers.ledger import Ledger, ledger
 from contact.averaged.bounce import speed_lost
 from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
-from contact.averaged.event_cycle import Balance, balanced, cycle_at
+from contact.averaged.event_equilibrium import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer, Answered, Method, first_to_converge

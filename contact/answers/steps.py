@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact import parameter_check
-from contact.answers.methods import (
+from contact.answers.burst_methods import (
     EXACT_CYCLES,
     rest,
     rest_problem,

@@ -38,7 +38,7 @@ from functools import cache
 
 import numpy as np
 
-from contact.averaged.event_cycle import balanced
+from contact.averaged.event_equilibrium import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
 from contact.error_estimate import averaged_threshold_error, bounds_error

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import parameter_check
+from contact.answers.burst_methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.answers.ledger import Ledger, ledger, together
-from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.choice import Answer, Answered
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import parameter_check
-from contact.answers.methods import rest, rest_problem, silence
-from contact.averaged.event_cycle import balanced
+from contact.answers.burst_methods import rest, rest_problem, silence
+from contact.averaged.event_equilibrium import balanced
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.body import at_phase
 from contact.choice import Answer, Answered

@@ -10,7 +10,7 @@ rest and the velocity at which every contact slips all the time. The search take
 function `left(problem, means, v)`, the mean force that is left to accelerate the slider:
 
     `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
-    `event_cycle.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
+    `event_equilibrium.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
     `bounce.Heights`           several heights of a bounce
     `pillar_motion`            many contacts with their own positions, stiffnesses and weights, on a wave that they load
 

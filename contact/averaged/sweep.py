@@ -24,7 +24,7 @@ from contact.averaged.closed_forms import closed_form
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
-from contact.averaged.event_cycle import RUNAWAY
+from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.body import Paths

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.event_cycle import Balance
+from contact.averaged.event_equilibrium import Balance
 from contact.body import at_phase, tangential_amplitude
 from contact.codes import Count, Tangential
 from contact.error_estimate import BATCHES, batch_mean_error, two_orders_error, two_starts_error

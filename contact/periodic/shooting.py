@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.averaged.event_cycle import Balance
+from contact.averaged.event_equilibrium import Balance
 from contact.codes import Count
 from contact.error_estimate import shooting_rounding
 from contact.events.collocation import collocation

@@ -12,7 +12,7 @@ condensed matrix of the piece that it lies on.  All conditions of the stator are
 | short, open, loaded | a transducer without a source | V = 0, I = 0, V + Z I = 0 | `terminated` |
 
 A source of voltage S behind an impedance Z, V + Z I = S, is set in `fem.circuit.ports`, which alone knows which
-transducers are driven.
+transducers are driven; the loads of a P-matrix, whose ports are waves too, in `fem.solve.p_matrix`.
 """
 
 from collections.abc import Callable

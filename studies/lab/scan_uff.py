@@ -94,10 +94,12 @@ def _scan_of_dataset(dataset: dict, path: Path, option: str) -> Scan:
     points, values = np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit]
     start, volts = PLACE.search(str(dataset["id4"])), VOLTAGE.search(str(dataset["id5"]))
     x, y = map(float, start.groups()) if start else (np.nan, 0.0)
-    direction = abs(int(dataset["rsp_dir"])) or 3
+    direction = abs(int(dataset["rsp_dir"])) or 3  # 1, 2, 3: along x, y, z of either sign; 0: not stated
+    if direction > len(COMPONENTS):
+        raise file_error(path, option, f"must hold motions along x, y or z (directions 1 to 3), got {direction}")
     by_frequency = kind == FREQUENCY
     return Scan(
-        name=path.name, component=COMPONENTS[(direction - 1) % 3], values=values,
+        name=path.name, component=COMPONENTS[direction - 1], values=values,
         x=np.full(len(points), x) if by_frequency else points, y=np.full(len(points), y),
         frequency=points if by_frequency else None, per_volt=dataset["orddenom_axis_units_lab"].strip() == "V",
         voltage=float(volts[1]) if volts else None, is_velocity=is_velocity,

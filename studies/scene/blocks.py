@@ -151,12 +151,13 @@ class Transducer(Block):
         "Position of the middle of the fingers: x from the left end of the stator, or [x, y] with y from its middle"
         " line.",
     ]
-    finger_pairs: Annotated[int, Count(100_000), "Number of periods; 10 pairs are 20 fingers."]
+    finger_pairs: Annotated[int, Count(100_000), "Number of periods; 10 are 20 fingers, or 40 if split."]
     period: Annotated[
         float | str,
         Quantity("m") | choice("auto", "half-space"),
-        "Length of one period, two fingers and two gaps, which is one wavelength. auto: computed for the strongest "
-        "surface wave per volt at drive.frequency, for this transducer alone; half-space: from the velocity under a"
+        "Length of one period, two fingers and two gaps (four of each if split), which is one wavelength. auto:"
+        " computed for the strongest surface wave per volt at drive.frequency, for this transducer alone; half-space:"
+        " from the velocity under a"
         " partly metallised surface, without reflections.",
     ] = "auto"
     metallisation: Annotated[

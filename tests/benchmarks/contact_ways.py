@@ -20,7 +20,7 @@ import time
 import numpy as np
 
 import contact
-from contact.answers.methods import rest, rest_problem
+from contact.answers.burst_methods import rest, rest_problem
 from tests.contact.motors import steady_map
 
 SLIDER = contact.Slider(

@@ -137,7 +137,7 @@ def _by_way(found):
 
 def _burst_truth(slider, orbits, cycles):
     """Return v at the burst's end by the finest event-exact motion, m/s."""
-    from contact.answers.methods import rest, rest_problem
+    from contact.answers.burst_methods import rest, rest_problem
     from contact.orbit import towards_plus
 
     side, driven = towards_plus(orbits)
@@ -150,7 +150,7 @@ def _burst_truth(slider, orbits, cycles):
 def _steady_truth(slider, orbits):
     """Return the mean velocity of the finest periodic motion, m/s, or None where there is none to trust."""
     import contact
-    from contact.averaged.event_cycle import balanced
+    from contact.averaged.event_equilibrium import balanced
     from contact.orbit import towards_plus
     from contact.periodic.shooting import periodic
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Orbit, burst, mean_motion, steady
-from contact.answers.methods import BURST_METHODS, Burst, rest_problem
+from contact.answers.burst_methods import BURST_METHODS, Burst, rest_problem
 from contact.averaged import transient
 from contact.codes import Status
 from tests.contact.motors import orbit, slider, steady_map

@@ -3,7 +3,7 @@
 import pytest
 
 from contact import ConvergenceError, Envelope, burst
-from contact.answers import methods
+from contact.answers import burst_methods
 from contact.error_estimate import reference_speed
 from contact.orbit import towards_plus
 from tests.contact.aimed import drawn
@@ -13,8 +13,8 @@ from tests.contact.motors import orbit, slider
 def finest(body, orbits, cycles):
     """Return the velocity at the burst's end with 20 nodes."""
     side, driven = towards_plus(orbits)
-    problem = methods.rest_problem(body, driven)
-    motion = methods.rest(body, driven, problem, nodes=20, truncation=1e-13)
+    problem = burst_methods.rest_problem(body, driven)
+    motion = burst_methods.rest(body, driven, problem, nodes=20, truncation=1e-13)
     motion.turn(cycles)
     return side * float(motion.state[2]) * problem.speed
 
@@ -67,7 +67,7 @@ def test_at_most_one_in_a_hundred_is_beyond_twice_its_error():
 
 
 def test_two_exact_runs_that_are_compared_share_neither_nodes_nor_segments():
-    for coarse, fine in zip(methods.ORDERS[:-1], methods.ORDERS[1:], strict=True):
+    for coarse, fine in zip(burst_methods.ORDERS[:-1], burst_methods.ORDERS[1:], strict=True):
         assert coarse[0] != fine[0]
         assert coarse[2] != fine[2]
 
@@ -87,7 +87,7 @@ def test_another_method_answers_where_the_exact_one_fails_unless_it_was_asked_fo
     def fails(_burst):
         raise ConvergenceError("not converged", "no digits")
 
-    monkeypatch.setitem(methods.BURST_METHODS, "exact", methods.Method(fails, lambda _: ()))
+    monkeypatch.setitem(burst_methods.BURST_METHODS, "exact", burst_methods.Method(fails, lambda _: ()))
     asked = {"duration": 40 / 2.2e6, "after": 0.0, "samples": 2, "tolerance": 1e-2}
     found = burst(slider(), orbit(10e-9), **asked)
     assert found.method == "averaged"
@@ -99,7 +99,7 @@ def test_another_method_answers_where_the_exact_one_fails_unless_it_was_asked_fo
 @pytest.mark.parametrize(
     "changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"stick_band": 1e-4}, {"friction_coefficient": 0.0}]
 )
-@pytest.mark.parametrize("method", methods.METHODS)
+@pytest.mark.parametrize("method", burst_methods.METHODS)
 def test_a_refusal_names_every_reason_and_one_way_that_works(changed, method):
     shape = Envelope(time=[0.0, 1e-5], amplitude=[0.0, 1.0], phase=[0.0, 0.0])
     asked = {"duration": 2e-5, "after": 0.0, "tolerance": 1e-3, "samples": 2}

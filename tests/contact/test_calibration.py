@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst
-from contact.answers.methods import STEPS, largest_divisor, rest_problem, stepped_refusals
+from contact.answers.burst_methods import STEPS, largest_divisor, rest_problem, stepped_refusals
 from contact.error_estimate import reference_speed
 from tests.contact.calibration import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
 from tests.contact.motors import orbit, slider

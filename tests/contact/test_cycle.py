@@ -5,7 +5,7 @@ import pytest
 
 from contact.averaged.cycle_mean import cycle, respond
 from contact.averaged.cycle_pieces import Counted, Mean, cycle_arrays
-from contact.averaged.event_cycle import balanced, mean_tangential_force
+from contact.averaged.event_equilibrium import balanced, mean_tangential_force
 from contact.averaged.riding import mean_loads, mean_normal_force, punch_means, quadrature, riding_height
 from contact.body import normal_amplitude, tangential_amplitude
 from contact.codes import Shape

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst, steady, threshold_amplitude, threshold_factor
-from contact.answers.methods import rest_problem
+from contact.answers.burst_methods import rest_problem
 from contact.answers.thresholds import release_amplitude
-from contact.averaged.event_cycle import opposed
+from contact.averaged.event_equilibrium import opposed
 from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion

@@ -11,7 +11,7 @@ import pytest
 from scipy.special import gamma
 
 from contact import steady, threshold_amplitude
-from contact.averaged.event_cycle import balanced
+from contact.averaged.event_equilibrium import balanced
 from contact.codes import Count, Event
 from contact.events import energy
 from contact.events.collocation import collocation

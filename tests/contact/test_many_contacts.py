@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import FallingFriction, Orbit, burst, contact_history, steady
-from contact.answers.methods import rest, rest_problem
+from contact.answers.burst_methods import rest, rest_problem
 from contact.events import many_contacts
 from tests.contact.motors import slider
 
@@ -92,7 +92,7 @@ def test_what_each_contact_does_is_the_same():
 
 # Symmetry: the Jacobian of many contacts, from a few differences, has the multipliers of the full one
 def test_the_multipliers_of_many_contacts_are_those_of_every_difference(monkeypatch):
-    from contact.averaged.event_cycle import balanced
+    from contact.averaged.event_equilibrium import balanced
     from contact.periodic import shooting
 
     balance = balanced(motor(2 * FEW), waves(2 * FEW))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Envelope, burst, cycles_for, step
-from contact.answers.methods import rest_problem
+from contact.answers.burst_methods import rest_problem
 from contact.problem import largest_resonance
 from tests.contact.motors import orbit, slider
 

@@ -20,8 +20,8 @@ from contact import (
     steady,
     step,
 )
+from contact.answers import burst_methods
 from contact.answers import load_line as stalls
-from contact.answers import methods
 from contact.error_estimate import averaged_stall_error
 from contact.events.energy import Sum
 from contact.orbit import towards_plus
@@ -101,11 +101,11 @@ def test_the_error_of_a_step_holds(cycles, shaped):
     shape = Envelope(time=[0.0, 30 / f], amplitude=[0.0, 1.0], phase=[0.0, 0.0]) if shaped else None
     found = step(body, wave, cycles=cycles, envelope=shape)
     side, driven = towards_plus((wave,))
-    problem = methods.rest_problem(body, driven)
-    motion = methods.rest(body, driven, problem, nodes=20, truncation=1e-13, factor=0.0 if shaped else 1.0)
+    problem = burst_methods.rest_problem(body, driven)
+    motion = burst_methods.rest(body, driven, problem, nodes=20, truncation=1e-13, factor=0.0 if shaped else 1.0)
     if shaped:
         factors = shape.at(np.arange(cycles + 1) / f)
-        rows = methods.steps(problem, motion.state, cycles, 384, envelope=factors)
+        rows = burst_methods.steps(problem, motion.state, cycles, 384, envelope=factors)
         during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
     else:
         motion.turn(cycles)
@@ -124,11 +124,11 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
         wave = tuple(each.scaled(min(1.0, 1.2 * body.rest_approach(len(wave)) / reach)) for each in wave)
     found = step(body, wave, cycles=cycles)
     side, driven = towards_plus(wave)
-    problem = methods.rest_problem(body, driven)
-    motion = methods.rest(body, driven, problem, nodes=16, truncation=1e-12)
+    problem = burst_methods.rest_problem(body, driven)
+    motion = burst_methods.rest(body, driven, problem, nodes=16, truncation=1e-12)
     motion.turn(cycles)
     moved = float(motion.sums[Sum.DISPLACEMENT])
-    still = methods.silence(motion)
+    still = burst_methods.silence(motion)
     still.move(0.0, 400.0 * problem.omega / body.tangential_resonance(len(wave)), np.empty(0))
     load = math.copysign(body.load, problem.load) / (body.friction_coefficient * body.normal_stiffness)
     on = way_to_rest(
@@ -162,10 +162,10 @@ def test_a_step_ends_where_the_springs_of_unequal_contacts_carry_just_the_load()
 def test_a_hysteretic_step_ends_near_where_its_ring_dies_out(cycles):
     body = slider(law="hysteretic", normal_damping=2.0, tangential_damping=0.5)
     found = step(body, orbit(8e-9), cycles=cycles)
-    problem = methods.rest_problem(body, (orbit(8e-9),))
-    motion = methods.rest(body, (orbit(8e-9),), problem, nodes=16, truncation=1e-12)
+    problem = burst_methods.rest_problem(body, (orbit(8e-9),))
+    motion = burst_methods.rest(body, (orbit(8e-9),), problem, nodes=16, truncation=1e-12)
     motion.turn(cycles)
-    still, half = methods.silence(motion), 0.5 * problem.omega / body.tangential_resonance(1)
+    still, half = burst_methods.silence(motion), 0.5 * problem.omega / body.tangential_resonance(1)
     for k in range(40):
         still.move(k * half, (k + 1) * half, np.empty(0))
     travel = float(motion.sums[Sum.DISPLACEMENT] + still.sums[Sum.DISPLACEMENT]) * problem.length

@@ -93,6 +93,15 @@ def test_uff_round_trip_is_exact_to_the_format_s_twelve_digits(kind, form, tmp_p
         assert getattr(found, name) == getattr(scan, name)
 
 
+def test_a_rotation_in_a_uff_file_is_no_displacement(tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    scan_uff(some_scan("x"), tmp_path / "lab.uff", ())
+    dataset = pyuff.UFF(str(tmp_path / "lab.uff")).read_sets()
+    pyuff.UFF(str(tmp_path / "turned.uff")).write_sets([{**dataset, "rsp_dir": -5}], "overwrite")
+    with pytest.raises(SceneError, match="directions 1 to 3"):
+        scan_of_uff(tmp_path / "turned.uff", "--measured")
+
+
 @cache
 def network():
     made = touchstone_files(SMALL, "small", Recording(band="2.1:2.3:9"), tolerance=1e-2)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import contact
-from contact.answers.methods import rest_problem, stepped_refusals
+from contact.answers.burst_methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.body import normal_amplitude, tangential_amplitude
 from contact.events.collocation import collocation

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.burst import COMPARED, averaged_run, refusals
-from contact.averaged.event_cycle import opposed
+from contact.averaged.event_equilibrium import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
 from contact.error_estimate import calibrated_error, envelope_error, event_driven_error, reference_speed, stepped_error
