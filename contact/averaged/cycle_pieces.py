@@ -1,7 +1,10 @@
 r"""Integrals of a contact's forces over a smooth piece of the cycle, between two of its events.
 
-With the path of `Path` the contact has, while it sticks, the deformation x = offset + y; while it slips towards s, the
-force of the law at the speed of slip. Two ways:
+In the units of `contact.problem` a contact has at the phase phi the approach z = h + sum z_k and, relative to the
+slider, the travel y = -v phi + sum y_k of the surface, with the harmonics z_k and y_k of `Path`. While it sticks its
+deformation is x = offset + y; while it slips towards s, with |x| at the limit X(z) = c z, it has the force of the law
+at the speed of slip g_s = s y' - X'(z) z'. P = kappa z^n is the elastic normal force, chi the contact's damping. Two
+ways:
 
 *By quadrature*, for any law and profile and any number of harmonics. The integrals are taken in theta,
 phi = phi_1 + (phi_2 - phi_1)(1 - cos theta)/2, which makes the square roots at contact, release and the end of stick
@@ -10,8 +13,8 @@ smooth: Gauss-Legendre quadrature converges exponentially.
 *Closed*, for a flat contact with Coulomb's friction on one harmonic (`CLOSED`, a rule without nodes). P = kappa z, and
 Q is proportional to x; both are linear in (1, cos phi, sin phi, phi). The work lost to friction is that of the limit
 force on the slip, X g_s, also a sum of closed integrals. It is not obtained from the energy balance, which therefore
-checks it. Normal part with cos p = -h/A (`riding.punch_means`): <z> = A (sin p - p cos p)/pi and
-z_1 = A (p - sin p cos p)/pi.
+checks it. Normal part with the amplitude A of z, in contact over 2 p of the cycle, cos p = -h/A
+(`riding.punch_means`): <z> = A (sin p - p cos p)/pi and the first harmonic z_1 = A (p - sin p cos p)/pi.
 """
 
 from enum import IntEnum
@@ -37,7 +40,7 @@ class Mean(IntEnum):
 
 
 class Counted(IntEnum):
-    """Indices of the counts: contacts made, slips begun, contacts whose deformation depends on earlier cycles."""
+    """Indices of the counts: contacts made, slips begun, contacts that stick throughout, deformed by earlier cycles."""
 
     MADE = 0
     SLIPS = 1
@@ -103,7 +106,8 @@ class Passage(NamedTuple):
 def cycle_arrays(harmonics: int, nodes: int = 0) -> Cycle:
     """Return the arrays of a cycle of so many harmonics, the slider without fast motion.
 
-    `nodes` of the quadrature where the harmonics of the forces are wanted (1 with closed integrals), else 0.
+    `nodes` of the quadrature where the harmonics of the forces are wanted, else 0; with closed integrals 1, because any
+    number above 0 makes room for the harmonics.
     """
     fast, path, force = (Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0)))
     at_nodes = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))

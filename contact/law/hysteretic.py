@@ -28,8 +28,8 @@ deflection. A contact that touches is in one of three regimes:
     slip     Gross slip: the open line covers all springs, and the chain is empty.
 
 If the front comes back to the inner end of a piece, the piece is *wiped out*: it is removed from the chain. When slip
-ends, the open line is *frozen*: it becomes the last piece of the chain. Only curves are discretised, at the nodes of
-the segment during which they were written.
+ends, the open line is *frozen*: it becomes the last piece of the chain. Only curves are discretised, at the nodes
+sigma in [-1, 1] of the segment (time step of the event-driven solver) during which they were written.
 
 Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/contact/test_memory_example.py`):
 
@@ -279,9 +279,10 @@ def force(problem, memory, i, regime, s, point, level, front_before):
 def guard(problem, memory, i, regime, which, s, point, eta):
     """Return guard number `which` (`codes.Guard`) of a regime; 1.0 where the regime has no such guard.
 
-    Separated and gross slip have the guards of the elastic law; `eta` is the front of an annulus.
+    Separated and gross slip have the guards of the elastic law; `eta` is the front of an annulus. A guard is positive
+    inside its regime; `law.elastic.FAR_SIDE` shifts its zero a little past the event.
     """
-    if regime < Regime.ANNULUS:
+    if regime < Regime.ANNULUS:  # separated or gross slip
         return elastic.guard(problem, memory, i, regime, which, s, point, eta)
     z, x, z_rate, x_rate = point
     c = problem.limit_slope
@@ -300,7 +301,8 @@ def guard(problem, memory, i, regime, which, s, point, eta):
     # ANNULUS_EDGE: distance of the edge from the front
     if memory.kind[i, k] != 0:  # as in `front`, but without its limits, so that it is smooth beyond the event
         eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
-    else:  # a contact that opens just as it closed goes back along its curve: the front is at the edge all the way
+    else:  # A contact that opens along the curve on which it closed has its front at the edge up to rounding: the
+        # front is moved inwards by more than that, so that this guard does not end the regime.
         eta -= 1e-11
     return FAR_SIDE + z - eta
 
@@ -376,7 +378,7 @@ def jump(memory, i, regime, s, old, new, c):
             write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c)
         return Regime.GROW, s, x
     s = 1.0 if dx > 0.0 else -1.0
-    if dz < 0.0:
+    if dz < 0.0:  # the edge retreats, and the spring at the new edge slips from its anchor to x
         s = 1.0 if x > anchor(memory, i, z, c) else -1.0
     own = U if s > 0.0 else W
     while memory.number[i] > 0 and s * (memory.corner[i, memory.number[i] - 1, own] - x) + c * z <= 0.0:

@@ -5,10 +5,10 @@ mode v_p, with L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M and e the unknow
 eigenvector l_p is v_p with the opposite sign of its odd unknowns, because of the symmetry x -> -x.  If the section is
 not grounded, k = 0 is a double pole,
 
-    phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) 1,    s 1.(K2 1 + K1 w) = -q / 2,
+    phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) c,    s c.(K2 c + K1 w) = -q / 2,
 
-with 1 the constant potential.  The potentials of this pole cancel outside a transducer without net charge, but its u_x
-causes a near field in three dimensions.
+with c the vector of the constant potential phi = 1.  The potentials of this pole cancel outside a transducer without
+net charge, but its u_x causes a near field in three dimensions.
 
 In a solid isotropic about z the response to a wave vector of length k at any angle is that at k_y = 0, rotated to the
 direction of the vector.  It depends only on k^2 = k_x^2 + k_y^2, so that the pole k_p moves to kappa_p = (k_p^2 -
@@ -21,7 +21,11 @@ modes, and the part -F k_y / k_p across it, which excites shear-horizontal (SH) 
 
     (k^2 K2 + K0 - omega^2 M) w = 0 on the unknowns of u_y,    u_t = -i F w_0^2 exp(-i k_p x) / (2 k_p w.K2 w),
 
-with w_0 the value at the surface.  The pole at k = 0 of a floating section then gives u_x = S |k_y| exp(-|k_y| |x|).
+with u_t the displacement across the wave vector and w_0 the value of w at the surface.
+
+At k_y != 0 the double pole k = 0 of a floating section moves to kappa = -i |k_y|.  To the right of a line charge it
+gives u_x = s w_x exp(-|k_y| x) and u_y = i sgn(k_y) u_x, with w_x the value of u_x at the surface; of a force along x
+it gives |k_y| times that with s w_x^2 instead of s w_x (`LineSource.static`).
 """
 
 from collections.abc import Iterator
@@ -134,8 +138,8 @@ class LineSource:
     potential : ndarray, shape (modes,)
         phi at the surface, V per unit of load.
     static : complex
-        u_x of the pole at k = 0, m per C/m, of a force along x S of the module docstring, m2 per N/m; 0 if the section
-        is grounded, and of a normal force.
+        Factor of u_x of the pole at k = 0: s w_x of a charge, m per C/m; s w_x^2 of a force along x, m2 per N/m; 0 if
+        the section is grounded, and of a normal force.
     slope : complex
         phi / |x| of this pole, V/m per C/m; of charges.
     """
@@ -182,7 +186,7 @@ class LineSource:
         )
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
-        """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of both modes."""
+        """Wavenumber along x of the surface wave, rad/m; in a plate the mean of the two modes that form it."""
         return wavenumber_along(np.mean(self.wavenumbers[self.surface]), lateral)
 
     def branches(
@@ -245,7 +249,7 @@ class LineSource:
         yield Branch(-1, rule, along, motion * mirrored, SIGNS)
 
 
-@lru_cache(maxsize=4)  # its keys are the arguments as they are written: no default
+@lru_cache(maxsize=4)  # no default arguments: with and without one the cache would hold the same source twice
 def line_source(modes: GuidedModes, load: Load) -> LineSource:
     """Response of the bare section to a line of charge or force.
 
