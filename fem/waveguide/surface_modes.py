@@ -2,6 +2,10 @@
 
 The surface wave is the mode whose motion is most localised at the surface, with a wavenumber near that of the
 half-space.  In a plate with two equal faces it is split into two modes of nearly equal wavenumbers.
+
+`CutSource.select_poles` (oblique waves) weighs modes in the same way, but does not take ONE_WAVE: beside the surface
+wave it has bulk waves at nearly the same wavenumber.  `Grating` selects among the waves of a loaded surface, which are
+few, by localisation alone.
 """
 
 import numpy as np
