@@ -1,7 +1,8 @@
 """Electrical condition of electrodes: grounded or shorted, open or floating, loaded, connected to a source.
 
 An electrode is equipotential, and its charge is minus the reaction of its potential, Q_f = -sum_j A_fj u_j, with A the
-condensed matrix of the piece that it lies on.  All conditions of the stator are set by the functions of this module:
+condensed matrix of the piece that it lies on.  The functions of this module set all conditions of the stator, except
+in `fem.direct`, the plain solver that the others are checked against:
 
 | condition | of | equation | set by |
 |---|---|---|---|

@@ -1,9 +1,9 @@
 """Resolution of a scene: numbers for its automatic values, and the checks of a scene that need physics.
 
-``period = "auto"``, ``frequency = "center"``, ``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so
-that the scene that is stored with a result can be run again with the same numbers.  ``slider.method = "auto"`` stays:
-the contact chooses its method (contact/choice.py).  Rules that need physics (an unknown material, an impossible layout)
-are checked here.
+``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
+``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
+can be run again with the same numbers.  ``slider.method = "auto"`` stays: the contact chooses its method
+(contact/choice.py).  Rules that need physics (an unknown material, an impossible layout) are checked here.
 """
 
 import itertools

@@ -1,6 +1,6 @@
 """Reading the file of a measurement: the CSV files of velocities, amplitudes, bursts and traces, and all others.
 
-The columns of the file have the names of run.json and determine the kind of measurement:
+The columns of the file (`csv_columns`) have the names of run.json and determine the kind of measurement:
 
 - ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve,
 - ``voltage_V`` with ``normal_amplitude_m``, without a velocity: calibration of the surface amplitude,

@@ -1,4 +1,7 @@
-"""Parse a range ``START:STOP:N`` or ``START:STOP:N:log``: values of a sweep, or the frequencies of a band."""
+"""Parse a range ``START:STOP:N`` or ``START:STOP:N:log``: values of a sweep, or the frequencies of a band.
+
+`studies.chain.passband.band_frequencies` adds what a band has of its own: MHz without a unit, and its limits.
+"""
 
 import math
 from dataclasses import dataclass
