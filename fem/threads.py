@@ -31,7 +31,7 @@ class _Limit:
         with self._lock:
             loaded = "scipy.linalg" in sys.modules  # its BLAS is another than numpy's
             if self._users == 0 or (loaded and not self._seen):
-                _take_control()
+                _release_control()
                 self._limits.append(threadpool_limits(limits=1, user_api="blas"))
                 self._seen = loaded
             self._users += 1
@@ -41,12 +41,13 @@ class _Limit:
         with self._lock:
             self._users -= 1
             while self._users == 0 and self._limits:
-                _take_control()
+                _release_control()
                 self._limits.pop().restore_original_limits()
+                _release_control()  # else other threads could not set the number while this one lives
 
 
-def _take_control() -> None:
-    """Let this thread set the limit: threadpoolctl (3.8) heeds only the thread that set it first."""
+def _release_control() -> None:
+    """Let any thread set the number of threads: threadpoolctl (3.8) heeds only the one that set it first."""
     from threadpoolctl import OpenBLASController
 
     clear = getattr(OpenBLASController, "clear_controlling_thread", None)

@@ -222,6 +222,28 @@ def test_two_runs_in_two_threads_leave_the_number_of_threads_as_it_was():
         assert blas_threads() == {2}
 
 
+def test_a_thread_that_ran_and_lives_on_leaves_the_number_of_threads_to_the_user():
+    import scipy.linalg  # noqa: F401
+
+    from fem import blas_on_one_thread
+
+    ran, end = threading.Event(), threading.Event()
+
+    def run_once():
+        with blas_on_one_thread():
+            pass
+        ran.set()
+        end.wait(10)
+
+    thread = threading.Thread(target=run_once)
+    thread.start()
+    ran.wait(10)
+    with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
+        assert blas_threads() == {2}
+    end.set()
+    thread.join()
+
+
 def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, record):
     for each, level, unit in ((driven, "voltage_V", "V"), (record, "normal_amplitude_m", "m")):
         data = each.to_xarray()
