@@ -2,8 +2,8 @@ r"""Integrals of a contact's forces over a smooth piece of the cycle, between tw
 
 In the units of `contact.problem` a contact has at the phase phi the approach z = h + sum z_k and, relative to the
 slider, the travel y = -v phi + sum y_k of the surface, with the harmonics z_k and y_k of `Path`. While it sticks its
-deformation is x = offset + y; while it slips towards s, with |x| at the limit X(z) = c z, it has the force of the law
-at the speed of slip g_s = s y' - X'(z) z'. P = kappa z^n is the elastic normal force, chi the contact's damping. Two
+deformation is x = offset + y; while it slips towards s, with |x| at the slip limit X(z), it has the force of the law at
+the speed of slip g_s = s y' - X'(z) z'. P = kappa z^n is the elastic normal force, chi the contact's damping. Two
 ways:
 
 *By quadrature*, for any law and profile and any number of harmonics. The integrals are taken in theta,

@@ -44,8 +44,8 @@ class Fingers(NamedTuple):
 
     With a = ``half_width`` and x_0 the middle of a finger, its moments and the transform of its charges are
 
-        M_n = sum_j q_j ((x_j - x_0) / a)^n,                                                                (1)
-        sum_j q_j exp(i k (x_j - x_0)) = sum_n (i k a)^n / n! M_n.                                          (2)
+        M_n = sum_j q_j ((x_j - x_0) / a)^n,                                                                (2)
+        sum_j q_j exp(i k (x_j - x_0)) = sum_n (i k a)^n / n! M_n.                                          (3)
     """
 
     first: np.ndarray
@@ -78,12 +78,12 @@ class Fingers(NamedTuple):
         return abs(wavenumbers) * self.half_width
 
     def powers(self, wavenumbers: np.ndarray) -> np.ndarray:
-        """Return (i k a)^n / n! of equation (2), shape (TERMS, *shape of k)."""
+        """Return (i k a)^n / n! of equation (3), shape (TERMS, *shape of k)."""
         ratios = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)  # i k a / n
         return np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), ratios]), axis=0)
 
     def sums(self, wavenumbers: np.ndarray) -> np.ndarray:
-        """Return the transform (2) of the charges of each finger, shape (fingers, *shape of k)."""
+        """Return the transform (3) of the charges of each finger, shape (fingers, *shape of k)."""
         return np.tensordot(self.moments, self.powers(wavenumbers), axes=1)
 
 
@@ -119,7 +119,7 @@ class ChargeSheet:
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
         """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m.
 
-        Small k by finger, equation (2) of `Fingers`; large k by node.
+        Small k by finger, equation (3); large k by node.
         """
         k, fingers = np.asarray(wavenumbers), self.fingers
         out = np.empty(k.shape, dtype=complex)
@@ -210,7 +210,7 @@ class Emitter:
 
         The charges of all sheets on the same fingers are added.  All charges of a finger without any requested position
         on it are combined to one source at its centre, by the Taylor series of the exponentials about the centre,
-        equation (2) of `Fingers`.  ``along`` is signed by the direction of the branch.
+        equation (3).  ``along`` is signed by the direction of the branch.
         """
         positions, waves, ordered = [], [], np.sort(x_of_field)
         for numbers, sheet, charge, fingers in self._on_same_nodes:

@@ -157,8 +157,7 @@ class Transducer(Block):
         Quantity("m") | choice("auto", "half-space"),
         "Length of one period, two fingers and two gaps (four of each if split), which is one wavelength. auto:"
         " computed for the strongest surface wave per volt at drive.frequency, for this transducer alone; half-space:"
-        " from the velocity under a"
-        " partly metallised surface, without reflections.",
+        " from the velocity under a partly metallised surface, without reflections.",
     ] = "auto"
     metallisation: Annotated[
         float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), from 0.001 to 0.999."
