@@ -82,7 +82,7 @@ def test_the_mean_of_a_beam_between_mirrors_is_gamma(name, orientation):
     """The part at k_y = 0 of a narrow strip's waves, by the mean over the distance of the mirrors: three cuts."""
     solid, width = lossless(name, orientation), 6e-3
     stator = replace(plate(solid, length=20.0), thickness=np.inf)
-    beam = forced(stator, strip(stator, 5.0, amplitude=1e3), level=LEVELS[4], mirror_width=width)
+    beam = forced(stator, strip(stator, 5.0, amplitude=1e3), level=LEVELS[2], mirror_width=width)
     y = (np.arange(64) / 64 - 0.5) * width
     mean = beam.surface_mode.motion(stator.length * 0.8, y)[2].mean()
     assert abs(mean) * width == pytest.approx(wave_compliance(solid, "open"), rel=1e-6)
