@@ -236,7 +236,7 @@ def profile(record: "Record", ax):
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
     title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
-    return finished(ax, across.axis, "displacement over u_z at the surface", title)
+    return finished(ax, across.axis, quantity("relative_displacement").axis, title)
 
 
 def errors(record: "Record", ax):

@@ -12,6 +12,7 @@ from contact import Orbit, Slider, burst, contact_history, steady
 from studies.chain import resolve, run
 from studies.record import Record
 from studies.record.plots import COLOURS, new_figure
+from studies.record.quantities import quantity
 from studies.record.run_pictures import pictures
 from studies.scene import Scene
 from studies.view import gallery_pictures
@@ -164,8 +165,8 @@ def test_depth_profile_puts_points_on_lines():
 
 def test_bars_are_as_long_as_the_powers_and_energies():
     electrical = {"power_W_per_V2": 3.6e-3, "power_radiated_W_per_V2": 2.2e-3, "power_dissipated_W_per_V2": 1.4e-3}
-    title = "power (mW per V^2)"
-    figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), "mW per V^2", title, "power")
+    drawn = quantity("transducer_power_W_per_V2")
+    figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), drawn, "power")
     figure.canvas.draw()
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
@@ -173,7 +174,7 @@ def test_bars_are_as_long_as_the_powers_and_energies():
     books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
     rows, balance = gallery_pictures.ledger_rows(books)
     assert balance.startswith("balance to ")
-    figure = gallery_pictures.bars(rows, "pJ", "energy (pJ)", "8 nm")
+    figure = gallery_pictures.bars(rows, quantity("cycle_energy_J"), "8 nm")
     assert_legible(figure)
     bars = {
         label.get_text(): bar.get_width()
