@@ -18,7 +18,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     x, y, motion = surface_map(beam, scene.stator)
     options = {"cmap": "viridis", "shading": "gouraud", "rasterized": True}
     colours = ax.pcolormesh(x * across.scale, y * up.scale, abs(motion[2]).T * shade.scale, **options)
-    ax.figure.colorbar(colours, ax=ax, label=shade.axis)
+    ax.figure.colorbar(colours, ax=ax, label=f"|{shade.head}| ({shade.shown})")
     for each in fem_model.transducers(scene):
         ax.add_patch(Polygon(each.corners * across.scale, fill=False, edgecolor="white", linewidth=1.2))
     touching = ""

@@ -66,9 +66,10 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     slowness, distance = _slowness(beam, wave), abs(place - driven.center)
 
     def panel(name, title, key, at, motion, line_at, line, lateral) -> Panel:
-        surface, away, drawn = np.exp(known(line)), line - driven.center, quantity(key)
+        surface, away, along = np.exp(known(line)), line - driven.center, quantity(key)
         return Panel(name=name, title=title, data={
-            "axis": drawn.axis, "at": at * drawn.scale, "beam_m_per_V": abs(motion[2]), "line_at": line_at * drawn.scale,
+            "axis": along.axis, "at": at * along.scale, "beam_m_per_V": abs(motion[2]),
+            "line_at": line_at * along.scale,
             "section_m_per_V": abs(wave.motion(line)[1]),
             "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
         })  # fmt: skip

@@ -41,9 +41,14 @@ TRACES = (
     ("deformation_m", (("deformation_m", "line", None),)),
     ("normal_force_N", (("normal_force_N", "line", None),)),
     ("tangential_force_N", (("tangential_force_N", "intermittent", None),)),
-    ("velocity_m_per_s",
-     (("surface_velocity_m_per_s", "slip", "v of the surface"), ("slider_velocity_m_per_s", "line", "v of the slider"))),
-)  # fmt: skip
+    (
+        "velocity_m_per_s",
+        (
+            ("surface_velocity_m_per_s", "slip", "v of the surface"),
+            ("slider_velocity_m_per_s", "line", "v of the slider"),
+        ),
+    ),
+)
 DRAWN = (
     "snapshots, not to scale: ball in the regime's colour, surface with marks that move with it, the path of a surface "
     "point (blue), arrows of P (black) and Q (orange)"
