@@ -53,7 +53,7 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     rows: list[list[tuple]] = [[] for _ in record.points]
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return rows
-    tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
+    tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     if normal.max() < NODE * tangential.max() or amplitude_per_power(record) is None:
         return rows
     how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
@@ -80,9 +80,9 @@ def wave_load(record: Record, voltages) -> list[float]:
         body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
         friction_coefficient=body.static_coefficient or NO_FRICTION,
     )  # fmt: skip
-    offsets = [x - slider.center[0] for x, _ in slider.places]
+    offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
     balls = contact.balls_of(replace(body, preload=body.preload * slider.share), offsets, weights=slider.share)
-    tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
+    tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     at_one_volt = contact.PassingWave(
         frequency=record.wave["frequency_Hz"],

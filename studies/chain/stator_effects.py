@@ -54,7 +54,7 @@ def wavelength(record: Record) -> float:
 def _aperture(record: Record) -> Rows:
     """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
     motion, block = record.surface_motion, record.scene.stator
-    places = record.scene.contact_places
+    places = record.scene.contact_positions
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
         spans = [each.extent for each in fem_model.transducers(record.scene)]
@@ -104,7 +104,7 @@ def _spread(record: Record, x, y) -> np.ndarray:
     except fem.ConvergenceError:
         # some directions have no surface wave: assume the velocity along x in all directions
         curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
-    return curve.spectrum(driven.aperture, np.subtract(x, driven.place[0]), y)
+    return curve.spectrum(driven.aperture, np.subtract(x, driven.center_xy[0]), y)
 
 
 def _finger_ends(record: Record) -> Rows:
@@ -115,7 +115,7 @@ def _finger_ends(record: Record) -> Rows:
     """
     driven, motion = record.scene.driven_transducer, record.surface_motion
     beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
-    places = record.scene.contact_places
+    places = record.scene.contact_positions
     if beam is None or any(motion.covered(place) for place in places):
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return

@@ -45,7 +45,7 @@ class WaveAlong:
     @classmethod
     def under(cls, slider: Slider, motion: SurfaceMotion) -> Self:
         """Return the orbits under a slider on the motion of a stator's surface."""
-        wave, places = motion.wave, slider.places
+        wave, places = motion.wave, slider.contact_positions
 
         def orbit(u_x, u_z):
             return contact.Orbit(frequency=wave.frequency, normal=complex(u_z), tangential=complex(u_x))

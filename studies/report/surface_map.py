@@ -31,7 +31,7 @@ def draw_surface_map(beam, scene: Scene, ax):
         ax.add_patch(Rectangle(corner, *size, fill=False, edgecolor=orange, linewidth=1.2))
     elif scene.slider is not None:
         touching = "; points: the slider's contacts"
-        at = np.array(scene.slider.places) * across.scale
+        at = np.array(scene.slider.contact_positions) * across.scale
         ax.plot(*at.T, "o", color=orange, markeredgecolor="white", markersize=6)
     for side in (-1, 1):
         ax.axhline(side * y[-1] * up.scale, color=COLOURS["line"], linewidth=2)
