@@ -220,6 +220,7 @@ def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
     if slider is not None:
         window.axvline(middle, color=COLOURS["line"], linestyle=":")
     window.set_ylim(bottom=0)
+    window.set_in_layout(False)  # it lies within the axes
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
     window.text(0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small")
