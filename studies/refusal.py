@@ -18,15 +18,15 @@ class SceneError(ValueError):
     """A scene that breaks a rule; ``problems`` are all the faults that were found, this one first.
 
     ``path`` is the key, such as ``slider.mass``, or empty; ``rule`` the rest of the sentence: what is allowed and what
-    was given; ``place`` where the key stands, such as ``motor.toml, line 12``, or empty.
+    was found; ``location`` where the key stands, such as ``motor.toml, line 12``, or empty.
     """
 
     exit_code = EXIT_BAD_INPUT
 
-    def __init__(self, path: str, rule: str, place: str = ""):
+    def __init__(self, path: str, rule: str, location: str = ""):
         sentence = _on_one_line(f"{path} {rule}" if path else rule)
-        super().__init__(f"{place}: {sentence}" if place else sentence)
-        self.path, self.rule, self.place = path, rule, place
+        super().__init__(f"{location}: {sentence}" if location else sentence)
+        self.path, self.rule, self.location = path, rule, location
         self.problems: tuple[SceneError, ...] = (self,)
 
     @classmethod
@@ -55,7 +55,7 @@ class SceneError(ValueError):
             return SceneError.together(problem.moved(old, new) for problem in self.problems)
         if not self.path.startswith(old):
             return self
-        return SceneError(new + self.path.removeprefix(old), self.rule, self.place)
+        return SceneError(new + self.path.removeprefix(old), self.rule, self.location)
 
 
 def all_answers(calls: Iterable[Callable[[], Any]]) -> list[Any]:

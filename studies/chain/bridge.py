@@ -109,7 +109,7 @@ class DrivenContact:
 
         ``motion``: of the surface, of which sliders on pillars need more than the orbits.
         """
-        places, slider = scene.places, scene.slider
+        places, slider = scene.positions, scene.slider
         first, passing = solved.at[places[0]], None
         amplitudes = abs(first.normal), abs(first.tangential)
         if scene.on_pillars:
@@ -118,8 +118,9 @@ class DrivenContact:
             passing = stator_wave(scene, motion)
             amplitudes = mean_amplitudes(slider, passing[0])
         return cls(
-            scene=scene, orbits=() if slider is None else solved.orbits(slider.places), solved=solved, passing=passing,
-            amplitudes=amplitudes, stator_error=max(solved.at[place].relative_error for place in places),
+            scene=scene, orbits=() if slider is None else solved.orbits(slider.contact_positions), solved=solved,
+            passing=passing, amplitudes=amplitudes,
+            stator_error=max(solved.at[place].relative_error for place in places),
         )  # fmt: skip
 
     @classmethod
@@ -128,7 +129,7 @@ class DrivenContact:
         if record.scene.wave is not None:
             return cls.given(record.scene, record)
         motion = record.surface_motion
-        driven = cls.of_stator(record.scene, SolvedStator.of(motion, record.scene.places), motion)
+        driven = cls.of_stator(record.scene, SolvedStator.of(motion, record.scene.positions), motion)
         return replace(driven, stator_error=float(record.wave["relative_error"]), record=record)
 
     @cached_property

@@ -169,7 +169,7 @@ class ChangedContacts(ChangedScenes):
 
     def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
         """Return the places of a scene, and those that one solution of the stator serves."""
-        places = scene.places
+        places = scene.positions
         if scene.slider is None:
             return places, places
         # with all balls on the axis the section may stand for the wave, and knows no place off it

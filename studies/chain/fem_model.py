@@ -151,14 +151,14 @@ def driven(scene: Scene):
 
 
 def _transducer(block: Transducer, period: float):
-    (x, y), alike = block.place, "name finger_pairs metallisation aperture termination pattern split".split()
+    (x, y), alike = block.center_xy, "name finger_pairs metallisation aperture termination pattern split".split()
     own = {name: getattr(block, name) for name in alike}
     return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
 
 
 def unturned(block: Transducer, period: float):
     """Return the ``fem.Transducer`` of a block in the axes of its waves."""
-    return _transducer(replace(block, center=block.place[0], angle=0.0), period)
+    return _transducer(replace(block, center=block.center_xy[0], angle=0.0), period)
 
 
 def drive(scene: Scene):
@@ -180,7 +180,7 @@ def _ladder(match: str | tuple) -> tuple:
 
 def diffracts(scene: Scene) -> bool:
     """Return True if finite apertures are computed: as the scene requests, or by default if it has a slider."""
-    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.places)
+    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.contact_positions)
 
 
 @lru_cache(64)

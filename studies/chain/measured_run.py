@@ -61,7 +61,7 @@ def scan_block(scene: Scene, scan, predicted) -> dict:
     """Return the comparison of a placed scan with its prediction."""
     velocity = fem_model.surface_velocity(scene.stator)
     return compared_scan(
-        scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.place[0]
+        scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.center_xy[0]
     )
 
 

@@ -123,7 +123,7 @@ def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
     values = {"admittance_change_S": -wave.omega * wave.strip_width / wave.compliance * reaction / level**2}
     direction = 1.0 if abs(wave.forward) >= abs(wave.backward) else -1.0
     centre, driven = scene.slider.center[0], scene.drive.driven
-    if any((each.place[0] - centre) * direction > 0.0 and not driven.get(each.name) for each in scene.transducer):
+    if any((each.center_xy[0] - centre) * direction > 0.0 and not driven.get(each.name) for each in scene.transducer):
         values["received_over_free"] = motion.exit_over_entry
     return values
 

@@ -225,7 +225,7 @@ def check_pillars(scene: Scene) -> None:
         rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")
     for each in scene.transducer:
-        x, y = each.place
+        x, y = each.center_xy
         reach = each.half_length
         if left < x + reach and right > x - reach and abs(middle - y) < (each.aperture + strip_width(slider)) / 2:
             rule = f"must keep the pillars off the fingers of {each.name!r}, {x - reach:g} to {x + reach:g} m"

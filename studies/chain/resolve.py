@@ -122,7 +122,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
     def with_period(each: Transducer) -> Transducer:
         if not isinstance(each.period, str):
             return each
-        if each.period == "auto" and each.has_two_combs:
+        if each.period == "auto" and each.has_two_electrodes:
             period = fem.best_period(block, unturned(each, 1.0), scene.frequency)
         else:
             bulk = replace(scene.stator, thickness="half-space")
@@ -166,7 +166,7 @@ def _refuse_gaps(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if not scene.piece:
         return
-    reached = [(x, x) for x, _ in scene.slider.places]
+    reached = [(x, x) for x, _ in scene.slider.contact_positions]
     if scene.slider.pillars is not None:
         from studies.chain.pillars import extent
 
@@ -184,7 +184,7 @@ def _refuse_covered(scene: Scene) -> None:
     if not scene.crossed:
         return
     for each, block in zip(transducers(scene), scene.transducer, strict=True):
-        for x, y in scene.slider.places if block.turned else ():
+        for x, y in scene.slider.contact_positions if block.turned else ():
             if fem.covers(each, (x, y)):
                 rule = f"must keep the contacts off {each.name!r}, got one at ({x * 1e3:g}, {y * 1e3:g}) mm"
                 raise SceneError("slider.position", rule)

@@ -116,7 +116,7 @@ def _given(scene: Scene, tolerance: float) -> Record:
 def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
     """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
     start_time, tolerance = time.perf_counter(), contacts.tolerance
-    places, ringing, seconds = scene.places, None, {}
+    places, ringing, seconds = scene.positions, None, {}
     if scene.slider is None:
         motion = contacts.motion(stator_alone(scene), places, tolerance)
         blocks = amplitude_blocks(scene, motion, places[0], tolerance)
@@ -156,7 +156,7 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
 
     The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
     """
-    stator, places, seconds = stator_alone(scene), scene.places, 0.0
+    stator, places, seconds = stator_alone(scene), scene.positions, 0.0
     motion = contacts.motion(stator, places, SHARE * contacts.tolerance)
 
     def answered() -> tuple[SliderAnswer, RingUp | None]:

@@ -32,7 +32,7 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
     """
     if scene.stator is None or not scene.transducer:
         raise SceneError(option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator")
-    x, y = scene.places[0]
+    x, y = scene.positions[0]
     complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
     length, half = scene.stator.length, scene.stator.width / 2
     for name, places, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):
@@ -98,7 +98,7 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
         return motion
     velocity = fem_model.surface_velocity(scene.stator)
     frequency = scene.frequency if scan.frequency is None else scan.frequency
-    distance = abs(scan.x - scene.driven_transducer.place[0])
+    distance = abs(scan.x - scene.driven_transducer.center_xy[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
@@ -110,7 +110,7 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
     SceneError
         If the file has another number of ports, or its frequencies lie outside the driven transducer's passband.
     """
-    names = [each.name for each in scene.transducer if each.has_two_combs]
+    names = [each.name for each in scene.transducer if each.has_two_electrodes]
     if data.ports != len(names):
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
         raise SceneError("--data", rule)

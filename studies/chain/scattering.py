@@ -67,7 +67,7 @@ def scattering_matrix(
     scene: Scene, at: np.ndarray, reference: float, tolerance: float
 ) -> tuple[list[str], Any, np.ndarray]:
     """Return names, `fem.PortAdmittance` and S, (frequencies, ports, ports), of a resolved scene in its order."""
-    names = [each.name for each in scene.transducer if each.has_two_combs]
+    names = [each.name for each in scene.transducer if each.has_two_electrodes]
     ports = port_admittances(scene, at, tolerance)
     order = [ports.names.index(name) for name in names]
     return names, ports, ports.scattering(reference)[np.ix_(range(len(at)), order, order)]

@@ -35,7 +35,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         half = each.half_length if isinstance(each.period, float) else 0.0
         if slider.position is None or each.turned:
             continue
-        if abs(slider.center[0] - each.place[0]) < half:
+        if abs(slider.center[0] - each.center_xy[0]) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     weight = slider.mass * slider.gravity
     if isinstance(slider.preload, float) and 0.0 < slider.preload < LIFTED * weight:

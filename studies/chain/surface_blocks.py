@@ -19,7 +19,7 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
     It contains the motion at the point ``place`` = (x, y) in m, its relative error and the properties of the wave in
     the section. ``ringing`` is the `RingUp` of a burst or None.
     """
-    wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
+    wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.contact_positions]
     components = motion.at(places)
     tangential, lateral, normal = map(complex, components[:, 0])
     block: dict[str, Any] = {"frequency_Hz": wave.frequency, "normal_m_per_V": normal, "tangential_m_per_V": tangential}

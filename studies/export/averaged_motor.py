@@ -120,7 +120,7 @@ def other_drives(scene: Scene) -> list[Scene]:
         return []
     name = scene.drive.transducer or scene.driven_transducer.name
     (other,) = (each for each in scene.transducer if each.name != name)
-    return [replace(scene, drive=replace(scene.drive, transducer=other.name))] if other.has_two_combs else []
+    return [replace(scene, drive=replace(scene.drive, transducer=other.name))] if other.has_two_electrodes else []
 
 
 def _drive(driven: DrivenContact, left_out: list) -> Drive:

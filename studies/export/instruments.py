@@ -197,10 +197,10 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return a scan without values yet."""
     wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
-    driven, (place, middle) = scene.driven_transducer, scene.places[0]
-    around = ((each.name, each.place[0], each.half_length) for each in scene.transducer)
+    driven, (place, middle) = scene.driven_transducer, scene.positions[0]
+    around = ((each.name, each.center_xy[0], each.half_length) for each in scene.transducer)
     rows = {name: (center - half, center + half) for name, center, half in around}
-    ahead, length = place >= driven.place[0], scene.stator.length
+    ahead, length = place >= driven.center_xy[0], scene.stator.length
     low, high = fem_model.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
     low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
     if high <= low:

@@ -140,7 +140,7 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
 
     def polygon(layer: str, comb: str, left: float, right: float, low: float, high: float) -> Polygon:
         box = np.array([[left, low], [right, low], [right, high], [left, high]])
-        corners = np.array(block.place) + box @ np.array([along, across])
+        corners = np.array(block.center_xy) + box @ np.array([along, across])
         return Polygon(layer=layer, transducer=block.name, comb=comb, corners=corners)
 
     for k, sign in enumerate(signs):
@@ -180,7 +180,7 @@ def _pad_room(block: Transducer, side_sign: float, outer: float, length: float, 
     direction = side_sign * _axes(block)[1]
     edges = np.array([[0.0, length], [-width / 2, width / 2]])
     distances = [
-        (edges[axis, int(direction[axis] > 0)] - block.place[axis]) / direction[axis]
+        (edges[axis, int(direction[axis] > 0)] - block.center_xy[axis]) / direction[axis]
         for axis in (0, 1)
         if direction[axis] != 0.0
     ]

@@ -175,8 +175,8 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
     if scene.stator is None or scene.slider is None:
         return
     resolved = resolve.resolved(scene)
-    places = [x for x, _ in resolved.slider.places]
-    fingers = () if resolved.crossed else [(each.place[0], each.half_length) for each in resolved.transducer]
+    places = [x for x, _ in resolved.slider.contact_positions]
+    fingers = () if resolved.crossed else [(each.center_xy[0], each.half_length) for each in resolved.transducer]
     rows = [(middle - half, middle + half) for middle, half in fingers]
     left, right = fem_model.free_span(rows, resolved.slider.center[0], resolved.stator.length)
     low, high = left - min(places), right - max(places)

@@ -62,9 +62,9 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
         velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
         velocity_at_center = float(rows[-1][0])
         path = travelled(slider, along, level, duration, duration * velocity_at_center)
-        paths[name], speeds[name] = center + path.place, path.velocity
+        paths[name], speeds[name] = center + path.displacement, path.velocity
     amplitude = np.reshape([np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]], (count, WITHIN))
-    balls = np.array([x for x, _ in resolved_scene.slider.places])
+    balls = np.array([x for x, _ in resolved_scene.slider.contact_positions])
     section = [np.mean([abs(motion.wave.motion(x)[1]) for x in balls + shift]) for shift in shifts[:-1]]
     panels = (
         Panel(name="velocity", title=f"{resolved_scene.title}: velocity along the stator", data={
@@ -95,7 +95,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
 def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     """Return the range of the slider centre in m in which all balls stay on the free surface of the stator."""
     center = scene.slider.center[0]
-    balls = [x - center for x, _ in scene.slider.places]
+    balls = [x - center for x, _ in scene.slider.contact_positions]
     rows = [each.extent for each in fem_model.transducers(scene)]
     left, right = fem_model.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
     return left - min(balls), right - max(balls)

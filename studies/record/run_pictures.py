@@ -184,7 +184,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
         _window(record, ax, x, sizes, wavelength)
     for each in scene.transducer:
         if each.angle % 180 == 0:  # in the section
-            half, center = each.half_length, each.place[0]
+            half, center = each.half_length, each.center_xy[0]
             shaded(ax, (center - half) * scale, (center + half) * scale)
     for number, (start, stop) in enumerate(record.meshed_pieces):
         shaded(ax, start * scale, stop * scale, None if number else "meshed piece", colour="second")

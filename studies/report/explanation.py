@@ -128,7 +128,7 @@ def band_seconds(scene: Scene, frequencies: np.ndarray, *, tolerance: float) -> 
     """Return the expected time in s of the admittances of a resolved scene at rising frequencies in Hz."""
     plane = replace(scene, slider=None, stator=replace(scene.stator, diffraction=False))
     one = plan(plane, tolerance=tolerance)["expected"]["stator_seconds"]
-    ports = sum(each.has_two_combs for each in scene.transducer) if fem_model.diffracts(scene) else 1
+    ports = sum(each.has_two_electrodes for each in scene.transducer) if fem_model.diffracts(scene) else 1
     return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(scene, frequencies))
 
 
@@ -206,7 +206,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sections * sum(_operations(sizes[k]) for k in resolutions),
         sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
     )
-    reason = fem_model.section_reason(scene.stator, stator, None if slider is None else slider.places)
+    reason = fem_model.section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})
@@ -215,7 +215,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         operations += isotropic_beam if fem.isotropic_about_normal(stator.solid) else CUT_BEAM
     left_out_options = {"beam": not reason, "reason": reason}
     if slider is not None and scene.burst is not None:
-        covered = any(abs(slider.center[0] - each.place[0]) <= each.half_length for each in scene.transducer)
+        covered = any(abs(slider.center[0] - each.center_xy[0]) <= each.half_length for each in scene.transducer)
         if not covered:
             left_out_options["ringing"] = RingUp(error=0.0)
             how = "frequency response over a band; the number of frequencies, and so the time, is not known in advance"

@@ -29,7 +29,7 @@ def draw_surface_map(beam, scene: Scene, ax):
         ax.add_patch(Rectangle(corner, 1e3 * along, 1e3 * across, fill=False, edgecolor=orange, linewidth=1.2))
     elif scene.slider is not None:
         touching = "; points: the slider's contacts"
-        at = 1e3 * np.array(scene.slider.places)
+        at = 1e3 * np.array(scene.slider.contact_positions)
         ax.plot(*at.T, "o", color=orange, markeredgecolor="white", markersize=6)
     for side in (-1, 1):
         ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)

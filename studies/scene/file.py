@@ -57,14 +57,14 @@ class SceneFile:
         try:
             yield
         except SceneError as error:
-            placed = []
+            located = []
             for problem in error.problems:
                 inside = any(f"{problem.path}.".startswith(f"{key}.") for key in self.changed)
-                line = None if problem.place or inside else line_of(problem.path, self.lines)
-                place = problem.place if line is None else f"{self.path}, line {line}"
-                placed.append((line or 0, SceneError(problem.path, problem.rule, place)))
-            placed.sort(key=lambda pair: pair[0])
-            raise SceneError.together(problem for _, problem in placed) from None
+                line = None if problem.location or inside else line_of(problem.path, self.lines)
+                location = problem.location if line is None else f"{self.path}, line {line}"
+                located.append((line or 0, SceneError(problem.path, problem.rule, location)))
+            located.sort(key=lambda pair: pair[0])
+            raise SceneError.together(problem for _, problem in located) from None
 
 
 def _with_whole_paths(table: dict, scene: Path) -> dict:

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from studies.scene.block import Block
-from studies.scene.numbers import Quantity, Row
+from studies.scene.numbers import FixedList, Quantity
 from studies.scene.rule import FLAG, TEXT, Count, Plain
 
 MAX_PILLARS = 1_000_000
 TOUCHING = 1e-9  # relative: pillars of this much less distance than their diameter still stand side by side
 SEED = 2003  # of heights that scatter where the scene gives none
-PAIR = Quantity("m") | Row((Quantity("m"),) * 2, "[along, across]")
+PAIR = Quantity("m") | FixedList((Quantity("m"),) * 2, "[along, across]")
 GRID = ("pitch", "rows", "columns", "area", "height_scatter", "seed")
 
 

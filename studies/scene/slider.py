@@ -5,11 +5,11 @@ from typing import Annotated, Any, ClassVar
 
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.friction import Friction, LawFile, LawText
-from studies.scene.numbers import Listed, Quantity, Row, as_pair, place
+from studies.scene.numbers import FixedList, Listed, Quantity, as_pair, surface_position
 from studies.scene.pillars import Pillars
 from studies.scene.rule import FLAG, TEXT, Count, choice
 
-PLACE = Row((Quantity("m", negative=True),) * 2, "[x, y] in m")
+OFFSET = FixedList((Quantity("m", negative=True),) * 2, "[x, y] in m")
 ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
 
 
@@ -46,7 +46,7 @@ class Slider(Block):
     block: ClassVar[str] = "slider"
     position: Annotated[
         float | tuple[float, float] | Any,
-        place(),
+        surface_position(),
         "Position of the slider's centre: x from the left end of the stator, or [x, y] with y from the middle line."
         " Required with a stator; absent with a given wave.",
     ] = None
@@ -59,7 +59,7 @@ class Slider(Block):
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
         int | tuple[float | tuple[float, float], ...] | None,
-        Count(10_000) | Listed(place(negative=True), distinct=True),
+        Count(10_000) | Listed(surface_position(negative=True), distinct=True),
         "Positions of the balls relative to the slider's centre: a list of x or [x, y]; or the number of balls, all"
         " at the centre. Required without pillars.",
     ] = None
@@ -133,7 +133,7 @@ class Slider(Block):
         "Rotations of a slider on pillars. held: none; pitch: about y; free: about x and y.",
     ] = "held"
     preload_at: Annotated[
-        tuple[float, float], PLACE, "Point of action of the preload on a slider on pillars, [x, y] from its centre."
+        tuple[float, float], OFFSET, "Point of action of the preload on a slider on pillars, [x, y] from its centre."
     ] = (0.0, 0.0)
     load_height: Annotated[
         float, Quantity("m", zero=True), "Height above the surface at which the load acts on a slider on pillars."
@@ -203,7 +203,7 @@ class Slider(Block):
             return
         number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
         if number == 0:
-            yield "heights", "needs slider.contacts as a list of places, one per height"
+            yield "heights", "needs slider.contacts as a list of positions, one per height"
         elif number != len(self.heights):
             yield ("heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}")
 
@@ -232,8 +232,10 @@ class Slider(Block):
 
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
-        if self.contacts is None:  # pillars: the wave is taken at the centre, and marched from row to row
+        """Positions (x, y) of the contacts from the slider's centre, m; a mere number of contacts is at the centre."""
+        if (
+            self.contacts is None
+        ):  # pillars: the wave is computed at the centre and propagated from row to row of pillars
             return ((0.0, 0.0),)
         if isinstance(self.contacts, int):
             return ((0.0, 0.0),) * self.contacts
@@ -251,11 +253,11 @@ class Slider(Block):
 
     @property
     def center(self) -> tuple[float, float]:
-        """Place (x, y) of the slider's centre on the stator, m."""
+        """Position (x, y) of the slider's centre on the stator, m."""
         return as_pair(self.position)
 
     @property
-    def places(self) -> tuple[tuple[float, float], ...]:
-        """Different places (x, y) of the contacts on the stator, m."""
+    def contact_positions(self) -> tuple[tuple[float, float], ...]:
+        """Different positions (x, y) of the contacts on the stator, m."""
         x, y = self.center
         return tuple((x + along, y + across) for along, across in dict.fromkeys(self.offsets))

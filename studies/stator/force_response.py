@@ -121,7 +121,7 @@ class _ForceProblem:
 
     @classmethod
     def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
-        place = scene.places[0] if scene.slider is None else scene.slider.center
+        place = scene.positions[0] if scene.slider is None else scene.slider.center
         stator = fem_model.whole_stator(scene)
         wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)

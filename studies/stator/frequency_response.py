@@ -43,7 +43,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     """
     resolved = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
-    place, at = resolved.places[0][0], passband.frequencies(resolved, count, 161)
+    place, at = resolved.positions[0][0], passband.frequencies(resolved, count, 161)
     driven = resolved.driven_transducer
     prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
@@ -51,7 +51,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
-    way = abs(place - driven.place[0])
+    way = abs(place - driven.center_xy[0])
     free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
     delay = passband.group_delay(at, surface, late)

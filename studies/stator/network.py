@@ -66,7 +66,7 @@ def run(
     at = passband.band_frequencies(resolved, band, count)
     lab_file = None
     if measured is not None:  # what is wrong with the file is said before anything is solved
-        number = sum(each.has_two_combs for each in resolved.transducer)
+        number = sum(each.has_two_electrodes for each in resolved.transducer)
         lab_file = _measured(Path(measured), resolved, number, reference)
     names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance)
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
@@ -78,7 +78,7 @@ def run(
         for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
     ]
     if len(names) > 1:
-        first, second = (each.place[0] for each in resolved.transducer if each.name in names[:2])
+        first, second = (each.center_xy[0] for each in resolved.transducer if each.name in names[:2])
         velocity = fem_model.surface_velocity(resolved.stator)
         way = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], way)

@@ -190,7 +190,7 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     for row in product(*moved.values()):
         with suppress(SceneError):  # said at its point
             slider = scenes.scene(first | dict(zip(moved, row, strict=True))).slider
-            places |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
+            places |= dict.fromkeys(() if slider is None else (slider.center, *slider.contact_positions))
     return tuple(places)
 
 

@@ -94,7 +94,7 @@ def contact_moments(record: Record, *, level: float | None):
         LOGGER.info("solving the stator")
         motion = motion_again(record)
         if motion.beam is None:
-            motion = surface_motion(motion.wave, scene.stator, scene.slider.places)
+            motion = surface_motion(motion.wave, scene.stator, scene.slider.contact_positions)
         record = replace(record, surface_motion=motion)
     LOGGER.info("following the contact")
     driven = DrivenContact.of_run(record)

@@ -56,7 +56,7 @@ def shown_fingers(run: RunField, start: float, stop: float) -> str:
 def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider on the surface of the section or, with ``spreads``, of the beam."""
     listed = []
-    for x, y in () if run.scene.slider is None else run.scene.slider.places:
+    for x, y in () if run.scene.slider is None else run.scene.slider.contact_positions:
         place = x if spreads else run.in_section((x, y))
         crest = abs(run.beam.motion(x, y)[2] if spreads else run.surface(place)[1])
         listed.append(Ball(place=place, lateral=y, radius=run.radius, crest=crest))

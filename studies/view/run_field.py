@@ -154,7 +154,7 @@ def _driven(record: Record) -> RunField:
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
-    places = tuple(dict.fromkeys(map(motion.in_section, scene.places)))
+    places = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
     whole_mesh = fem_model.whole_stator(scene).placement.whole  # a mesh of the whole stator defines the fingers itself
 
     def fingers(transducer, sign: str):

@@ -54,7 +54,7 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
         focus, slider = run.focus[1], run.scene.slider
         half = (0.5 if span == "wavelength" else CLOSE) * run.wavelength
         if span == "slider" and slider is not None:  # include all balls
-            farthest = max(abs(run.in_section(place) - focus) for place in slider.places)
+            farthest = max(abs(run.in_section(place) - focus) for place in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
     if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
@@ -76,7 +76,7 @@ def views(run: RunField) -> tuple[View, ...]:
     """Return the default views: the whole section, the driven transducer and the slider."""
     if run.free:
         return span_views(run, (0.0, run.length))
-    driven, half_length = run.in_section(run.scene.driven_transducer.place), CLOSE * run.wavelength
+    driven, half_length = run.in_section(run.scene.driven_transducer.center_xy), CLOSE * run.wavelength
     start, stop = limits(run, "slider")
     whole = View(name="the whole section", start=0.0, stop=run.length, weight=0.17)
     name = f"driven transducer {run.scene.driven_transducer.name!r}"

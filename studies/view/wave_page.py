@@ -126,7 +126,7 @@ def _places(run: RunField, span) -> list[dict]:
 
     name, focus = run.focus
     listed = [{"name": "whole", "from": 0.0, "to": run.length}]
-    listed += [about(f"transducer {each.name}", run.in_section(each.place), 14) for each in run.scene.transducer]
+    listed += [about(f"transducer {each.name}", run.in_section(each.center_xy), 14) for each in run.scene.transducer]
     listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
     return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
 

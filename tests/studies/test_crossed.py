@@ -80,7 +80,7 @@ def test_a_turned_transducer_within_45_deg_of_x_drives(chip):
     alone, place = fem_model.first_row(turned, turned.slider.center)
     (front,) = alone.transducer
     assert not alone.crossed
-    assert place - front.place[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))
+    assert place - front.center_xy[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))
 
 
 @pytest.mark.slow
