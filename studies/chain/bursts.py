@@ -75,7 +75,9 @@ def _along(driven: DrivenContact, trajectory, level: float):
     averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
     with_change = with_travel(trajectory, travel)
     error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
-    return replace(with_change, answer=replace(with_change.answer, error=error)), {"travel_m": float(travel.place[-1])}
+    return replace(with_change, answer=replace(with_change.answer, error=error)), {
+        "travel_m": float(travel.displacement[-1])
+    }
 
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:

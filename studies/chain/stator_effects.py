@@ -1,8 +1,7 @@
 """Estimates of the effects on u_z and on the power that the model of a driven stator neglects.
 
-Each function takes the record of a run and yields (effect, quantity, size, source) as `studies.chain.model_error`
-describes.  The size of the finite aperture is that of a ripple; its sign may be wrong in cuts in which a beam hardly
-spreads.
+Each function takes the record of a run and yields the fields of an `Effect`.  The size of the finite aperture is that
+of a ripple; its sign may be wrong in cuts in which a beam hardly spreads.
 
 Sources:
 
@@ -13,6 +12,7 @@ Sources:
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,10 +37,20 @@ VACUUM_FACTOR = 4.0
 NONLINEARITY, LISTED = 5.0, 0.01
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
-Rows = Iterator[tuple]  # effect, quantity, size, source and, for a size that is not relative, its unit
+Effects = Iterator[tuple]  # fields of `Effect`
 
 
-def stator_effects(record: Record) -> Rows:
+class Effect(NamedTuple):
+    """A neglected effect; its fields are keys of run.json."""
+
+    effect: str
+    quantity: str  # what it changes
+    size: float  # relative change or, with a unit, change in that
+    source: str
+    unit: str = ""
+
+
+def stator_effects(record: Record) -> Effects:
     """Yield the neglected effects on u_z; they do not depend on the level."""
     for each in (_aperture, _finger_ends, vacuum_effect, _electrode_mass):
         yield from each(record)
@@ -51,7 +61,7 @@ def wavelength(record: Record) -> float:
     return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
 
 
-def _aperture(record: Record) -> Rows:
+def _aperture(record: Record) -> Effects:
     """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
     motion, block = record.surface_motion, record.scene.stator
     places = record.scene.contact_positions
@@ -79,7 +89,7 @@ def _aperture(record: Record) -> Rows:
     yield "side faces", "u_z", worst, how
 
 
-def _crossed(record: Record, places) -> Rows:
+def _crossed(record: Record, places) -> Effects:
     """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
     amplitude, solid = abs(beam.motion(x, y)[2]), fem_model.solid(record.scene.stator)
@@ -107,7 +117,7 @@ def _spread(record: Record, x, y) -> np.ndarray:
     return curve.spectrum(driven.aperture, np.subtract(x, driven.center_xy[0]), y)
 
 
-def _finger_ends(record: Record) -> Rows:
+def _finger_ends(record: Record) -> Effects:
     """Yield the effect of the charge distribution along the fingers.
 
     The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
@@ -136,7 +146,7 @@ def _finger_ends(record: Record) -> Rows:
     yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
 
 
-def vacuum_effect(record: Record) -> Rows:
+def vacuum_effect(record: Record) -> Effects:
     """Yield the effect of the field in the vacuum on u_z, which is of second order.
 
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
@@ -177,7 +187,7 @@ def amplitude_per_power(record: Record) -> float | None:
     return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
 
 
-def _electrode_mass(record: Record) -> Rows:
+def _electrode_mass(record: Record) -> Effects:
     constant, wave = amplitude_per_power(record), record.wave
     if constant is None:
         return
@@ -196,7 +206,7 @@ def surface_strain(record: Record, level: float) -> float:
     return 2 * math.pi / wavelength(record) * level * float(abs(record.surface["u_x_m_per_V"]).max())
 
 
-def large_strain(record: Record, level: float) -> Rows:
+def large_strain(record: Record, level: float) -> Effects:
     """Yield the effect of a strain beyond linear elasticity, from `LISTED` on."""
     strain = surface_strain(record, level)
     if NONLINEARITY * strain >= LISTED:
@@ -204,7 +214,7 @@ def large_strain(record: Record, level: float) -> Rows:
         yield "nonlinear elasticity", "u_z", NONLINEARITY * strain, how
 
 
-def heating(record: Record) -> Rows:
+def heating(record: Record) -> Effects:
     """Yield the power that may heat the stator, at the largest level."""
     highest = max(record.scene.levels, default=0.0)
     power = record.electrical["power_W_per_V2"] * highest**2
