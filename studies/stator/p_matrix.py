@@ -125,9 +125,10 @@ def figure(record: Panel, ax):
     if "transmission" in data:
         rows = (("reflection", "-", "line", "|P11|"), ("transmission", "--", "slip", "|P21|"))
         return lines(ax, record, "frequency_Hz", rows, "reflection")
-    curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
-    sent = data["excitation_squared_S"] * 1e3
-    curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")
+    up = quantity("admittance_S")
+    curve(ax, at, data["admittance_S"].real * up.scale, "o", "slip", f"Re P33 ({up.shown})")
+    sent = data["excitation_squared_S"] * up.scale
+    curve(ax, at, sent, "-", "slip", f"|P13|\u00b2 + |P23|\u00b2 ({up.shown}): the surface wave's part")
     reflection = ax.twinx()
     for key, style, name in (
         ("reflection_shorted", "--", "|P11|, electrodes shorted"),
