@@ -72,4 +72,4 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
     lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=size)
-    finished(lower, along.axis, "residual (std. deviations)", "", columns=0)
+    finished(lower, along.axis, quantity("residual").axis, "", columns=0)

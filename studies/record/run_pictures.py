@@ -1,7 +1,7 @@
 """The pictures of a run, each drawn from its record on an Axes; files are named by `pictures`."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,10 +66,11 @@ def draw_scan(block: dict, ax):
     return finished(ax, along.axis, up.axis, f"Measured over computed: {block['quantity']}", columns=2)
 
 
-def draw_run(record: "Record", folder: Path) -> None:
-    """Draw the pictures that a record has, into a directory."""
+def draw_run(record: "Record", folder: Path, names: Sequence[str] | None = None) -> None:
+    """Draw the pictures that a record has, or those of some names, into a directory."""
     for name, draw in pictures(record).items():
-        saved(folder / f"{name}.png", draw)
+        if names is None or name in names:
+            saved(folder / f"{name}.png", draw)
 
 
 def velocity(record: "Record", ax):
@@ -220,6 +221,7 @@ def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
     if slider is not None:
         window.axvline(middle, color=COLOURS["line"], linestyle=":")
     window.set_ylim(bottom=0)
+    window.set_in_layout(False)  # it lies within the axes
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
     window.text(0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small")
@@ -237,7 +239,7 @@ def profile(record: "Record", ax):
             curve(ax, depth, part, ".-", colour, label)
     velocity = quantity("phase_velocity_m_per_s").with_unit(record.wave["phase_velocity_m_per_s"])
     title = f"{record.scene.title}: {velocity}"
-    return finished(ax, across.axis, "displacement over u_z at the surface", title)
+    return finished(ax, across.axis, quantity("relative_displacement").axis, title)
 
 
 def errors(record: "Record", ax):
