@@ -190,7 +190,7 @@ def driven_contact(
             "are not known here: run, sweep, fit, design, datasheet, load_line and sensitivity take them",
         )
     if resolved_scene.wave is not None:
-        return DrivenContact.given(resolved_scene)
+        return DrivenContact.prescribed(resolved_scene)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)

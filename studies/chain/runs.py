@@ -85,7 +85,7 @@ def run(
 def _run(scene: Scene, tolerance: float) -> Record:
     scene = resolve.resolved(scene)
     if scene.wave is not None:
-        record = _given(scene, tolerance)
+        record = _prescribed(scene, tolerance)
     elif scene.transducer:
         contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True)
         record = _driven(scene, contacts)
@@ -99,10 +99,10 @@ def _run(scene: Scene, tolerance: float) -> Record:
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, tolerance: float) -> Record:
+def _prescribed(scene: Scene, tolerance: float) -> Record:
     """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
-    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance)
+    answer = slider_answer(DrivenContact.prescribed(scene), tolerance=tolerance)
     return Record(
         scene=scene,
         tolerance=tolerance,

@@ -78,10 +78,10 @@ def response(
 
 def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    block, row = fem_model.whole_stator(scene), fem_model.section_transducers(scene)
+    block, transducers = fem_model.whole_stator(scene), fem_model.section_transducers(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
-    if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, row, ()):
+    if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, transducers, ()):
         return np.split(frequencies, len(frequencies))
     return bands
 
@@ -119,8 +119,8 @@ def _edges(lowest: float, highest: float) -> list[float]:
 
 def _takes_bands(block, transducers, positions) -> bool:
     """Return whether bands can be used: whole gaps everywhere, no finger left out, no position under a transducer."""
-    row = tuple(sorted(transducers, key=lambda each: each.center))
-    for each, gaps in zip(row, fem.outer_gaps(block, row), strict=True):
+    ordered = tuple(sorted(transducers, key=lambda each: each.center))
+    for each, gaps in zip(ordered, fem.outer_gaps(block, ordered), strict=True):
         left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]
         narrow = any(gap < each.half_gap * (1 - 1e-9) for gap in gaps)
         if "0" in each.signs or narrow or any(left <= position <= right for position in positions):

@@ -1,9 +1,9 @@
 """Motion of the surface under the slider, per volt: of the finite aperture where that is known, else of the section.
 
-The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
-amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses between the two; every
-answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
-them (`fem.crossed_beam`); the section of the motion is then that of the driven row whose waves run nearest to x.
+The motion of the section depends on x alone.  The beam (`fem.surface_beam`) distributes the section's charges over the
+aperture, so that the amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses
+between the two for all answers.  Rotated transducers have a section for each group of parallel ones
+(`fem.crossed_beam`); the section of the motion is then that of the driven group whose waves run nearest to x.
 """
 
 from dataclasses import dataclass, field
@@ -114,9 +114,11 @@ def solved_motion(
     """
     slider = scene.slider is not None if slider is None else slider
 
-    def solve(stator, row, drive, at):
+    def solve(stator, transducers, drive, x):
         try:
-            return fem.driven_wave(stator, row, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=at)
+            return fem.driven_wave(
+                stator, transducers, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=x
+            )
         except fem.ConvergenceError as error:
             if error.reached is None or not missed:
                 raise
