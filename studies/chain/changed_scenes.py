@@ -53,7 +53,7 @@ class ChangedScenes:
         return Scene(**blocks)
 
     def resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
-        """Return the scene with numbers for automatic values, and its stator alone at 1 V, None on a prescribed wave."""
+        """Return the scene with numbers for automatic values, and its stator alone at 1 V, None for a [wave]."""
         scene, stator = self.scene(changes), None
         blocks: dict[str, Any] = {}
         if scene.stator is not None:
