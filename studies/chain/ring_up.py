@@ -84,11 +84,11 @@ def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
 
 def ring_up(scene: Scene, point: tuple[float, float]) -> RingUp:
     """Return the ring-up at a point (x, y) in m of a scene with transducers, a burst and a frequency."""
-    scene, x = fem_model.first_row(scene, point)
+    scene, x = fem_model.first_section(scene, point)
     driven = scene.driven_transducer
     half_band = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
     low, high = scene.frequency - half_band, scene.frequency + half_band
-    over_band = response(scene, low, high, places=(x,), tolerance=TOLERANCE)
+    over_band = response(scene, low, high, positions=(x,), tolerance=TOLERANCE)
     LOGGER.info("stator: ring-up of the burst")
     try:
         return RingUp.of(

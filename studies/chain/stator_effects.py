@@ -64,34 +64,34 @@ def wavelength(record: Record) -> float:
 def _aperture(record: Record) -> Effects:
     """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
     motion, block = record.surface_motion, record.scene.stator
-    places = record.scene.contact_positions
+    positions = record.scene.contact_positions
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
         spans = [each.extent for each in fem_model.transducers(record.scene)]
-        covered = any(low <= x <= high for x, _ in places for low, high in spans)
+        covered = any(low <= x <= high for x, _ in positions for low, high in spans)
     else:
-        covered = any(motion.covered(place) for place in places)
+        covered = any(motion.covered(position) for position in positions)
     if covered:
         return
     if motion.beam is None:
-        worst = max(_spread(record, *zip(*places, strict=True)) - 1, key=abs)
+        worst = max(_spread(record, *zip(*positions, strict=True)) - 1, key=abs)
         how = "angular spectrum of the driven aperture, on the cut's slowness curve"
         yield "finite aperture", "u_z", float(worst), how
         return
     if record.scene.crossed:
-        yield from _crossed(record, places)
+        yield from _crossed(record, positions)
         return
-    beam, at = motion.beam, tuple(zip(*places, strict=True))
+    beam, at = motion.beam, tuple(zip(*positions, strict=True))
     other = beam.with_side_faces(None if block.mirror_width else block.width)
-    ratios = abs(other.motion(*at)[2] / motion.at(places)[2])
+    ratios = abs(other.motion(*at)[2] / motion.at(positions)[2])
     worst = max((float(each) - 1 for each in ratios), key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", "u_z", worst, how
 
 
-def _crossed(record: Record, places) -> Effects:
+def _crossed(record: Record, positions) -> Effects:
     """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
-    beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
+    beam, (x, y) = record.surface_motion.beam, zip(*positions, strict=True)
     amplitude, solid = abs(beam.motion(x, y)[2]), fem_model.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / amplitude).max())
     how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
@@ -125,11 +125,11 @@ def _finger_ends(record: Record) -> Effects:
     """
     driven, motion = record.scene.driven_transducer, record.surface_motion
     beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
-    places = record.scene.contact_positions
-    if beam is None or any(motion.covered(place) for place in places):
+    positions = record.scene.contact_positions
+    if beam is None or any(motion.covered(position) for position in positions):
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
-    at = tuple(zip(*places, strict=True))
+    at = tuple(zip(*positions, strict=True))
     charge_error = beam.charge_error(*at)
     if charge_error is not None:
         yield (effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers")
@@ -139,7 +139,7 @@ def _finger_ends(record: Record) -> Effects:
         return
     stator = fem_model.stator(record.scene.stator)
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
-    changes = abs(longer.motion(*at)[2]) / abs(motion.at(places)[2]) - 1
+    changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
     remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
     effect = "ripple of the charge along the fingers"

@@ -45,16 +45,16 @@ class WaveAlong:
     @classmethod
     def under(cls, slider: Slider, motion: SurfaceMotion) -> Self:
         """Return the orbits under a slider on the motion of a stator's surface."""
-        wave, places = motion.wave, slider.contact_positions
+        wave, positions = motion.wave, slider.contact_positions
 
         def orbit(u_x, u_z):
             return contact.Orbit(frequency=wave.frequency, normal=complex(u_z), tangential=complex(u_x))
 
         def orbits(displacements):
-            balls = np.array([motion.along(x + displacements, y) for x, y in places])
+            balls = np.array([motion.along(x + displacements, y) for x, y in positions])
             return [tuple(orbit(u_x, u_z) for u_x, _, u_z in at) for at in np.moveaxis(balls, 2, 0)]
 
-        limits = -min(x for x, _ in places), wave.length - max(x for x, _ in places)
+        limits = -min(x for x, _ in positions), wave.length - max(x for x, _ in positions)
         return cls(wavelength=wave.phase_velocity / wave.frequency, limits=limits, orbits=orbits)
 
     def scaled(self, factor: float) -> "WaveAlong":

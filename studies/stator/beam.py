@@ -46,7 +46,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     """
     row_scene = whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "place")
-    row_scene, place = fem_model.first_row(row_scene, row_scene.positions[0])
+    row_scene, place = fem_model.first_section(row_scene, row_scene.positions[0])
     transducers, driven = fem_model.transducers(row_scene), fem_model.driven(row_scene)
     section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:

@@ -42,7 +42,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     """
     resolved = passband.driven_scene(scene)
     stator = stator_beside_pieces(resolved)
-    row = tuple(sorted(fem_model.section_row(resolved), key=lambda each: each.center))
+    row = tuple(sorted(fem_model.section_transducers(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
