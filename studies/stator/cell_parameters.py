@@ -103,8 +103,8 @@ def figure(record: Panel, ax):
     for name, colour in (("shorted", "slip"), ("open", "intermittent")):
         curve(ax, at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")
         curve(decay, at, data[f"{name}_decay"], "-", colour, f"{name}: decay")
-        edges = (data[f"{name}_{edge}_Hz"] * across.scale for edge in ("lower", "upper"))
-        shaded(ax, *edges, f"{name}: stop band", colour=colour)
+        low, high = (data[f"{name}_{edge}_Hz"] * across.scale for edge in ("lower", "upper"))
+        shaded(ax, low, high, f"{name}: stop band", colour=colour)
         height, label = data[f"{name}_reflectivity"], f"{name}: |r| of a finger"
         decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
     decay.set_ylabel(quantity("finger_decay").axis)
