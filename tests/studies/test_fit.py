@@ -27,7 +27,7 @@ LEVELS = tuple(np.linspace(1.0, 4.0, 7))
 class Model:
     """A predictor whose answer is a formula of its numbers and the level."""
 
-    given_wave, one_by_one, table = True, False, {}
+    prescribed_wave, one_by_one, table = True, False, {}
 
     def __init__(self, formula, **own):
         self.formula, self.own = formula, own
@@ -290,7 +290,7 @@ def test_a_file_that_is_no_measurement_is_refused(tmp_path, text, settings, word
         ("slider.preload=4 mN:1 mN", "LOW below HIGH"),
         ("slider.law=0:1", "must be a number of a scene"),
         ("slider.preloads=1:2", "is no key of a scene"),
-        ("wave.normal_amplitude=1e-9:2e-9", "given by the measurement"),
+        ("wave.normal_amplitude=1e-9:2e-9", "follows from each measured point"),
         ("friction=0:1", "is no key of a scene"),
     ],
 )
