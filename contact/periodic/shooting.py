@@ -128,7 +128,7 @@ class _CycleMap:
             keeps = np.flatnonzero((np.arange(y.size) < 3) | (kept * towards > FORGOTTEN))
         for k in keeps:
             columns[:, k] = towards[k] * change(towards[k] * np.eye(y.size)[k])
-        forgets = np.setdiff1d(np.arange(y.size), keeps)
+        forgets = np.delete(np.arange(y.size), keeps)
         if forgets.size:
             left, sizes, _ = np.linalg.svd(columns[forgets, :3], full_matrices=False)
             for shape, size in zip(left.T, sizes, strict=True):

@@ -109,8 +109,8 @@ class DrivenContact:
 
         ``motion``: of the surface, of which sliders on pillars need more than the orbits.
         """
-        places, slider = scene.positions, scene.slider
-        first, passing = solved.at[places[0]], None
+        positions, slider = scene.positions, scene.slider
+        first, passing = solved.at[positions[0]], None
         amplitudes = abs(first.normal), abs(first.tangential)
         if scene.on_pillars:
             from studies.chain.slider_wave import mean_amplitudes, stator_wave
@@ -120,7 +120,7 @@ class DrivenContact:
         return cls(
             scene=scene, orbits=() if slider is None else solved.orbits(slider.contact_positions), solved=solved,
             passing=passing, amplitudes=amplitudes,
-            stator_error=max(solved.at[place].relative_error for place in places),
+            stator_error=max(solved.at[position].relative_error for position in positions),
         )  # fmt: skip
 
     @classmethod

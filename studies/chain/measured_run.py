@@ -6,7 +6,7 @@ import numpy as np
 
 from studies.chain import fem_model
 from studies.chain.predictor import Predictor
-from studies.chain.scan_prediction import along_places, over_frequency, placed
+from studies.chain.scan_prediction import over_frequency, placed, scan_component
 from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
@@ -38,7 +38,7 @@ def beside(record: Record, measured: Measurement) -> dict:
     if scan.kind == "frequency":
         predicted = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3))
     else:
-        predicted = along_places(record.surface_motion, scan)
+        predicted = scan_component(record.surface_motion, scan)
     return scan_block(scene, scan, predicted)
 
 

@@ -1,4 +1,4 @@
-"""From a scene to pillars on a passing wave: places, heights, stiffnesses, and the waves from both sides.
+"""From a scene to pillars on a passing wave: positions, heights, stiffnesses, and the waves from both sides.
 
 A pillar of radius a, height h, cross-section A = pi a^2 and second moment I = pi a^4/4 on the pair's moduli E* and G*:
 
@@ -84,8 +84,8 @@ def layout(slider: Slider) -> Layout:
         across = np.ptp(y) / (lines - 1) if 1 < lines < 2 * math.sqrt(x.size) else pitch
     else:
         (along, across), counts = block.pitches, block.counts
-        places = [(np.arange(n) - (n - 1) / 2) * p for n, p in zip(counts, (along, across), strict=True)]
-        x, y = (each.ravel() for each in np.meshgrid(*places, indexing="ij"))
+        positions = [(np.arange(n) - (n - 1) / 2) * p for n, p in zip(counts, (along, across), strict=True)]
+        x, y = (each.ravel() for each in np.meshgrid(*positions, indexing="ij"))
         heights = np.zeros(x.size)
         if block.height_scatter > 0.0:
             seed = SEED if block.seed is None else block.seed

@@ -56,8 +56,8 @@ class Predictor(ChangedContacts):
         predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1)
         resolved, stator = predictor.resolved({})
         if stator is not None:
-            places = predictor.own_and_shared_places(resolved)[0]
-            predictor._solved[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
+            positions = predictor.own_and_shared_positions(resolved)[0]
+            predictor._solved[stator, positions, 0] = SolvedStator.of(record.surface_motion, positions)
         return predictor
 
     def answers(

@@ -11,10 +11,8 @@ LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
 MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
 MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
-USUAL_VELOCITIES = (
-    200.0,
-    20e3,
-)  # m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
+# m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
+USUAL_VELOCITIES = (200.0, 20e3)
 # Radius of the contact area at rest over the wavelength. Above it, the surface under a contact is not flat and not in
 # phase, as the contact model assumes.
 MAX_CONTACT_SHARE = 0.05
@@ -46,7 +44,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         )
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (
-            f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
+            f"contacts = {slider.contacts} means {slider.contacts} balls at one position, moved by the same wave: "
             'give their offsets along x instead, such as contacts = ["-5 mm", "5 mm"]'
         )
 
@@ -95,7 +93,7 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
     if distance < diameter * (1 - 1e-12):
         yield (
             f"{balls} of {diameter * 1e3:g} mm overlap: slider.contacts {first + 1} and {second + 1} are "
-            f"{distance * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
+            f"{distance * 1e3:.4g} mm apart: a smaller slider.radius, or positions further apart"
         )
 
 

@@ -2,7 +2,7 @@
 
 `fem.frequency_band` takes a band of limited width and transducers whose gaps are all whole; a wider range is cut
 into several bands.  Where it cannot be used (fingers left out, a neighbour or an end nearer than half a gap, a
-place under a transducer) every frequency is solved alone: slower, with the same numbers.
+position under a transducer) every frequency is solved alone: slower, with the same numbers.
 """
 
 import logging
@@ -49,13 +49,15 @@ class Response:
         return list(each(lambda frequency: self.wave(float(frequency), drive), frequencies))
 
 
-def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float, ...], tolerance: float) -> Response:
+def response(
+    scene: Scene, lowest: float, highest: float, *, positions: tuple[float, ...], tolerance: float
+) -> Response:
     """Prepare a resolved scene with transducers for frequencies from lowest to highest (Hz).
 
-    ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
+    ``positions``: where the motion is evaluated, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = fem_model.whole_stator(scene), fem_model.section_row(scene)
-    common = {"drive": fem_model.drive(scene), "tolerance": tolerance, "places": tuple(places)}
+    block, transducers = fem_model.whole_stator(scene), fem_model.section_transducers(scene)
+    common = {"drive": fem_model.drive(scene), "tolerance": tolerance, "places": tuple(positions)}
 
     def alone(frequency: float):
         LOGGER.info(f"stator: {frequency / 1e6:.5g} MHz")
@@ -63,7 +65,7 @@ def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float
             return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
 
     bands = []
-    if _takes_bands(block, transducers, places):
+    if _takes_bands(block, transducers, positions):
         for low, high in pairwise(_edges(lowest, highest)):
             LOGGER.info(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
             try:
@@ -76,7 +78,7 @@ def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float
 
 def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    block, row = fem_model.whole_stator(scene), fem_model.section_row(scene)
+    block, row = fem_model.whole_stator(scene), fem_model.section_transducers(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
     if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, row, ()):
@@ -115,12 +117,12 @@ def _edges(lowest: float, highest: float) -> list[float]:
     return [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
 
 
-def _takes_bands(block, transducers, places) -> bool:
-    """Return whether bands can be used: whole gaps everywhere, no finger left out, no place under a transducer."""
+def _takes_bands(block, transducers, positions) -> bool:
+    """Return whether bands can be used: whole gaps everywhere, no finger left out, no position under a transducer."""
     row = tuple(sorted(transducers, key=lambda each: each.center))
     for each, gaps in zip(row, fem.outer_gaps(block, row), strict=True):
         left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]
         narrow = any(gap < each.half_gap * (1 - 1e-9) for gap in gaps)
-        if "0" in each.signs or narrow or any(left <= place <= right for place in places):
+        if "0" in each.signs or narrow or any(left <= position <= right for position in positions):
             return False
     return True

@@ -171,13 +171,13 @@ def _section(record: Record) -> Iterator[str]:
 
 def _left_out(record: Record) -> Iterator[str]:
     """Yield a warning for each neglected effect that changes u_z or the velocity by ``DECIDES`` or more."""
-    for row in record.model_error:
-        size, quantity = row["size"], row["quantity"]
+    for each in record.model_error:
+        effect, quantity, size = each["effect"], each["quantity"], each["size"]
         # `_section` warns about the finite aperture
-        if quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture":
+        if quantity in SHARED and abs(size) >= DECIDES and effect != "finite aperture":
             yield (
-                f"model error: a neglected effect ({row['effect']}) changes {quantity} by about {percent(size)} "
-                f"({row['source']}); the numerical error does not include it"
+                f"model error: a neglected effect ({effect}) changes {quantity} by about {percent(size)} "
+                f"({each['source']}); the numerical error does not include it"
             )
 
 

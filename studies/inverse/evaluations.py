@@ -9,7 +9,7 @@ import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studies.chain.solved_stator import PLACE_KEYS
+from studies.chain.solved_stator import POSITION_KEYS
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at
@@ -41,7 +41,7 @@ def planned(table: dict, variables: tuple[Parameter, ...], *, also, tolerance: f
         levels = value_at(table, level)
         table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
     plan = designed(table, {each.key: [each.low, each.high] for each in variables}, tolerance=tolerance, also=also)
-    if any(key in PLACE_KEYS for key in keys):  # each point has its own contact positions
+    if any(key in POSITION_KEYS for key in keys):  # each point has its own contact positions
         plan = replace(plan, question=replace(plan.question, places=()))
     return plan
 

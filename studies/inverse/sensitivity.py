@@ -24,6 +24,7 @@ from studies.chain.pillars import layout
 from studies.inverse.elasticity import SIDE, answers_at, answers_of_slider, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record.plots import COLOURS, finished
+from studies.record.quantities import quantity
 from studies.report.explanation import plan
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
@@ -171,4 +172,4 @@ def figure(record: Panel, ax):
     ax.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize="small")
     ax.invert_yaxis()
     ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)
-    return finished(ax, f"change of the {record.data['outcome']} (%)", "", record.title)
+    return finished(ax, f"change of the {record.data['outcome']} ({quantity('change').shown})", "", record.title)

@@ -247,17 +247,23 @@ def figure(record: Panel, ax):
     """Draw the remaining distance to the target for both moves, or the steps of short bursts."""
     data = record.data
     if record.name == "single_steps":
-        curve(ax, data["cycles"], data["exact_m"] * 1e9, "-", "line", "stays, followed through every cycle")
-        curve(ax, data["cycles"], data["averaged_m"] * 1e9, "o", "slip", "stays, averaged motor", size=4.0)
-        curve(ax, data["cycles"], data["farthest_m"] * 1e9, "--", "stick", "farthest on the way")
-        ax.axhspan(-data["elastic_m"] * 1e9, data["elastic_m"] * 1e9, color=COLOURS["stick"], alpha=0.2, linewidth=0,
-                   label="elastic deformation of the contacts")  # fmt: skip
+        across, up = quantity("drive_cycles"), quantity("burst_step_m")
+        for key, style, colour, label, size in (
+            ("exact_m", "-", "line", "stays, followed through every cycle", 3.0),
+            ("averaged_m", "o", "slip", "stays, averaged motor", 4.0),
+            ("farthest_m", "--", "stick", "farthest on the way", 3.0),
+        ):
+            curve(ax, data["cycles"], data[key] * up.scale, style, colour, label, size=size)
+        elastic, label = data["elastic_m"] * up.scale, "elastic deformation of the contacts"
+        ax.axhspan(-elastic, elastic, color=COLOURS["stick"], alpha=0.2, linewidth=0, label=label)
         ax.set_yscale("symlog", linthresh=1.0)
-        return finished(ax, "cycles of the drive", "step (nm)", record.title, columns=2)
+        return finished(ax, across.axis, up.axis, record.title, columns=2)
+    across, up = quantity("time_s"), quantity("target_offset_m")
     for name, colour in (("there", "slip"), ("back", "stick")):
         if f"{name}_time_s" in data:
-            at, target = data[f"{name}_time_s"] * 1e3, data[f"{name}_target_m"] * 1e9
-            curve(ax, at, data[f"{name}_position_m"] * 1e9 - target, "-", colour, f"{name}, to {target / 1e3:g} um")
+            target, position = data[f"{name}_target_m"], data[f"{name}_position_m"]
+            offset, label = (position - target) * up.scale, f"{name}, to {target * 1e6:g} um"
+            curve(ax, data[f"{name}_time_s"] * across.scale, offset, "-", colour, label)
     ax.axhspan(-2.0, 2.0, color=COLOURS["line"], alpha=0.15, linewidth=0, label="2 nm")
     ax.set_yscale("symlog", linthresh=2.0)
-    return finished(ax, quantity("time_s").axis, "position less the target (nm)", record.title, columns=3)
+    return finished(ax, across.axis, up.axis, record.title, columns=3)

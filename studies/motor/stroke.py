@@ -62,7 +62,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
         velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
         velocity_at_center = float(rows[-1][0])
         path = travelled(slider, along, level, duration, duration * velocity_at_center)
-        paths[name], speeds[name] = center + path.place, path.velocity
+        paths[name], speeds[name] = center + path.displacement, path.velocity
     amplitude = np.reshape([np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]], (count, WITHIN))
     balls = np.array([x for x, _ in resolved_scene.slider.contact_positions])
     section = [np.mean([abs(motion.wave.motion(x)[1]) for x in balls + shift]) for shift in shifts[:-1]]

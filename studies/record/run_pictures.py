@@ -1,7 +1,7 @@
 """The pictures of a run, each drawn from its record on an Axes; files are named by `pictures`."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,10 +66,11 @@ def draw_scan(block: dict, ax):
     return finished(ax, along.axis, up.axis, f"Measured over computed: {block['quantity']}", columns=2)
 
 
-def draw_run(record: "Record", folder: Path) -> None:
-    """Draw the pictures that a record has, into a directory."""
+def draw_run(record: "Record", folder: Path, names: Sequence[str] | None = None) -> None:
+    """Draw the pictures that a record has, or those of some names, into a directory."""
     for name, draw in pictures(record).items():
-        saved(folder / f"{name}.png", draw)
+        if names is None or name in names:
+            saved(folder / f"{name}.png", draw)
 
 
 def velocity(record: "Record", ax):
@@ -153,7 +154,7 @@ def trajectories(record: "Record", ax):
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
-        label = f"{level * shown.scale:g} {shown.shown}" if index in (0, count) else None
+        label = shown.with_unit(level) if index in (0, count) else None
         time, velocity = motion.time * across.scale, motion.velocity * up.scale
         ax.plot(time, velocity, color=colours(index / count), linewidth=1, label=label)
     return finished(ax, across.axis, up.axis, record.scene.title)
@@ -198,7 +199,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
         ):
             curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
-    title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
+    title = f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave['frequency_Hz'])}"
     return finished(ax, label, up.axis, title, columns=3, grid=False)
 
 
@@ -220,6 +221,7 @@ def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
     if slider is not None:
         window.axvline(middle, color=COLOURS["line"], linestyle=":")
     window.set_ylim(bottom=0)
+    window.set_in_layout(False)  # it lies within the axes
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
     window.text(0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small")
@@ -235,8 +237,9 @@ def profile(record: "Record", ax):
         if abs(values).max() > 1e-9:
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
-    title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
-    return finished(ax, across.axis, "displacement over u_z at the surface", title)
+    velocity = quantity("phase_velocity_m_per_s").with_unit(record.wave["phase_velocity_m_per_s"])
+    title = f"{record.scene.title}: {velocity}"
+    return finished(ax, across.axis, quantity("relative_displacement").axis, title)
 
 
 def errors(record: "Record", ax):

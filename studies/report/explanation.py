@@ -171,9 +171,9 @@ def explanation(plan: dict) -> str:
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
-    slider, (along, _) = scene.slider, fem_model.first_row(scene, (0.0, 0.0))
+    slider, (along, _) = scene.slider, fem_model.first_section(scene, (0.0, 0.0))
     stator, row = fem_model.whole_stator(along), fem_model.transducers(along)
-    sections = len(fem_model.rows(scene)) if scene.crossed else 1
+    sections = len(fem_model.transducer_groups(scene)) if scene.crossed else 1
     resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error

@@ -127,7 +127,7 @@ class _ForceProblem:
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
         if not reason and stator.ends != "absorbing":
             reason = "the beam of a force needs stator.ends = 'absorbing'"
-        narrowest = min(each.aperture for each in fem_model.section_row(scene))
+        narrowest = min(each.aperture for each in fem_model.section_transducers(scene))
         if reason and width is not None:
             scene.refuse("stator", f"must allow a beam for a strip of a given width: {reason}")
         own = width or (narrowest if reason else wavelength / 2)
@@ -167,7 +167,7 @@ class _ForceProblem:
         try:
             with answered(f"at {frequency / 1e6:.6g} MHz"):
                 return solve(
-                    fem_model.whole_stator(scene), fem_model.section_row(scene), frequency=float(frequency),
+                    fem_model.whole_stator(scene), fem_model.section_transducers(scene), frequency=float(frequency),
                     tolerance=self.tolerance, drive=fem_model.drive(scene), **options,
                 )  # fmt: skip
         except fem.InputError as error:
@@ -218,8 +218,8 @@ def _band(problem: _ForceProblem, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
     scene = problem.scene
     return fem.frequency_band(
-        fem_model.whole_stator(scene), fem_model.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
-        drive=fem_model.drive(scene), tolerance=problem.tolerance, places=(problem.place[0],),
+        fem_model.whole_stator(scene), fem_model.section_transducers(scene), lowest=float(at.min()),
+        highest=float(at.max()), drive=fem_model.drive(scene), tolerance=problem.tolerance, places=(problem.place[0],),
     )  # fmt: skip
 
 
@@ -234,7 +234,7 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
         LOGGER.info("stator: the response to a volt")
         driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.place[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
-        own = next(each.aperture for each in fem_model.section_row(scene) if each.name == name)
+        own = next(each.aperture for each in fem_model.section_transducers(scene) if each.name == name)
         for component, answer in answers.items():
             moved = driven.motion(problem.place[0])["xz".index(component)] * own / problem.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]

@@ -45,7 +45,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
     place, at = resolved.positions[0][0], passband.frequencies(resolved, count, 161)
     driven = resolved.driven_transducer
-    prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance)
+    prepared = response(resolved, at[0], at[-1], positions=(place,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, fem_model.drive(resolved))
     normal = np.array([each.motion(place)[1] for each in waves])

@@ -174,7 +174,7 @@ def figure(record: Panel, ax):
             # equal transducers reflect alike: the second reflection is dashed over the first
             broken = {"dashes": (5, 4)} if style == "-" and i == j > 0 else {}
             ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}", **broken)
-    return finished(ax, across, "magnitude (dB)", record.title)
+    return finished(ax, across, quantity("magnitude").axis, record.title)
 
 
 def _smith(record: Panel, ax):

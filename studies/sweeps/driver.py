@@ -159,7 +159,7 @@ def solved_points(
 @lru_cache(2)
 def _predictor(question: Question) -> Predictor:
     """Return the predictor of a question, the same for all batches that a process is given."""
-    shared = Shared(places=question.places, limits=question.frequencies, slider=question.has_slider)
+    shared = Shared(positions=question.places, limits=question.frequencies, slider=question.has_slider)
     return Predictor(question.table, tolerance=question.tolerance, shared=shared, coarse=question.coarse)
 
 

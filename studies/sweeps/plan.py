@@ -17,7 +17,7 @@ import numpy as np
 
 from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
-from studies.chain.solved_stator import PLACE_KEYS, of_stator
+from studies.chain.solved_stator import POSITION_KEYS, of_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.sweeps.axes import Axis, axis, level_key, point_axis
@@ -62,7 +62,7 @@ class Question:
     @property
     def stator_keys(self) -> tuple[str, ...]:
         """The keys whose every value needs a stator of its own."""
-        own = (key for key in self.keys if of_stator(key) or (key in PLACE_KEYS and not self.places))
+        own = (key for key in self.keys if of_stator(key) or (key in POSITION_KEYS and not self.places))
         return tuple(own) if self.kind == "driven" else ()
 
     @property
@@ -181,7 +181,7 @@ def _question(table, axes, tolerance, also) -> Question:
 
 def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     """Return the places (x, y) of all contacts, m; none where they are too many, or where there is no slider."""
-    moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
+    moved = {key: dict.fromkeys(columns[key]) for key in POSITION_KEYS if key in columns}
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
     scenes = ChangedScenes(table)

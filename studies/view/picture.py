@@ -21,14 +21,14 @@ from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from studies.chain import fem_model
+from studies.record.quantities import quantity
 from studies.refusal import needed
 from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
 from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
-from studies.view.views import BELOW, RIGHT, SOLID, Frame, frames
+from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, frames
 
-MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # points per wavelength in a picture of the solid
 LETTERS = 13  # font size in pixels
@@ -290,10 +290,10 @@ class Picture:
         ticks = [_ticks(start, stop, 8), _ticks(bottom, top, min((high - low) / 40, 5))[::-1]]
         if high - low > 80:
             middle = 26, (low + high) / 2 - 20
-            self.plotter.add_text("z (mm)", position=middle, font_size=LETTERS / 2, orientation=90)
+            self.plotter.add_text(quantity("z_m").heading, position=middle, font_size=LETTERS / 2, orientation=90)
         else:
             ticks[1] = np.array([0.0, ends[1, 0]])
-        for axis, (title, values) in enumerate(zip(("x (mm)", ""), ticks, strict=True)):
+        for axis, (title, values) in enumerate(zip((quantity("x_m").heading, ""), ticks, strict=True)):
             # the same number of decimals for all labels: the axis reserves the width of the last one
             decimals = int(np.ceil(-np.log10(abs(np.diff(values)).max(initial=1e-6))))
             label_format = f"%.{max(decimals, 0)}f" if axis == 0 or high - low > 80 else "%.3g"

@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.view import overlays
 from studies.view.run_field import RunField
 
-MM = 1e3
+MM = quantity("x_m").scale  # from m to the unit of lengths in pictures
 CLOSE = 7.0  # half-length of an enlarged view, in wavelengths
 NARROWEST = 0.05  # smallest length of a view, in wavelengths
 LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # margins of a view in pixels, for labels and colour bar
@@ -58,12 +59,12 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
     if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
-        rule = f"must lie on the stator, 0:{run.length * 1e3:g} mm"
-        raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
+        rule = f"must lie on the stator, 0:{run.length * MM:g} mm"
+        raise SceneError("--span", f"{rule}, got {span[0] * MM:g}:{span[1] * MM:g} mm")
     min_length = NARROWEST * run.wavelength
     if span[1] - span[0] < min_length:
-        rule = f"must be at least {min_length * 1e3:.3g} mm long, a twentieth of a wavelength"
-        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
+        rule = f"must be at least {min_length * MM:.3g} mm long, a twentieth of a wavelength"
+        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * MM:.3g} mm")
     return span
 
 

@@ -299,7 +299,7 @@ piece.0.position=["6 mm", "6.5 mm"] | piece "plain" (6 to 7 mm) overlaps the pie
 piece.0.position=11.5 mm | piece.0 ... must lie on the stator, 0 to 12 mm, got 11.5 to 12.5 mm
 piece.0.position=6 | piece.0 ... 0 to 12 mm, got 6000 to 6001 mm: is "6 mm" meant? A number without a unit
 piece.0.position=["6 mm", "6 mm"] | piece.0.position must name different positions
-piece.0.position=4 mm:11 mm:1000 | piece.0 ... at most as many places as fit on the stator ... got 1000 of a mesh
+piece.0.position=4 mm:11 mm:1000 | piece.0 ... at most as many positions as fit on the stator ... got 1000 of a mesh
 piece.0.file=end.msh; piece.0.position=5 mm | piece.0 ("end") has no line group right ... end at x = 12 mm
 piece.0.file=lost.msh | piece.0 ("lost") ... it must end at x = 0 mm, got 6 mm
 piece.0.file=end.msh; piece.0.position=["5 mm", "7 mm"] | piece "end" (5 to 6 mm) and "end" (7 to 8 mm) are both

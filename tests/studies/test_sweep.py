@@ -579,12 +579,12 @@ def test_driven_points_are_those_of_a_run(over):
 
 def test_a_ball_beside_the_axis_changes_no_other_point():
     """Where all balls lie on the axis the section may stand for the wave, whatever other points ask for."""
-    predictor = Predictor(PLANE, tolerance=1e-2, shared=Shared(places=((0.007, 0.0), (0.007, 0.004))))
+    predictor = Predictor(PLANE, tolerance=1e-2, shared=Shared(positions=((0.007, 0.0), (0.007, 0.004))))
     length = predictor.scene({}).stator.length
     for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
         moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})
         assert moved.stator.length == length
-        assert {across for _, across in predictor.own_and_shared_places(moved)[1]} == expected
+        assert {across for _, across in predictor.own_and_shared_positions(moved)[1]} == expected
 
 
 def test_a_table_is_a_value_like_others():
