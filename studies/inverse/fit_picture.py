@@ -31,7 +31,7 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     data = measurement.network or measurement.scan
     if data is not None:
         by_frequency = measurement.scan is None or measurement.scan.kind == "frequency"
-        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "place_m")
+        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "beam_position_m")
     if measurement.time:
         at, along = measurement.time, quantity("time_s")
     scale, drawn = along.scale, QUANTITIES[measurement.quantity]

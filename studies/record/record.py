@@ -338,15 +338,15 @@ class Record:
     def _in_short(self) -> list[str]:
         parts = []
         if self.points:
-            level = quantity(self.level)
-            levels = [point[self.level] * level.scale for point in self.points]
-            parts.append(f"{len(levels)} points, {min(levels):.4g} to {max(levels):.4g} {level.shown}")
-            shown = quantity("velocity_m_per_s")
-            speeds = [point["velocity_m_per_s"] * shown.scale for point in self.points if "velocity_m_per_s" in point]
+            levels, speeds = ([point[key] for point in self.points if key in point]
+                              for key in (self.level, "velocity_m_per_s"))  # fmt: skip
+            parts.append(f"{len(levels)} points, {quantity(self.level).interval(min(levels), max(levels))}")
             if speeds:
-                parts.append(f"velocity {min(speeds):.4g} to {max(speeds):.4g} {shown.shown}")
+                parts.append(f"velocity {quantity('velocity_m_per_s').interval(min(speeds), max(speeds))}")
         elif "phase_velocity_m_per_s" in self.wave:
-            parts.append(f"free wave, {self.wave['phase_velocity_m_per_s']:.6g} m/s")
+            parts.append(
+                f"free wave, {quantity('phase_velocity_m_per_s').with_unit(self.wave['phase_velocity_m_per_s'])}"
+            )
         if self.error:
             parts.append(f"relative error {self.error['relative']:.1e}")
         return [*parts, self.shortfall] if self.shortfall else parts

@@ -154,7 +154,7 @@ def trajectories(record: "Record", ax):
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
-        label = f"{level * shown.scale:g} {shown.shown}" if index in (0, count) else None
+        label = shown.with_unit(level) if index in (0, count) else None
         time, velocity = motion.time * across.scale, motion.velocity * up.scale
         ax.plot(time, velocity, color=colours(index / count), linewidth=1, label=label)
     return finished(ax, across.axis, up.axis, record.scene.title)
@@ -199,7 +199,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
         ):
             curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
-    title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
+    title = f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave['frequency_Hz'])}"
     return finished(ax, label, up.axis, title, columns=3, grid=False)
 
 
@@ -237,7 +237,8 @@ def profile(record: "Record", ax):
         if abs(values).max() > 1e-9:
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
-    title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
+    velocity = quantity("phase_velocity_m_per_s").with_unit(record.wave["phase_velocity_m_per_s"])
+    title = f"{record.scene.title}: {velocity}"
     return finished(ax, across.axis, quantity("relative_displacement").axis, title)
 
 

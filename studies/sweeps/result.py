@@ -101,8 +101,8 @@ class Sweep:
         axes = [f"{' and '.join(each.keys)} ({len(each)})" for each in self.axes]
         parts = [" x ".join(axes) or "one point", ", ".join(f"{number} {kind}" for kind, number in self.counts.items())]
         if "velocity_m_per_s" in self.summary["ranges"]:
-            shown, (low, high) = quantity("velocity_m_per_s"), self.summary["ranges"]["velocity_m_per_s"]
-            parts.append(f"velocity {shown.text(low)} to {shown.text(high)} {shown.shown}")
+            low, high = self.summary["ranges"]["velocity_m_per_s"]
+            parts.append(f"velocity {quantity('velocity_m_per_s').interval(low, high)}")
         return f"Sweep({'; '.join(parts)})"
 
     def to_dataframe(self) -> "pd.DataFrame":
