@@ -186,7 +186,7 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
         known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
         resolved_scene.refuse("slider.pillars", f"are not known here: {known}")
     if resolved_scene.wave is not None:
-        return DrivenContact.given(resolved_scene)
+        return DrivenContact.prescribed(resolved_scene)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a prescribed [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
