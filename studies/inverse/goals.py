@@ -91,7 +91,7 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
 
 def read_variable(text: str | Parameter) -> Parameter:
     """Read ``KEY=LOW:HIGH`` of a number or a count of the scene; a parameter is returned as it is."""
-    return read_parameter(text, "variables", design=True) if isinstance(text, str) else text
+    return read_parameter(text, "variables", design=True)
 
 
 def read_constraint(text: str | Constraint) -> Constraint:
