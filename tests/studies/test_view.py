@@ -262,8 +262,8 @@ def test_the_first_caption_of_a_narrow_picture_is_legible(found, width):
     """It stands in at least two lines of 10 pixels above the view, and beside the legend."""
     drawn = picture_of(found, span_views(found, (12e-3, 15e-3)), size=(width, 400))
     _, _, right, high = drawn.frames[0].box
-    head = ink(drawn.image(0.0)[: 400 - int(high) - 2, : int(right) + 40])
-    first, last = np.flatnonzero(head.any(axis=1))[[0, -1]]
+    head = ink(drawn.image(0.0)[: 400 - int(high) - 2, : int(right) + 6])
+    first, last = np.flatnonzero(head[:, : int(right)].any(axis=1))[[0, -1]]
     assert last - first > 16
     assert not head[:, int(right) :].any()
 
