@@ -58,10 +58,10 @@ def pieces(scene: Scene) -> tuple:
     meshed = []
     for index, block in enumerate(scene.piece):
         path = f"piece.{index}"
-        solids = tuple(
-            (name, _piece_solid(material, scene.stator, f"{path}.materials.{name}"))
-            for name, material in block.materials or ()
-        )
+        solids: tuple = ()
+        for name, material in block.materials or ():
+            with stator_keys(f"{path}.materials.{name}"):
+                solids += ((name, fem.rotated(_crystal(material), scene.stator.orientation)),)
         try:
             mesh = _mesh(block.file, LENGTHS[block.length_unit])
         except fem.MeshError as error:
@@ -83,19 +83,12 @@ def pieces(scene: Scene) -> tuple:
 def _mesh(file: str, unit: float):
     """Return the ``fem.SectionMesh`` of a file as it is now."""
     path = Path(file)
-    stamp = path.stat().st_mtime_ns if path.is_file() else 0
-    return _read_mesh(file, unit, stamp)
+    return _read_mesh(file, unit, path.stat().st_mtime_ns if path.is_file() else 0)
 
 
 @lru_cache(32)
 def _read_mesh(file: str, unit: float, stamp: int):
     return fem.read_mesh(file, unit)
-
-
-def _piece_solid(material, block: Stator, path: str):
-    """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
-    with stator_keys(path):
-        return fem.rotated(_crystal(material), block.orientation)
 
 
 def transducers(scene: Scene) -> tuple:
@@ -138,13 +131,11 @@ def first_section(scene: Scene, point: tuple[float, float]) -> tuple[Scene, floa
     alone = tuple(
         replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern) for each in group.transducers
     )
-    sources = tuple((name, size) for name, size in drive.driven.items() if name in [each.name for each in alone])
-    return replace(
-        scene,
-        stator=replace(scene.stator, length=group.stator.length),
-        transducer=alone,
-        drive=replace(drive, sources=sources) if drive.sources is not None else drive,
-    ), float(group.local(*point)[0])
+    if drive.sources is not None:
+        names = [each.name for each in alone]
+        drive = replace(drive, sources=tuple((name, size) for name, size in drive.driven.items() if name in names))
+    section = replace(scene.stator, length=group.stator.length)
+    return replace(scene, stator=section, transducer=alone, drive=drive), float(group.local(*point)[0])
 
 
 def driven(scene: Scene):
@@ -181,7 +172,7 @@ def _ladder(match: str | tuple) -> tuple:
 
 
 def diffracts(scene: Scene) -> bool:
-    """Return True if finite apertures are computed: as the scene requests, or by default if it has a slider."""
+    """Return True if finite apertures are computed for a scene, see `section_reason`."""
     return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.contact_positions)
 
 
@@ -192,11 +183,10 @@ def spreads(block: Stator, positions: tuple | None) -> bool:
 
 
 def section_reason(block: Stator, whole, positions) -> str:
-    """Return why the plane section stands for the finite aperture; empty where the beam is to be computed.
+    """Return why the plane section is used instead of the finite aperture; empty where the beam is to be computed.
 
-    Contacts beside the axis, y != 0 in ``positions`` (x, y), lie where the beam's amplitude varies along y, which the
-    section does not describe.  Between reflecting ends the beam takes several times as long as the section, and it is
-    computed by default only for such contacts.
+    Between reflecting ends the beam takes several times as long as the section.  It is then computed by default only
+    for contacts beside the axis (y != 0), because the section does not describe how the amplitude varies along y.
 
     Parameters
     ----------
@@ -222,13 +212,9 @@ def section_reason(block: Stator, whole, positions) -> str:
 def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
     """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
     return fem.port_admittance(
-        whole_stator(scene),
-        section_transducers(scene),
-        frequency=frequency,
-        tolerance=tolerance,
-        finite_apertures=diffracts(scene) if spread is None else spread,
-        mirror_width=scene.stator.mirror_width,
-    )
+        whole_stator(scene), section_transducers(scene), frequency=frequency, tolerance=tolerance,
+        finite_apertures=diffracts(scene) if spread is None else spread, mirror_width=scene.stator.mirror_width,
+    )  # fmt: skip
 
 
 def _present(block, *names: str) -> dict:

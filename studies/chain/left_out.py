@@ -34,7 +34,7 @@ def left_out(
     """
     conditions: list[tuple[bool, str]] = []
     if scene.wave is not None:
-        conditions.append((True, "stator, transducers and electric field: the surface motion is given"))
+        conditions.append((True, "stator, transducers and electric field: the surface motion is prescribed"))
     elif scene.transducer:
         conditions += [*_driven(scene), *_diffraction(scene, beam, reason), *_recovery(scene)]
         if scene.slider is not None and scene.burst is not None:

@@ -59,14 +59,12 @@ def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | No
 
 def scan_block(scene: Scene, scan, predicted) -> dict:
     """Return the comparison of a placed scan with its prediction."""
-    velocity = fem_model.surface_velocity(scene.stator)
-    return compared_scan(
-        scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.center_xy[0]
-    )
+    wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
+    return compared_scan(scan, predicted, wavelength=wavelength, source=scene.driven_transducer.center_xy[0])
 
 
 def _trace(record: Record, measured: Measurement) -> dict:
-    """Return a trace beside the trajectory of its level, moved in time to where it lies closest."""
+    """Return the comparison of a trace with the trajectory at its level, shifted in time for the best agreement."""
     if not record.trajectories:
         setting = f'--set {record.scene.source_key}.burst="0.1 s"'
         raise SceneError("--measured", f"{measured.name!r} holds a burst: {setting} says how long it was")

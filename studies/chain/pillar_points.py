@@ -35,7 +35,7 @@ class PillarContact:
     def of(cls, driven: DrivenContact) -> "PillarContact":
         """Return the pillars and the wave of a `DrivenContact`, which caches the wave of a stator."""
         scene, slider = driven.scene, driven.scene.slider
-        wave, misfit = (pillars.given_wave(scene), 0.0) if scene.wave is not None else driven.passing
+        wave, misfit = (pillars.prescribed_wave(scene), 0.0) if scene.wave is not None else driven.passing
         return cls(driven=driven, pillars=pillars.pillars_of(slider), wave=wave, misfit=misfit)
 
     def at(self, level: float):

@@ -12,7 +12,7 @@ u_x = Q ((1 - nu) + nu cos^2 theta)/(2 pi G r) (Cerruti; Johnson, section 3.6), 
 Q (2 - nu)/(4 pi G r), because cos^2 theta is 1/2 in the mean. Over the pillar's own Q/(8 a G*) this is the same share
 as that of the normal forces, whatever nu is. Beyond a/p = 0.1, and for unequal pitches, this is an assumption.
 
-A given [wave], whose surface points move towards +x at its crests, runs towards -x (retrograde motion).
+A prescribed [wave], whose surface points move towards +x at its crests, runs towards -x (retrograde motion).
 """
 
 import math
@@ -200,7 +200,7 @@ def strip_width(slider: Slider) -> float:
     return float(np.ptp(geometry.y)) + geometry.across
 
 
-def given_wave(scene: Scene):
+def prescribed_wave(scene: Scene):
     """Return the `contact.PassingWave` of a [wave] of amplitude 1 m, which runs towards -x."""
     wave = scene.wave
     return contact.PassingWave(

@@ -15,7 +15,7 @@ from studies.chain import resolve
 from studies.chain.bridge import DrivenContact
 from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.free_wave import free_wave_record
-from studies.chain.outcomes import FREE, also_asked, amplitudes
+from studies.chain.outcomes import FREE, amplitudes, with_outcomes
 from studies.chain.points import point_answer
 from studies.chain.solved_stator import SolvedStator
 from studies.chain.steady import averaged_answers, rated, steady_answer
@@ -90,7 +90,7 @@ class Predictor(ChangedContacts):
             some = [many[at] for at in todo]
             results = self._answers_of(some, also, step, tolerance or self.tolerance, averaged)
             for at, answer in zip(todo, results, strict=True):
-                # where a better stator has no answer, that of the one before stands
+                # if the more accurate stator has no answer, the previous answer is returned
                 if "relative_error" in answer or not answers[at]:
                     answers[at] = answer
             todo = [at for at, answer in zip(todo, results, strict=True) if answer.get("finer")]
@@ -106,22 +106,21 @@ class Predictor(ChangedContacts):
                     answers[at] = _free_answer(self.scene(changes), self.tolerance)
                     continue
                 driven = self.contact(changes, step)
-                if len(driven.scene.levels) != 1:
-                    count = len(driven.scene.levels)
+                if (count := len(driven.scene.levels)) != 1:
                     raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
                 ready[at] = driven
             except Exception as error:
                 answers[at] = _without_answer(error)
         steady = [at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None]
-        rows = averaged_answers([(ready[at], ready[at].level) for at in steady], math.inf if averaged else tolerance)
-        side_by_side = dict(zip(steady, rows, strict=True))
+        states = [(ready[at], ready[at].level) for at in steady]
+        side_by_side = dict(zip(steady, averaged_answers(states, math.inf if averaged else tolerance), strict=True))
         for at, driven in ready.items():
             try:
                 if at in side_by_side:
                     answer = side_by_side[at] or steady_answer(driven, driven.level, tolerance)
                 else:
                     answer = self._alone(driven, step, tolerance)
-                answers[at] = amplitudes(driven) | also_asked(also, tolerance, driven, answer, averaged=averaged)
+                answers[at] = amplitudes(driven) | with_outcomes(also, tolerance, driven, answer, averaged=averaged)
             except Exception as error:
                 answers[at] = _without_answer(error)
         return answers
@@ -139,7 +138,6 @@ class Predictor(ChangedContacts):
 
 
 def _without_answer(error: Exception) -> dict:
-    """Return the columns of a point that has no answer."""
     return {"status": reason(error), "refused": isinstance(error, SceneError)}
 
 

@@ -100,11 +100,11 @@ def _with_load(scene: Scene, load: complex | None = None) -> Scene:
     if recovery is None:
         return scene
     recovery = replace(recovery, load=load or recovery.rectifier_load or recovery.load)
-    row = tuple(
+    loaded = tuple(
         replace(each, termination=recovery.load) if each.name == recovery.receiver else each
         for each in scene.transducer
     )
-    return replace(scene, transducer=row, drive=replace(scene.drive, recovery=recovery))
+    return replace(scene, transducer=loaded, drive=replace(scene.drive, recovery=recovery))
 
 
 def _with_source_numbers(scene: Scene) -> Scene:
@@ -139,12 +139,12 @@ def _half_space_period(block: Stator, frequency: float, metallisation: float) ->
 
 
 def _check_layout(scene: Scene) -> None:
-    block, row = whole_stator(scene), transducers(scene)
-    with stator_keys("transducer", [each.name for each in row], [each.label for each in scene.piece]):
+    block, placed = whole_stator(scene), transducers(scene)
+    with stator_keys("transducer", [each.name for each in placed], [each.label for each in scene.piece]):
         if not scene.crossed:
-            fem.check_layout(block, row)
+            fem.check_layout(block, placed)
             return
-        fem.check_plan(block, scene.stator.width, row)
+        fem.check_plan(block, scene.stator.width, placed)
     if not fem.isotropic_about_normal(block.solid):
         rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
         raise SceneError("transducer", f"{rule} {block.solid.name}")

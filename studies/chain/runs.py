@@ -85,7 +85,7 @@ def run(
 def _run(scene: Scene, tolerance: float) -> Record:
     scene = resolve.resolved(scene)
     if scene.wave is not None:
-        record = _given(scene, tolerance)
+        record = _prescribed(scene, tolerance)
     elif scene.transducer:
         contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True)
         record = _driven(scene, contacts)
@@ -99,18 +99,14 @@ def _run(scene: Scene, tolerance: float) -> Record:
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, tolerance: float) -> Record:
+def _prescribed(scene: Scene, tolerance: float) -> Record:
     """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
-    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance)
-    return Record(
-        scene=scene,
-        tolerance=tolerance,
-        wave={"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio},
-        **answer.blocks(tolerance),
-        seconds={"contact": time.perf_counter() - start_time},
-        left_out=left_out(scene),
-    )
+    answer = slider_answer(DrivenContact.prescribed(scene), tolerance=tolerance)
+    wave = {"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio}
+    seconds = {"contact": time.perf_counter() - start_time}
+    blocks = answer.blocks(tolerance)
+    return Record(scene=scene, tolerance=tolerance, wave=wave, **blocks, seconds=seconds, left_out=left_out(scene))
 
 
 def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
@@ -123,31 +119,22 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
     else:
         motion, answer, ringing, seconds["contact"] = _with_contact(scene, contacts)
         blocks = answer.blocks(tolerance)
-        # under pillars the centre is one position of many
-        vanished = "" if scene.slider.pillars is not None else node(motion, positions)
+        vanished = "" if scene.on_pillars else node(motion, positions)  # the centre is one position of many pillars
         if refusal := vanished or unresolved(motion, positions):
             blocks |= {"shortfall": f"no answer: {refusal}", "refused": True}
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)
     blocks["points"] = with_powers(blocks["points"], electrical)
+    neglected = left_out(
+        scene, beam=motion.beam is not None, reason=motion.reason, ringing=ringing,
+        trajectories=blocks.get("trajectories", ()),
+    )  # fmt: skip
     record = Record(
-        scene=scene,
-        tolerance=tolerance,
-        wave=wave_block(scene, motion, positions[0], ringing),
-        electrical=electrical,
-        left_out=left_out(
-            scene,
-            beam=motion.beam is not None,
-            reason=motion.reason,
-            ringing=ringing,
-            trajectories=blocks.get("trajectories", ()),
-        ),
-        surface=surface_columns(scene, motion),
-        surface_motion=motion,
-        meshed_pieces=motion.wave.meshed_pieces,
-        **blocks,
-    )
+        scene=scene, tolerance=tolerance, wave=wave_block(scene, motion, positions[0], ringing), electrical=electrical,
+        left_out=neglected, surface=surface_columns(scene, motion), surface_motion=motion,
+        meshed_pieces=motion.wave.meshed_pieces, **blocks,
+    )  # fmt: skip
     return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
 
 

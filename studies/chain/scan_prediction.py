@@ -91,8 +91,8 @@ def predicted_scan(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
 def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:
     """Return a motion along x with the velocity of the surface wave multiplied by a factor.
 
-    Per distance from the middle of the driven transducer the phase lags by omega/v (1/factor - 1) more. All amplitudes
-    stay, and so do the phases of what ends and other transducers return: for absorbing ends, and factors near 1.
+    The phase lag per distance from the middle of the driven transducer increases by omega/v (1/factor - 1). Amplitudes
+    and the phases of reflected waves do not change, which holds for absorbing ends and factors near 1.
     """
     if factor == 1.0:
         return motion
@@ -119,7 +119,7 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
 
 
 def refuse_other_range(scene: Scene, data: NetworkData, option: str) -> None:
-    """Refuse a file whose frequencies do not meet the passband of the driven transducer."""
+    """Refuse a file whose frequencies do not overlap the passband of the driven transducer."""
     band = passband.frequencies(scene, 2)
     if data.frequency[-1] < band[0] or data.frequency[0] > band[-1]:
         own = f"{data.frequency[0] / 1e6:.5g} to {data.frequency[-1] / 1e6:.5g} MHz"

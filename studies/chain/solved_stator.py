@@ -1,4 +1,4 @@
-"""The few numbers of a solved stator that contacts and answers need, kept while many scenes share its solution."""
+"""The few numbers of a solved stator that contacts and answers need; many scenes share one solution."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -67,10 +67,10 @@ def _aperture(record: Record) -> Effects:
     positions = record.scene.contact_positions
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
-        spans = [each.extent for each in fem_model.transducers(record.scene)]
-        covered = any(low <= x <= high for x, _ in positions for low, high in spans)
+        extents = [each.extent for each in fem_model.transducers(record.scene)]
+        covered = any(left <= x <= right for x, _ in positions for left, right in extents)
     else:
-        covered = any(motion.covered(position) for position in positions)
+        covered = any(map(motion.covered, positions))
     if covered:
         return
     if motion.beam is None:
@@ -83,10 +83,9 @@ def _aperture(record: Record) -> Effects:
         return
     beam, at = motion.beam, tuple(zip(*positions, strict=True))
     other = beam.with_side_faces(None if block.mirror_width else block.width)
-    ratios = abs(other.motion(*at)[2] / motion.at(positions)[2])
-    worst = max((float(each) - 1 for each in ratios), key=abs)
+    worst = max(abs(other.motion(*at)[2] / motion.at(positions)[2]) - 1, key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
-    yield "side faces", "u_z", worst, how
+    yield "side faces", "u_z", float(worst), how
 
 
 def _crossed(record: Record, positions) -> Effects:
@@ -123,27 +122,23 @@ def _finger_ends(record: Record) -> Effects:
     The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
     static charge at the finger ends; the remaining error is yielded.
     """
-    driven, motion = record.scene.driven_transducer, record.surface_motion
+    motion, positions = record.surface_motion, record.scene.contact_positions
     beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
-    positions = record.scene.contact_positions
-    if beam is None or any(motion.covered(position) for position in positions):
-        yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
-        return
-    at = tuple(zip(*positions, strict=True))
-    charge_error = beam.charge_error(*at)
+    covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
+    charge_error = None if beam is None or covered else beam.charge_error(*at)
     if charge_error is not None:
-        yield (effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers")
+        yield effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers"
         return
-    if record.scene.crossed:
+    if beam is None or covered or record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     stator = fem_model.stator(record.scene.stator)
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
     changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
-    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
-    effect = "ripple of the charge along the fingers"
-    yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
+    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * record.scene.driven_transducer.finger_pairs)
+    how = f"error that remains with static charge at the ends, {ceramic}"
+    yield "ripple of the charge along the fingers", "u_z", remainder, how
 
 
 def vacuum_effect(record: Record) -> Effects:
@@ -154,8 +149,8 @@ def vacuum_effect(record: Record) -> Effects:
     if record.scene.stator.above == "none":
         solid = fem_model.solid(record.scene.stator)
         permittivity = solid.permittivity
-        squared_permittivity = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
-        share = fem.VACUUM_PERMITTIVITY / math.sqrt(squared_permittivity)
+        eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
+        share = fem.VACUUM_PERMITTIVITY / eps_p
         try:
             bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
             size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
@@ -174,7 +169,7 @@ def amplitude_per_power(record: Record) -> float | None:
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
     driven = fem_model.driven(scene)
-    if scene.crossed:  # the beam row of the driven transducer has its own axes
+    if scene.crossed:  # the group of the driven transducer has its own axes
         transducers = record.surface_motion.beam.rows[0].transducers
         driven = next(each for each in transducers if scene.drive.driven.get(each.name))
     (left, right), half_wavelength = driven.extent, wavelength(record) / 2
@@ -195,10 +190,10 @@ def _electrode_mass(record: Record) -> Effects:
     # |u|^2 per power and width
     motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
     slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
-    effect = "mass of 100 nm aluminium on the fingers"
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
-    yield (effect, "u_z", phase, "first-order perturbation of the velocity under the fingers, over half of the row")
+    how = "first-order perturbation of the velocity under the fingers, over half of the row"
+    yield "mass of 100 nm aluminium on the fingers", "u_z", phase, how
 
 
 def surface_strain(record: Record, level: float) -> float:

@@ -96,7 +96,7 @@ def averaged(contacts: list[tuple]) -> list[tuple]:
         options = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
         states = contact.steady_sweep(list(sliders), orbits, **options)
         names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
-        rows = zip(*(getattr(states, name).tolist() for name in names), strict=True)
-        for at, row in zip(members, rows, strict=True):
-            answers[at] = row
+        columns = (getattr(states, name).tolist() for name in names)
+        for at, *values in zip(members, *columns, strict=True):
+            answers[at] = tuple(values)
     return answers

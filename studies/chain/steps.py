@@ -69,7 +69,7 @@ class Steps:
         return ringing.envelope, ringing.ring_down
 
     def step(self, level: float, cycles: int, share: float = 1.0):
-        """Return the `contact.Step` of a burst of some cycles at a level in V, or m of given amplitude.
+        """Return the `contact.Step` of a burst of some cycles at a level.
 
         ``share``: of the band in which the ring-up was solved, 1 but for estimates of its error.
         """

@@ -16,8 +16,8 @@ PER_WAVELENGTH = 12  # lines of surface.csv per wavelength if the section does n
 def wave_block(scene: Scene, motion: SurfaceMotion, position: tuple[float, float], ringing) -> dict:
     """Return the block ``wave`` of run.json.
 
-    It contains the motion at ``position`` (x, y) in m, its relative error and the properties of the wave in
-    the section. ``ringing`` is the `RingUp` of a burst or None.
+    It contains the motion at ``position`` (x, y) in m, its relative error and the properties of the section's wave.
+    ``ringing`` is the `RingUp` of a burst or None.
     """
     wave, positions = motion.wave, [position] if scene.slider is None else [position, *scene.slider.contact_positions]
     components = motion.at(positions)
@@ -56,15 +56,13 @@ def node(motion: SurfaceMotion, positions) -> str:
 def unresolved(motion: SurfaceMotion, positions) -> str:
     """Return why the beam model does not resolve the field at one of some positions, otherwise an empty string."""
     beam = motion.beam
-    if isinstance(beam, fem.SurfaceBeam) and (
-        unresolved_places := [position for position in positions if beam.unresolved(*position)]
-    ):
-        (x, y), *_ = unresolved_places
-        wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
-        return (
-            f"in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of "
-            f"their ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
-        )
+    for x, y in positions:
+        if isinstance(beam, fem.SurfaceBeam) and beam.unresolved(x, y):
+            wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
+            return (
+                f"in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of their ends "
+                f"is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
+            )
     return ""
 
 
@@ -74,20 +72,15 @@ def amplitude_blocks(scene: Scene, motion: SurfaceMotion, position: tuple[float,
     error = motion.relative_error([position])
     points = tuple(
         {
-            "voltage_V": voltage,
-            "normal_amplitude_m": normal * voltage,
+            "voltage_V": voltage, "normal_amplitude_m": normal * voltage,
             "tangential_amplitude_m": tangential * voltage,
-            "relative_error": error if voltage else 0.0,
-            "status": Status.OK.value,
+            "relative_error": error if voltage else 0.0, "status": Status.OK.value,
         }
         for voltage in scene.levels
-    )
+    )  # fmt: skip
     short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
-    return {
-        "points": points,
-        "error": {"relative": error, "parts": {"stator": error}},
-        "shortfall": short if error > tolerance else "",
-    }
+    parts = {"relative": error, "parts": {"stator": error}}
+    return {"points": points, "error": parts, "shortfall": short if error > tolerance else ""}
 
 
 def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:

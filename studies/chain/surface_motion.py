@@ -1,9 +1,9 @@
 """Motion of the surface under the slider, per volt: of the finite aperture where that is known, else of the section.
 
-The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
-amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses between the two; every
-answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
-them (`fem.crossed_beam`); the section of the motion is then that of the driven row whose waves run nearest to x.
+The motion of the section depends on x alone.  The beam (`fem.surface_beam`) distributes the section's charges over the
+aperture, so that the amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses
+between the two for all answers.  Rotated transducers have a section for each group of parallel ones
+(`fem.crossed_beam`); the section of the motion is then that of the driven group whose waves run nearest to x.
 """
 
 from dataclasses import dataclass, field
@@ -83,9 +83,8 @@ class SurfaceMotion:
         if self.beam is not None:
             return self.beam.motion_and_error(x, y)
         tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
-        return np.array([tangential, np.zeros_like(normal), normal]), np.full(
-            np.shape(normal), self.wave.relative_error
-        )
+        motion = np.array([tangential, np.zeros_like(normal), normal])
+        return motion, np.full(np.shape(normal), self.wave.relative_error)
 
     def surface_mode_at(self, position: tuple[float, float]) -> complex:
         """Return the surface mode's part of u_z at a position (x, y) beside the transducers."""
@@ -114,9 +113,11 @@ def solved_motion(
     """
     slider = scene.slider is not None if slider is None else slider
 
-    def solve(stator, row, drive, at):
+    def solve(stator, transducers, drive, x):
         try:
-            return fem.driven_wave(stator, row, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=at)
+            return fem.driven_wave(
+                stator, transducers, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=x
+            )
         except fem.ConvergenceError as error:
             if error.reached is None or not missed:
                 raise
@@ -139,14 +140,9 @@ def solved_motion(
 def crossed_motion(scene, positions, solve) -> SurfaceMotion:
     """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
     beam = fem.crossed_beam(
-        fem_model.whole_stator(scene),
-        fem_model.transducers(scene),
-        width=scene.stator.width,
-        frequency=scene.frequency,
-        drive=fem_model.drive(scene),
-        solve=solve,
-        places=tuple(positions),
-    )
+        fem_model.whole_stator(scene), fem_model.transducers(scene), width=scene.stator.width,
+        frequency=scene.frequency, drive=fem_model.drive(scene), solve=solve, places=tuple(positions),
+    )  # fmt: skip
     return SurfaceMotion(wave=beam.wave, beam=beam)
 
 
@@ -154,8 +150,8 @@ def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> Su
     """Return the motion of a solved stator (fem.SurfaceWave) at positions (x, y) in m: that of the beam or the section.
 
     ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
-    section; None: the finite aperture under a slider, where `fem_model.section_reason` has nothing against it and the
-    error that it adds to the section's is smaller than what it changes.
+    section; None: the finite aperture under a slider, unless `fem_model.section_reason` states a reason against it or
+    the error that it adds to the section's is larger than what it changes.
     """
     reason = fem_model.section_reason(block, wave.solution.fields.stator, positions if slider else None)
     if reason:
@@ -167,7 +163,6 @@ def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> Su
         added = spread.relative_error(positions) - wave.relative_error
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
-            return SurfaceMotion(
-                wave=wave, reason=f"stator.diffraction is absent and {reason}; true computes it nevertheless"
-            )
+            reason = f"stator.diffraction is absent and {reason}; true computes it nevertheless"
+            return SurfaceMotion(wave=wave, reason=reason)
     return spread

@@ -107,7 +107,7 @@ def sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float]
         deviations = truncnorm.ppf(share, -truncation, truncation) if truncation else norm.ppf(share)
         columns.append(each.value + deviation * deviations)
     keys = [each.key for each in numbers]
-    return [dict(zip(keys, map(float, row), strict=True)) for row in zip(*columns, strict=True)]
+    return [dict(zip(keys, map(float, sample), strict=True)) for sample in zip(*columns, strict=True)]
 
 
 def without_level(changed: dict[str, float]) -> tuple[float, dict[str, float]]:
@@ -131,10 +131,10 @@ def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.nd
         factors.append(factor)
         points += [other_changes | {key: level * factors[-1]} for level in levels]
         tops.append(other_changes | {key: top})
-    rows = predictor.answers(points)
-    velocities = np.array([row.get("velocity_m_per_s", np.nan) for row in rows]).reshape(len(changes), len(levels))
+    answers = predictor.answers(points)
+    velocities = np.reshape([each.get("velocity_m_per_s", np.nan) for each in answers], (len(changes), len(levels)))
     limits = []
-    for row, factor in zip(predictor.answers(tops, ("limits",)), factors, strict=True):
-        ratios = np.array([row.get(f"{name}_factor", np.nan) for name in LIMITS])
-        limits.append([*(ratios * row.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
+    for answer, factor in zip(predictor.answers(tops, ("limits",)), factors, strict=True):
+        ratios = np.array([answer.get(f"{name}_factor", np.nan) for name in LIMITS])
+        limits.append([*(ratios * answer.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
     return np.column_stack([velocities, np.array(limits)])

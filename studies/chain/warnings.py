@@ -37,8 +37,8 @@ def warnings_of(record: Record) -> tuple[str, ...]:
     """Return all warnings about a run, ordered from the drive to the slider."""
     warnings = list(scene_warnings(record.scene))
     if record.scene.piece:
-        stator, row = fem_model.whole_stator(record.scene), fem_model.transducers(record.scene)
-        warnings += stator.piece_warnings(record.scene.frequency, row)
+        stator, transducers = fem_model.whole_stator(record.scene), fem_model.transducers(record.scene)
+        warnings += stator.piece_warnings(record.scene.frequency, transducers)
     if record.scene.transducer:
         for each in (_drive, _off_resonance, _section, _left_out):
             warnings += each(record)

@@ -42,7 +42,7 @@ def planned(table: dict, variables: tuple[Parameter, ...], *, also, tolerance: f
         table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
     plan = designed(table, {each.key: [each.low, each.high] for each in variables}, tolerance=tolerance, also=also)
     if any(key in POSITION_KEYS for key in keys):  # each point has its own contact positions
-        plan = replace(plan, question=replace(plan.question, places=()))
+        plan = replace(plan, question=replace(plan.question, positions=()))
     return plan
 
 

@@ -128,7 +128,8 @@ def _largest_difference(sliders, per_metre, amplitudes, states, checked: int) ->
 def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     data, kind = record.data, np.array(record.data["kind"])
-    A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3
+    across, up = quantity("normal_amplitude_m"), quantity("preload_N")
+    A, preload = np.asarray(data["amplitude_m"]) * across.scale, np.asarray(data["preload_N"]) * up.scale
     for name, mark, colour in zip(KINDS, "so^d", ("stick", "slip", "intermittent", "second"), strict=True):
         i, j = np.nonzero(kind == name)
         curve(ax, A[j], preload[i], mark, colour, f"{name} (simulated)")
@@ -136,10 +137,10 @@ def figure(record: Panel, ax):
     if i.size:
         ax.plot(A[j], preload[i], "x", color=COLOURS["line"], markersize=5.0, label="unknown (averaged)")
     for (name, values), style in zip(data["lines_m"].items(), (":", "--", "-."), strict=True):
-        curve(ax, np.asarray(values) * 1e9, preload, style, "line", f"{name} (theory)")
-    operating = np.asarray(data["operating_amplitude_m"]) * 1e9
-    own(ax, operating, np.full(operating.size, data["operating_preload_N"] * 1e3), "operating points")
+        curve(ax, np.asarray(values) * across.scale, preload, style, "line", f"{name} (theory)")
+    operating = np.asarray(data["operating_amplitude_m"]) * across.scale
+    own(ax, operating, np.full(operating.size, data["operating_preload_N"] * up.scale), "operating points")
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, quantity("normal_amplitude_m").axis, quantity("preload_N").axis, record.title, grid=False)
+    return finished(ax, across.axis, up.axis, record.title, grid=False)

@@ -107,20 +107,23 @@ def slider_range(scene: Scene, clear: float = 0.0) -> tuple[float, float]:
 @of_record
 def figure(record: Panel, ax):
     """Draw velocity or amplitude against the position on the stator."""
-    data, x = record.data, record.data["position_m"] * 1e3
+    data, across, up = record.data, quantity("position_m"), quantity("velocity_m_per_s")
+    x = data["position_m"] * across.scale
     band, label = {"alpha": 0.25, "linewidth": 0}, "range over half a wavelength"
     if "amplitude_m_per_V" in data:
-        ends = (data[key] * 1e9 for key in ("smallest_m_per_V", "largest_m_per_V"))
+        scale = quantity("normal_m_per_V").scale
+        ends = (data[key] * scale for key in ("smallest_m_per_V", "largest_m_per_V"))
         ax.fill_between(x, *ends, color=COLOURS["slip"], label=label, **band)
-        ax.set_ylim(0, 1.05e9 * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))
+        ax.set_ylim(0, 1.05 * scale * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))
         name = "finite aperture" if data["finite_aperture"] else "under the balls"
         curves = (("section_m_per_V", "--", "stick", "plane section"), ("amplitude_m_per_V", "-", "slip", name))
         return lines(ax, record, "position_m", curves, "normal_m_per_V")
     for name, velocity, colour in family(data["velocity_m_per_s"]):
-        curve(ax, x, velocity * 1e3, "-", colour, f"{name}, steady")
-        ends = (data[key][name] * 1e3 for key in ("slowest_m_per_s", "fastest_m_per_s"))
+        curve(ax, x, velocity * up.scale, "-", colour, f"{name}, steady")
+        ends = (data[key][name] * up.scale for key in ("slowest_m_per_s", "fastest_m_per_s"))
         ax.fill_between(x, *ends, color=COLOURS[colour], **band)
-        curve(ax, data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3, "--", "line")
+        path, velocity = data["path_m"][name], data["path_velocity_m_per_s"][name]
+        curve(ax, path * across.scale, velocity * up.scale, "--", "line")
     ax.fill_between([], [], color=COLOURS["line"], label=label, **band)
     curve(ax, [], [], "--", "line", "starting at the scene's position")
-    return finished(ax, quantity("position_m").axis, quantity("velocity_m_per_s").axis, record.title)
+    return finished(ax, across.axis, up.axis, record.title)

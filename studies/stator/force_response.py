@@ -21,6 +21,7 @@ import fem
 from studies.chain import fem_model, passband
 from studies.chain.solver_errors import answered
 from studies.record.plots import PALETTE, curve, lines
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.report.explanation import band_seconds, plan
 from studies.scene import Scene
@@ -247,12 +248,12 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
 def figure(record: Panel, ax):
     """Draw u_z along the stator, or the currents over frequency."""
     if "x_m" in record.data:
-        x = record.data["x_m"]
+        x, along = record.data["x_m"], quantity("x_m")
         gap = int(np.argmax(np.diff(x))) + 1  # one wavelength either side of the force
         for (component, name), colour in zip(FORCES.items(), PALETTE, strict=False):
-            motion = abs(record.data[f"{name}_m_per_N"]) * 1e9
+            motion = abs(record.data[f"{name}_m_per_N"]) * quantity("normal_m_per_N").scale
             for part, label in ((slice(0, gap), f"force along {component}"), (slice(gap, None), None)):
-                curve(ax, x[part] * 1e3, motion[part], "-", colour, label)
+                curve(ax, x[part] * along.scale, motion[part], "-", colour, label)
         return lines(ax, record, "x_m", (), "normal_m_per_N")
     (unit,) = {key.split("_")[-3] for key in record.data if key.endswith("_per_N")}
     keys = [key for key in record.data if key.endswith("_per_N")]

@@ -18,6 +18,7 @@ from studies.chain import fem_model, passband
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, lines, shaded
+from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
 from studies.scene import Scene
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
@@ -115,7 +116,12 @@ def figure(record: Panel, ax):
     if "scan" in data:
         return draw_scan(data, ax)
     if "group_delay_s" in data:
-        ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
+        ax.axhline(
+            data["way_s"] * quantity("group_delay_s").scale,
+            color="black",
+            linewidth=1,
+            label="way over velocity (theory)",
+        )
         late = (("group_delay_s", "o", "slip", "surface mode"),)
         return lines(ax, record, "frequency_Hz", late, "group_delay_s")
     rows = (
@@ -123,14 +129,15 @@ def figure(record: Panel, ax):
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
         ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
     )
-    low, high = data["half_power_Hz"] / 1e6
+    across, up = quantity("frequency_Hz"), quantity("normal_m_per_V")
+    low, high = data["half_power_Hz"] * across.scale
     shaded(ax, low, high, "half of the power")
     sizes = [abs(data[key]).max() for key, *_ in rows]
     if "finite_aperture_m_per_V" in data:
         sizes.append(data["finite_aperture_m_per_V"])
-        at, label = data["drive_frequency_Hz"] / 1e6, "finite aperture, at the drive's frequency"
-        curve(ax, [at], [sizes[-1] * 1e9], "D", "intermittent", label, size=6.0)
-    ax.set_ylim(0, 1.05e9 * max(sizes))
+        at, label = data["drive_frequency_Hz"] * across.scale, "finite aperture, at the drive's frequency"
+        curve(ax, [at], [sizes[-1] * up.scale], "D", "intermittent", label, size=6.0)
+    ax.set_ylim(0, 1.05 * up.scale * max(sizes))
     return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
 
 

@@ -118,7 +118,7 @@ def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, cascade and stator, or what a piece sends back."""
-    data, at = record.data, record.data["frequency_Hz"] / 1e6
+    data, at = record.data, record.data["frequency_Hz"] * quantity("frequency_Hz").scale
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
         return lines(ax, record, "frequency_Hz", rows, "admittance_S")

@@ -109,7 +109,7 @@ def contact_moments(record: Record, *, level: float | None):
         history = contact.contact_history(
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
         )
-    motion_text = f"slider at {_printed('velocity_m_per_s', speed)}" if speed else "slider held at rest"
+    motion_text = f"slider at {_drawn('velocity_m_per_s').with_unit(speed)}" if speed else "slider held at rest"
     return moments(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
 
 
@@ -176,7 +176,7 @@ class SlowMotion:
         ax.tick_params(labelsize="x-small")
         ax.set_xlabel(f"{_drawn('u_x_m').axis}; the ball's radius is not to scale", fontsize="small")
         ax.set_ylabel(_drawn("u_z_m").axis, fontsize="small")
-        P, Q = (_printed(key, table[key][index]) for key in ("normal_force_N", "tangential_force_N"))
+        P, Q = (_drawn(key).with_unit(table[key][index]) for key in ("normal_force_N", "tangential_force_N"))
         ax.set_title(f"{table['regime'][index]}: P = {P}, Q = {Q}", fontsize="small")
         for cursor in self._cursors:
             cursor.set_xdata([table["time_s"][index] * _drawn("time_s").scale] * 2)
@@ -236,11 +236,6 @@ def traces(figure, table: dict) -> list:
 def _drawn(key: str) -> Quantity:
     """Return a quantity of the contact's history."""
     return quantity(f"history.{key}")
-
-
-def _printed(key: str, value: float) -> str:
-    """Return a value with its unit."""
-    return f"{_drawn(key).text(value)} {_drawn(key).shown}"
 
 
 def _draw(ax, table: dict, index: int) -> None:

@@ -96,7 +96,7 @@ def orbits(places, tangential, normal, *, title: str):
         tail, head = (motion * np.exp(1j * (crest + np.array([-0.35, 0.35])))).real.T
         arrow(ax, tail, head, COLOURS[colour], width=1.0)
         ax.plot([0], [0], "+", color=COLOURS["line"], markersize=5)
-        ax.set_title(f"x = {along.text(places[number])} {along.shown}", fontsize="small")
+        ax.set_title(f"x = {along.with_unit(places[number])}", fontsize="small")
         ax.set(aspect="equal", xlim=(-limit, limit), ylim=(-limit, limit))
         ax.tick_params(labelsize="x-small")
         ax.grid(alpha=0.3)
@@ -204,7 +204,7 @@ def bars(rows, drawn: Quantity, title: str, *, remark: str = ""):
     names, sizes, colours = zip(*rows, strict=True)
     positions, values = np.arange(len(rows))[::-1], [size * drawn.scale for size in sizes]
     bar_container = ax.barh(positions, values, color=colours, height=0.62)
-    ax.bar_label(bar_container, [f"{drawn.text(size)} {drawn.shown}" for size in sizes], padding=3, fontsize="small")
+    ax.bar_label(bar_container, [*map(drawn.with_unit, sizes)], padding=3, fontsize="small")
     ax.set_yticks(positions, names)
     low, high = min([0.0, *values]), max([0.0, *values])
     extent = (high - low) or 1.0

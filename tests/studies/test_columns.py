@@ -176,6 +176,6 @@ def test_the_crest_of_a_rayleigh_wave_moves_against_it(small_run):
 
 def test_the_crest_of_a_given_wave_moves_to_plus_x():
     wave = Scene.load("twente-contact").wave
-    (orbit,) = bridge.given_orbits(wave)
+    (orbit,) = bridge.prescribed_orbits(wave)
     speed = 2 * math.pi * wave.frequency * wave.tangential_ratio
     assert velocity_at_the_crest(orbit) == pytest.approx(speed, rel=1e-12)

@@ -346,7 +346,7 @@ def test_batches_and_interruptions_change_nothing(whole, tmp_path, monkeypatch):
         if kept > 20:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(driver, "LARGEST_BATCH", 3)
+    monkeypatch.setattr(driver, "MAX_BATCH_POINTS", 3)
     with pytest.raises(RunError, match=r"interrupted: \d+ of 48 points are kept and the same command"):
         sweep("twente-contact", OVER, out=tmp_path / "s", progress=stop)
     before = rows(tmp_path / "s")
@@ -452,7 +452,7 @@ class Poisoned(Workers):
 
 def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
     staff = Poisoned()
-    monkeypatch.setattr("studies.sweeps.chosen_workers", lambda number: staff)
+    monkeypatch.setattr("studies.sweeps.start_workers", lambda number: staff)
     found = sweep("twente-contact", OVER, out=tmp_path / "s")
     assert found.counts == {"ok": 47, "lost": 1}
     assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
