@@ -52,10 +52,10 @@ def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -
         return frequencies(scene, count, DEFAULT_COUNT)
     if not isinstance(band, str):
         return np.asarray(band, dtype=float)
-    result = read_range("--band", band, "Hz", bare=1e6)
-    if not (0 < result.low < result.high and 2 <= result.count <= MAX_COUNT):
+    values = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < values[0] < values[-1] and 2 <= len(values) <= MAX_COUNT):
         raise SceneError("--band", f"must rise from START above 0 to STOP in 2 to {MAX_COUNT} values, got {band!r}")
-    return np.array(result.values)
+    return np.array(values)
 
 
 def group_delay(at, transfer, approximate: float):

@@ -39,8 +39,8 @@ class Damping(Block):
 class Slider(Block):
     """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
 
-    Keys that what touches the stator decides, such as ``radius`` and ``pillars``, are None where they are absent; as
-    of the blocks of a scene, their types say Any instead.
+    Keys that depend on the kind of contact, such as ``radius`` and ``pillars``, are None where they are absent; their
+    types are written Any, as those of the blocks of a scene.
     """
 
     block: ClassVar[str] = "slider"
@@ -176,10 +176,8 @@ class Slider(Block):
         if self.backing == "soft" and self.loading == "harmonics":
             yield "loading", 'must be true or false where slider.backing is "soft"'
         if self.backing == "soft" and self.tilt != "held":
-            yield (
-                "tilt",
-                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
-            )
+            rule = 'must be "held" where slider.backing is "soft", which has no plane to tilt'
+            yield "tilt", f'{rule}, got "{self.tilt}"'
 
     def check_punch(self) -> Any:
         if self.shape == "punch" and self.law == "hysteretic":
@@ -205,7 +203,7 @@ class Slider(Block):
         if number == 0:
             yield "heights", "needs slider.contacts as a list of positions, one per height"
         elif number != len(self.heights):
-            yield ("heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}")
+            yield "heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}"
 
     def check_moduli(self) -> Any:
         for key in ("effective_modulus", "tangential_modulus"):
@@ -243,7 +241,7 @@ class Slider(Block):
 
     @property
     def share(self) -> int:
-        """Number of contacts that each computed one stands for: of a mere number of them, which move alike, all."""
+        """Number of contacts that each computed contact represents: all, if only their number is specified."""
         return self.contacts if isinstance(self.contacts, int) else 1
 
     @property
