@@ -92,7 +92,7 @@ def periodic(
 
 
 def fine_periodic(balance: Balance) -> Periodic:
-    """Return the periodic motion at the order FINE; if the search fails, some cycles are followed before a second one."""
+    """Return the periodic motion at the order FINE; after a failed search, some cycles are followed before a second."""
     nodes, truncation = FINE
     try:
         return periodic(balance, nodes=nodes, truncation=truncation)
