@@ -2,7 +2,7 @@
 
 ``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
 ``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
-can be run again with the same numbers.  ``slider.method = "auto"`` stays: the contact chooses its method
+can be run again with the same numbers.  ``slider.method = "auto"`` is not replaced: the contact chooses its method
 (contact/choice.py).  Rules that need physics (an unknown material, an impossible layout) are checked here.
 """
 
@@ -80,9 +80,8 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     if recovery is not None and matched:
         with stator_keys("drive.recovery.load"):
             load = fem.matched_load(
-                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency,
-                source_matched=auto,
-            )  # fmt: skip
+                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
+            )
     scene = _with_load(scene, load)
     if auto:
         seen = fem.solve_circuit(matrix, names, transducers(scene), old_drive.transducer, scene.frequency).admittance
