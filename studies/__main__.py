@@ -20,9 +20,9 @@ import threading
 
 # Seconds that a process may take to end by itself after a signal; with workers it waits for their current points.
 PATIENCE, PATIENCE_WITH_WORKERS = 1.2, 30.0
-# New objects before a search for cyclic garbage, of which a run makes little. At 700, Python's own, the searches take
-# 55 ms of a run of twente, and at 50 000 one of 13 ms.
-SELDOM = 200_000
+# New objects before a search for cyclic garbage, of which a run makes little. At Python's default of 700 the searches
+# take 55 ms of a run of twente, at 50 000 13 ms.
+GARBAGE_THRESHOLD = 200_000
 
 
 def main(words: list[str] | None = None) -> int:
@@ -30,7 +30,7 @@ def main(words: list[str] | None = None) -> int:
     returned = threading.Event()
     try:  # before any slow import, so that an interrupt during the imports also ends with a message
         if words is None:
-            gc.set_threshold(SELDOM)
+            gc.set_threshold(GARBAGE_THRESHOLD)
             signal.signal(signal.SIGTERM, _ended)  # handled as SIGINT, so that work files and locks are removed
             _watch_signals(returned)
         return _guarded(sys.argv[1:] if words is None else words)
@@ -97,7 +97,7 @@ def _guarded(words: list[str]) -> int:
     except RunError as error:
         return _said(error, error.exit_code)
     except BrokenPipeError:
-        # whoever read stdout has left; keep the interpreter from flushing into the closed pipe at exit
+        # the reader of stdout has ended; keep the interpreter from flushing into the closed pipe at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_NO_ANSWER
     except MemoryError:
@@ -108,7 +108,7 @@ def _guarded(words: list[str]) -> int:
 
 
 def _defect(error: Exception) -> int:
-    """Say that the program has a defect, with the traceback in a file that a report of it can hold."""
+    """Report a defect of the program, with the traceback in a file to attach to a bug report."""
     import tempfile
     import traceback
 
@@ -119,10 +119,9 @@ def _defect(error: Exception) -> int:
     name, text = type(error).__name__, " ".join(str(error).split())
     with tempfile.NamedTemporaryFile("w", prefix="sawmotor-defect-", suffix=".txt", delete=False) as file:
         file.write(f"sawmotor {' '.join(sys.argv[1:])}\n\n{''.join(traceback.format_exception(error))}")
-    kept = "".join(f"; {note}" for note in getattr(error, "__notes__", ()))
-    return _said(
-        f"a defect of sawmotor, not of your scene: {name}: {text}{kept}; its traceback is in {file.name}", EXIT_DEFECT
-    )
+    notes = "".join(f"; {note}" for note in getattr(error, "__notes__", ()))
+    message = f"a defect of sawmotor, not of your scene: {name}: {text}{notes}; its traceback is in {file.name}"
+    return _said(message, EXIT_DEFECT)
 
 
 def _dispatch(words: list[str]) -> int:

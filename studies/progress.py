@@ -1,6 +1,6 @@
-"""What the program is doing, as its modules log it: steps of a question at level INFO, details of a step at DEBUG.
+"""Progress as the modules log it: the steps of a computation at level INFO, the details of a step at DEBUG.
 
-`Progress` shows it on stderr, for anything that takes longer than a second; stdout is left to the answer.
+`Progress` shows it on stderr when a computation takes longer than a second; stdout is for the answer.
 """
 
 import logging
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 LOGGERS = ("studies", "fem")
 PATIENCE = 1.0  # s
-BETWEEN = 0.05  # of the time so far: between two lines where there is no terminal
+MIN_INTERVAL = 0.05  # between two lines without a terminal, relative to the time so far
 
 
 class _Messages(logging.Handler):
-    """Calls a function with each message; before a detail stands the step that it belongs to."""
+    """Calls a function with each message; a detail is preceded by its step."""
 
     def __init__(self, receive: Callable[[str], None]):
         super().__init__()
@@ -37,7 +37,7 @@ class _Messages(logging.Handler):
 
 @contextmanager
 def reported_to(progress: Callable[[str], None] | None) -> Iterator[None]:
-    """Call a function with a few words about each step that is logged meanwhile; None: with nothing."""
+    """Call a function with a text of each step that is logged meanwhile; None calls nothing."""
     if progress is None:
         yield
         return
@@ -55,13 +55,13 @@ def reported_to(progress: Callable[[str], None] | None) -> Iterator[None]:
 
 
 class Progress:
-    """Shows what is being done and for how long: a live line in a terminal, now and then a line elsewhere.
+    """Context manager that shows what is logged meanwhile and for how long.
 
-    Used as ``with Progress(): ...``; it shows what is logged meanwhile.
+    In a terminal it is one live line, elsewhere a new line now and then.
     """
 
     def __init__(self):
-        self._begun = time.perf_counter()
+        self._start_time = time.perf_counter()
         self.text = "starting"
         self._lock = threading.Lock()
         self._live = self._first = None
@@ -72,13 +72,13 @@ class Progress:
         self._timer.daemon = True
 
     def __call__(self, text: str) -> None:
-        """Say what is being done now."""
+        """Show a text from now on."""
         with self._lock:
             self.text = text
             self._show()
 
     def points(self, total: int, done: int, failed: int, cost: float) -> None:
-        """Say how many points of a sweep have a row that is kept, at what rate, and the workers' seconds."""
+        """Show how many points of a sweep are stored, the rate, and the seconds of work."""
         now = time.perf_counter()
         if self._first is None:
             self._first = done, now
@@ -118,14 +118,14 @@ class Progress:
         """Return what the live line shows; rich asks for it at each drawing."""
         from rich.text import Text
 
-        return Text(f"{self.text} ({duration(time.perf_counter() - self._begun)})")
+        return Text(f"{self.text} ({duration(time.perf_counter() - self._start_time)})")
 
     def _show(self) -> None:
         if not self._shown or self._live is not None:
             return
-        if (now := time.perf_counter()) > self._printed + max(PATIENCE, BETWEEN * (now - self._begun)):
+        if (now := time.perf_counter()) > self._printed + max(PATIENCE, MIN_INTERVAL * (now - self._start_time)):
             self._printed = now
-            print(f"{self.text} ({now - self._begun:.1f} s)", file=sys.stderr, flush=True)
+            print(f"{self.text} ({now - self._start_time:.1f} s)", file=sys.stderr, flush=True)
 
 
 def duration(seconds: float) -> str:

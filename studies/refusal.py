@@ -1,4 +1,4 @@
-"""What is said to a user who gets no answer: one sentence for each fault, naming key, rule, value and unit."""
+"""Errors for a user who gets no answer: one sentence for each fault, with key, rule, value and unit."""
 
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
@@ -10,23 +10,23 @@ EXIT_INEXACT = 1  # an answer that misses its tolerance, or is refused for its m
 EXIT_BAD_INPUT, EXIT_NO_ANSWER = 2, 3
 EXIT_DEFECT = 70  # EX_SOFTWARE of sysexits.h: a defect of the program
 EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells report it
-PACKAGES = {"skrf": "scikit-rf"}  # names that pip knows, where a module has another
+PACKAGES = {"skrf": "scikit-rf"}  # names for pip of modules that have another name
 MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit would give 36
 
 
 class SceneError(ValueError):
-    """A scene that breaks a rule; ``problems`` are all the faults that were found, this one first.
+    """A scene that breaks a rule; ``problems`` are all its faults, this one first.
 
     ``path`` is the key, such as ``slider.mass``, or empty; ``rule`` the rest of the sentence: what is allowed and what
-    was given; ``place`` where the key stands, such as ``motor.toml, line 12``, or empty.
+    was found; ``location`` where the key stands, such as ``motor.toml, line 12``, or empty.
     """
 
     exit_code = EXIT_BAD_INPUT
 
-    def __init__(self, path: str, rule: str, place: str = ""):
+    def __init__(self, path: str, rule: str, location: str = ""):
         sentence = _on_one_line(f"{path} {rule}" if path else rule)
-        super().__init__(f"{place}: {sentence}" if place else sentence)
-        self.path, self.rule, self.place = path, rule, place
+        super().__init__(f"{location}: {sentence}" if location else sentence)
+        self.path, self.rule, self.location = path, rule, location
         self.problems: tuple[SceneError, ...] = (self,)
 
     @classmethod
@@ -55,7 +55,7 @@ class SceneError(ValueError):
             return SceneError.together(problem.moved(old, new) for problem in self.problems)
         if not self.path.startswith(old):
             return self
-        return SceneError(new + self.path.removeprefix(old), self.rule, self.place)
+        return SceneError(new + self.path.removeprefix(old), self.rule, self.location)
 
 
 def all_answers(calls: Iterable[Callable[[], Any]]) -> list[Any]:
@@ -84,12 +84,12 @@ class InterruptedRunError(RunError):
 
 
 def _on_one_line(text: str) -> str:
-    """Return a sentence in which what does not print, as in the name of a key, is written out."""
+    """Return a sentence with the characters that do not print, as in the name of a key, as escapes."""
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)
 
 
 def suggestion(word: str, known: Any) -> str | None:
-    """Return the known word that was probably meant: the same start, one of its parts, or nearly the same letters.
+    """Return the known word that a word resembles: the same start, one of its parts, or nearly the same letters.
 
     Examples
     --------
@@ -108,15 +108,15 @@ def suggestion(word: str, known: Any) -> str | None:
 
 
 def nearest(word: str, known: Any) -> str:
-    """Return ``; did you mean ...?`` when a known word resembles this one, else a list of those known."""
+    """Return ``; did you mean ...?`` for the known word that this one resembles, else a list of the known words."""
     known = [str(name) for name in known]
     return resembling(word, known) or (f"; known: {', '.join(known)}" if known else "")
 
 
 def resembling(word: str, known: Any) -> str:
-    """Return ``; did you mean ...?`` when a known word resembles this one, else nothing."""
-    meant = suggestion(word, known)
-    return "" if meant is None else f"; did you mean {meant}?"
+    """Return ``; did you mean ...?`` for the known word that this one resembles, else an empty text."""
+    similar = suggestion(word, known)
+    return "" if similar is None else f"; did you mean {similar}?"
 
 
 def needed(module: str, what: str) -> Any:
@@ -131,7 +131,7 @@ def needed(module: str, what: str) -> Any:
 def shown(value: Any) -> str:
     """Return a value as an error quotes it: on one line and short."""
     try:
-        # the only values without a literal of Python's are TOML's dates and times
+        # TOML's dates and times are the only values without a Python literal
         text = repr(value) if type(value).__module__ != "datetime" else f"the date or time {value} (quotes are missing)"
     except (ValueError, RecursionError):  # an integer of more digits than Python prints, or nesting without end
         text = f"a {type(value).__name__} too large to print"

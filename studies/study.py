@@ -1,6 +1,6 @@
-"""A study: one question to the models, answered by panels to look at and findings to check.
+"""A study: one question to the models, answered by panels (the numbers of pictures) and findings (checks of theory).
 
-Each study is a file named by its question.  Its docstring says question, method, expected answer and run
+Each study is a file named by its question.  Its docstring states question, method, expected answer and run
 time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or one of its panels.
 """
 
@@ -28,9 +28,9 @@ from studies.scene import Scene
 LOGGER = logging.getLogger(__name__)
 
 COMMON_ARGUMENTS = """\
-``scene`` is a path, a shipped name or a `Scene` that has what the study asks about."""
-# Every study, in the order of the list that a user sees: the package that holds it, and the seconds that it takes on
-# its default scene, or on all its own scenes, on one processor
+``scene`` is a path, a shipped name or a `Scene` with the blocks that the study needs."""
+# Every study, in the order of the list that a user sees: its package, and its seconds on one processor, on its default
+# scene or on all its own scenes
 STUDIES = {
     "voltage_to_velocity": ("motor", 3),
     "rayleigh": ("evidence", 10),
@@ -66,14 +66,14 @@ ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A statement and the number that confirms or contradicts it."""
+    """A statement and the number that confirms or contradicts it; its fields are keys of study.json."""
 
     statement: str  # a sentence of the paper in quotation marks, or of the theory
     quantity: str  # what was computed, with its unit
     expected: str  # the number or the range that confirms it
     found: float  # the number that was computed
-    confirmed: bool | None  # whether it does; None where the statement does not apply
-    remark: str = ""  # what to know about it
+    confirmed: bool | None  # None where the statement does not apply
+    remark: str = ""
 
     def __str__(self):
         verdict = {True: "confirmed", False: "contradicted", None: "not judged"}[self.confirmed]
@@ -83,9 +83,9 @@ class Finding:
 
 
 def judged(statement, quantity, value, *, low=-math.inf, high=math.inf, holds=True, expected="", remark="") -> Finding:
-    """Return the finding that a number lies between two others, both excluded, and something else holds too.
+    """Return the finding that a number lies between two bounds, both excluded, and that ``holds`` is true.
 
-    With None for ``holds`` the number is told but not judged.
+    With None for ``holds`` the number is stated and not judged.
     """
     bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
     if math.isfinite(low) and math.isfinite(high):
@@ -98,7 +98,7 @@ def judged(statement, quantity, value, *, low=-math.inf, high=math.inf, holds=Tr
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """One picture's numbers."""
+    """The numbers of one picture."""
 
     name: str  # of its file
     title: str
@@ -106,26 +106,26 @@ class Panel:
 
     @classmethod
     def of_rows(cls, name: str, title: str, rows: list[dict]) -> "Panel":
-        """Return a panel whose columns are those of rows with the same keys."""
+        """Return a panel of rows with the same keys."""
         return cls(name=name, title=title, data={key: [row[key] for row in rows] for key in rows[0]})
 
     def rows(self) -> list[dict]:
-        """Return the rows of its columns."""
+        """Return its columns as rows."""
         return [dict(zip(self.data, values, strict=True)) for values in zip(*self.data.values(), strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyRecord:
-    """What a study answers: its answer in words, panels to look at, and checks of what the theory expects."""
+    """The result of a study: its answer in words, its panels, and checks of what the theory expects."""
 
     name: str
     panels: tuple[Panel, ...]
     findings: tuple[Finding, ...]
     seconds: float
-    answer: tuple[tuple[str, str], ...] = ()  # label and text of each line, said before anything is judged
+    answer: tuple[tuple[str, str], ...] = ()  # label and text of each line
 
     def panel(self, name: str | None = None) -> Panel:
-        """Return the panel of a name, the first without one."""
+        """Return the panel of a name, by default the first."""
         panels = {panel.name: panel for panel in self.panels}
         if name is None:
             return self.panels[0]
@@ -135,12 +135,12 @@ class StudyRecord:
 
     @property
     def remark(self) -> str:
-        """Which checks are contradicted, as a warning; empty where none is."""
-        against = [finding for finding in self.findings if finding.confirmed is False]
-        if not against:
+        """Warning of the checks that are contradicted; empty without any."""
+        contradicted = [finding for finding in self.findings if finding.confirmed is False]
+        if not contradicted:
             return ""
-        first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"
-        return f"warning: {len(against)} of {len(self.findings)} checks are contradicted: {first}"
+        first = f"{contradicted[0].quantity} is {contradicted[0].found:.6g}, expected {contradicted[0].expected}"
+        return f"warning: {len(contradicted)} of {len(self.findings)} checks are contradicted: {first}"
 
     exit_code = 0  # a contradicted check is a remark; a study without an answer raises
 
@@ -168,13 +168,11 @@ Answered = (
 )
 
 
-def driven_contact(
-    scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False,
-) -> DrivenContact:  # fmt: skip
+def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False) -> DrivenContact:
     """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
-    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.  ``pillars``: whether the
-    study knows sliders on pillars.
+    ``tolerance``: of the slider velocity there, which sets the discretisation of the stator.  ``pillars``: True if the
+    study takes sliders on pillars.
 
     Examples
     --------
@@ -184,15 +182,13 @@ def driven_contact(
     resolved_scene = resolved(Scene.load(scene))
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
-    if resolved_scene.slider.pillars is not None and not pillars:
-        resolved_scene.refuse(
-            "slider.pillars",
-            "are not known here: run, sweep, fit, design, datasheet, load_line and sensitivity take them",
-        )
+    if resolved_scene.on_pillars and not pillars:
+        known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
+        resolved_scene.refuse("slider.pillars", f"are not known here: {known}")
     if resolved_scene.wave is not None:
-        return DrivenContact.given(resolved_scene)
+        return DrivenContact.prescribed(resolved_scene)
     if not resolved_scene.transducer:
-        resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
+        resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a prescribed [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
     driven = DrivenContact.of_run(run_chain(steady, tolerance=tolerance))
     return replace(driven, scene=resolved_scene.with_source(frequency=driven.scene.frequency))
@@ -214,9 +210,9 @@ def question(name: str) -> str:
 
 
 def expected_seconds(name: str, scene: str | None, options: dict) -> float:
-    """Return how long a study takes, s: as long as on its default scene, times the ratio of the stators' work.
+    """Return the run time of a study in s: that on its default scene, times the ratio of the stators' run times.
 
-    A study whose number of solutions depends on its ``options``, such as ``band``, says it itself.
+    A study whose number of solutions depends on its ``options``, such as ``band``, has its own ``expected_seconds``.
     """
     default = signature(module(name).run).parameters.get("scene")
     _, seconds = STUDIES[ALIASES.get(name, name)]
@@ -234,7 +230,7 @@ def expected_seconds(name: str, scene: str | None, options: dict) -> float:
 
 
 def of_record(draw: Callable) -> Callable:
-    """Let a function that draws one panel take what the study's ``run`` returned, and draw its first or a named panel.
+    """Let a function that draws a panel also take a `StudyRecord`, of which it draws the first or a named panel.
 
     Examples
     --------
@@ -259,11 +255,10 @@ def of_record(draw: Callable) -> Callable:
 
 
 def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Callable[..., StudyRecord]]:
-    """Return the decorator of a study's ``run``, which makes a `StudyRecord` of what the function answers.
+    """Return the decorator of a study's ``run``, which makes a `StudyRecord` of what the function returns.
 
-    The record is named as the module and holds the time that the study took.  With a ``default`` the study takes a
-    scene: a path, a shipped name or a `Scene`, the default when absent; the function gets it loaded.  Without a default
-    the study has its own scenes.
+    The record has the name of the module and the run time.  With a ``default`` the study takes a scene: a path, a
+    shipped name or a `Scene`, which the function gets as a `Scene`.  Without a default the study has its own scenes.
     """
 
     def decorated(run: Callable[..., Answered]) -> Callable[..., StudyRecord]:
@@ -294,15 +289,15 @@ def run_study(
 ) -> StudyRecord | Record:
     """Run a study, write its numbers into an empty directory and return its record.
 
-    ``scene`` and ``options`` of the command line are for studies that take them; ``quick`` is the small version, with
-    the arguments in the module's ``QUICK``.
+    ``scene`` and ``options`` of the command line are refused by studies that do not take them; ``quick`` runs the small
+    version, with the arguments in the module's ``QUICK``.
     """
     study_module, options = module(name), dict(options or {})
     taken = signature(study_module.run).parameters
     for option in options:
         if option not in taken:
-            own = [each for each in COMMAND_OPTIONS if each in taken]
-            rule = f", which takes --{', --'.join(own)}" if own else ", which takes no options"
+            known = [each for each in COMMAND_OPTIONS if each in taken]
+            rule = f", which takes --{', --'.join(known)}" if known else ", which takes no options"
             raise SceneError(f"--{option}", f"is not taken by the study {name}{rule}")
     if scene is not None:
         if "scene" not in taken:

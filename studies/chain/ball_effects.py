@@ -1,4 +1,4 @@
-"""Estimates of the effects that the model of a slider on balls neglects, as (effect, quantity, size, source).
+"""Estimates of the effects that the model of a slider on balls neglects, as fields of `stator_effects.Effect`.
 
 Sources:
 
@@ -16,15 +16,14 @@ import numpy as np
 import contact
 import fem
 from studies.chain import bridge, fem_model
-from studies.chain.stator_effects import Rows, amplitude_per_power, wavelength
+from studies.chain.stator_effects import Effects, amplitude_per_power, wavelength
 from studies.record import Record
 
 POINT_ADMITTANCE = 0.93  # Re(v/F) over omega^2 / (2 pi mu c_T) of a point load on a half-space
-# Friction coefficient of a frictionless contact: the averaged equilibrium requires a positive one
-NO_FRICTION = 1e-9
+NO_FRICTION = 1e-9  # coefficient of a frictionless contact: the averaged equilibrium requires a positive one
 LOADS = 5  # levels of a run at which the load on the wave is computed, 6 ms each; linear in the voltage between them
 NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
-LOAD = "load of the slider on the wave"
+LOAD, OVERTONES = "load of the slider on the wave", "overtones of the wave under the pillars"  # names of effects
 
 
 def point_admittance(omega: float, shear_modulus: float, shear_speed: float) -> float:
@@ -32,14 +31,13 @@ def point_admittance(omega: float, shear_modulus: float, shear_speed: float) -> 
     return POINT_ADMITTANCE * omega**2 / (2 * math.pi * shear_modulus * shear_speed)
 
 
-def radiation(record: Record) -> Rows:
+def radiation(record: Record) -> Effects:
     """Yield the power that a contact radiates into the stator, relative to its elastic force."""
     slider = record.scene.slider
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return
     solid, contacts = fem_model.solid(record.scene.stator), slider.computed_contacts
-    omega = 2 * math.pi * record.wave["frequency_Hz"]
-    body = bridge.contact_slider(slider)
+    omega, body = 2 * math.pi * record.wave["frequency_Hz"], bridge.contact_slider(slider)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
     radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
@@ -48,24 +46,25 @@ def radiation(record: Record) -> Rows:
 
 
 def loads_on_wave(record: Record) -> list[list[tuple]]:
-    """Return the effect of the contacts' load on the wave at each point."""
+    """Return for each point a list with the effect of the contacts' load on the wave, empty where there is none."""
     slider = record.scene.slider
-    rows: list[list[tuple]] = [[] for _ in record.points]
+    none: list[list[tuple]] = [[] for _ in record.points]
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
-        return rows
-    tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
+        return none
+    tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     if normal.max() < NODE * tangential.max() or amplitude_per_power(record) is None:
-        return rows
+        return none
     how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
-    voltages = sorted({point["voltage_V"] for point in record.points if point["voltage_V"] > 0.0})
-    numbers = sorted({round(at) for at in np.linspace(0, len(voltages) - 1, LOADS)}) if voltages else []
-    some = [voltages[number] for number in numbers]
-    sizes = wave_load(record, some)
-    for own, point in zip(rows, record.points, strict=True):
-        if point["voltage_V"] > 0.0:
-            size = float(np.interp(point["voltage_V"], some, sizes))
-            own.append((LOAD, "u_z", size, how))
-    return rows
+    voltages = [point["voltage_V"] for point in record.points]
+    positive = sorted({voltage for voltage in voltages if voltage > 0.0})
+    if not positive:
+        return none
+    some = [positive[number] for number in sorted({round(at) for at in np.linspace(0, len(positive) - 1, LOADS)})]
+    sizes = np.interp(voltages, some, wave_load(record, some))
+    return [
+        [(LOAD, "u_z", float(size), how)] if voltage > 0.0 else []
+        for voltage, size in zip(voltages, sizes, strict=True)
+    ]
 
 
 def wave_load(record: Record, voltages) -> list[float]:
@@ -80,17 +79,14 @@ def wave_load(record: Record, voltages) -> list[float]:
         body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
         friction_coefficient=body.static_coefficient or NO_FRICTION,
     )  # fmt: skip
-    offsets = [x - slider.center[0] for x, _ in slider.places]
+    offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
     balls = contact.balls_of(replace(body, preload=body.preload * slider.share), offsets, weights=slider.share)
-    tangential, _, normal = abs(record.surface_motion.at(list(slider.places)))
+    tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     at_one_volt = contact.PassingWave(
-        frequency=record.wave["frequency_Hz"],
-        wavelength=wavelength(record),
-        forward=float(normal[strongest]),
-        ratio=float(tangential[strongest] / normal[strongest]),
+        frequency=record.wave["frequency_Hz"], wavelength=wavelength(record), forward=float(normal[strongest]),
+        ratio=float(tangential[strongest] / normal[strongest]), strip_width=record.scene.driven_transducer.aperture,
         compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
-        strip_width=record.scene.driven_transducer.aperture,
     )  # fmt: skip
     changes, near = [], None
     for voltage in voltages:
@@ -103,7 +99,7 @@ def wave_load(record: Record, voltages) -> list[float]:
     return changes
 
 
-def travel_over_ripple(record: Record, point: dict) -> Rows:
+def travel_over_ripple(record: Record, point: dict) -> Effects:
     """Yield the effect of a burst's travel at a point, where it is computed at a fixed position."""
     scene, ratio = record.scene, record.wave["standing_wave_ratio"]
     if scene.slider is None or scene.burst is None or "travel_m" in point:

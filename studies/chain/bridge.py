@@ -1,7 +1,7 @@
 """From the wave to the contact: the surface motion per volt times the voltage is the orbit under each ball.
 
 Both sides use exp(+i omega t), peak amplitudes, x along the surface and z out of it, so nothing changes
-sign.  A wave that runs to +x has u_x = +i r u_z; a given [wave] moves its crest towards +x, u_x = -i r u_z.
+sign.  A wave that runs to +x has u_x = +i r u_z; the crests of a prescribed [wave] move towards +x, u_x = -i r u_z.
 
 n contacts that feel one and the same motion behave as one with 1/n of mass, preload, load and viscous
 dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere number of contacts is computed
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from studies.chain.travel import WaveAlong
 
 
-def given_orbits(wave: Wave) -> tuple:
-    """Return the orbit of a given wave for a normal amplitude of 1 m: a shape, to be scaled."""
+def prescribed_orbits(wave: Wave) -> tuple:
+    """Return the orbit of a prescribed wave for a normal amplitude of 1 m."""
     return (contact.Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
 
 
 def scaled(orbits: tuple, level: float) -> tuple:
-    """Return the orbits at a voltage in V, or of a given shape at an amplitude in m."""
+    """Return orbits for a level of 1 at another level, see `DrivenContact`."""
     return tuple(orbit.scaled(level) for orbit in orbits)
 
 
@@ -46,71 +46,60 @@ def contact_slider(slider: Slider):
 
         share, radius, moduli = mean_pillar(slider)
     return contact.Slider(
-        radius=radius,
-        mass=slider.mass / share,
-        preload=slider.preload_force / share,
-        load=slider.load / share,
-        friction_coefficient=slider.static_coefficient,
-        effective_modulus=moduli[0],
-        tangential_modulus=moduli[1],
-        law="hysteretic" if slider.remembers else "elastic",
-        reciprocal=slider.reciprocal and slider.pillars is None,
-        stick_band=slider.stick_band,
-        contact_damping=slider.damping.contact,
-        normal_damping=slider.damping.normal / share,
-        tangential_damping=slider.damping.tangential / share,
-        shape=slider.shape,
-        heights=slider.heights or (),
-        friction=_friction(slider),
-    )
+        radius=radius, mass=slider.mass / share, preload=slider.preload_force / share, load=slider.load / share,
+        friction_coefficient=slider.static_coefficient, effective_modulus=moduli[0], tangential_modulus=moduli[1],
+        law="hysteretic" if slider.remembers else "elastic", reciprocal=slider.reciprocal and slider.pillars is None,
+        stick_band=slider.stick_band, contact_damping=slider.damping.contact,
+        normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
+        shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
+    )  # fmt: skip
 
 
 def _friction(slider: Slider):
-    """Return what the friction of a block depends on besides the normal force, None for Coulomb's."""
-    if isinstance(slider.law, LawText):
-        return contact.UserLaw(slider.law.name, slider.law.source)
-    if isinstance(slider.friction_coefficient, Friction):
-        friction = slider.friction_coefficient
+    """Return the ``contact`` object of a friction law other than Coulomb's, None for Coulomb's."""
+    law, mu = slider.law, slider.friction_coefficient
+    if isinstance(law, LawText):
+        return contact.UserLaw(law.name, law.source)
+    if isinstance(mu, Friction):
         return contact.FallingFriction(
-            sliding=friction.sliding,
-            speed=friction.speed,
-            high_pressure=friction.high_pressure,
-            pressure=friction.pressure,
+            sliding=mu.sliding, speed=mu.speed, high_pressure=mu.high_pressure, pressure=mu.pressure
         )
     return None
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:
-    """A slider and the surface motion that drives it: the problem that the contact's solvers are given."""
+    """A slider and the surface motion that drives it: the problem that the contact's solvers solve.
+
+    A level is a voltage of the source in V, or the amplitude of a prescribed wave in m.
+    """
 
     scene: Scene  # as resolved
-    # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
-    orbits: tuple = field(repr=False)
+    orbits: tuple = field(repr=False)  # under the balls for a level of 1
     # |u_z| and |u_x| for a level of 1, m: under the slider's centre; of a slider on pillars the rms over the pillars
     amplitudes: tuple[float, float]
     stator_error: float = 0.0  # of the orbits, relative
-    ringing: "RingUp | None" = None  # how the orbits grow during a burst
+    ringing: "RingUp | None" = None  # growth of the orbits during a burst
     # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
     passing: tuple | Any = field(default=None, repr=False)
-    along: "WaveAlong | Any" = None  # how the orbits change while the slider travels
+    along: "WaveAlong | Any" = None  # the orbits along the slider's travel
     record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
-    solved: SolvedStator | None = field(default=None, repr=False)  # what is kept of it; None with a given wave
+    solved: SolvedStator | None = field(default=None, repr=False)  # the stator; None with a prescribed wave
 
     @classmethod
-    def given(cls, scene: Scene, record: Record | None = None) -> Self:
-        """Return the contact of a resolved scene with a given wave."""
+    def prescribed(cls, scene: Scene, record: Record | None = None) -> Self:
+        """Return the contact of a resolved scene with a prescribed wave."""
         amplitudes = 1.0, scene.wave.tangential_ratio
-        return cls(scene=scene, orbits=given_orbits(scene.wave), amplitudes=amplitudes, record=record)
+        return cls(scene=scene, orbits=prescribed_orbits(scene.wave), amplitudes=amplitudes, record=record)
 
     @classmethod
     def of_stator(cls, scene: Scene, solved: "SolvedStator", motion: "SurfaceMotion | None" = None) -> Self:
         """Return the contact on a solved stator, or its surface motion where the scene has no slider.
 
-        ``motion``: of the surface, of which sliders on pillars need more than the orbits.
+        ``motion``: of the surface; only sliders on pillars need it.
         """
-        places, slider = scene.places, scene.slider
-        first, passing = solved.at[places[0]], None
+        positions, slider = scene.positions, scene.slider
+        first, passing = solved.at[positions[0]], None
         amplitudes = abs(first.normal), abs(first.tangential)
         if scene.on_pillars:
             from studies.chain.slider_wave import mean_amplitudes, stator_wave
@@ -118,17 +107,18 @@ class DrivenContact:
             passing = stator_wave(scene, motion)
             amplitudes = mean_amplitudes(slider, passing[0])
         return cls(
-            scene=scene, orbits=() if slider is None else solved.orbits(slider.places), solved=solved, passing=passing,
-            amplitudes=amplitudes, stator_error=max(solved.at[place].relative_error for place in places),
+            scene=scene, orbits=() if slider is None else solved.orbits(slider.contact_positions), solved=solved,
+            passing=passing, amplitudes=amplitudes,
+            stator_error=max(solved.at[position].relative_error for position in positions),
         )  # fmt: skip
 
     @classmethod
     def of_run(cls, record: Record) -> "DrivenContact":
         """Return the contact of a run that has a slider."""
         if record.scene.wave is not None:
-            return cls.given(record.scene, record)
+            return cls.prescribed(record.scene, record)
         motion = record.surface_motion
-        driven = cls.of_stator(record.scene, SolvedStator.of(motion, record.scene.places), motion)
+        driven = cls.of_stator(record.scene, SolvedStator.of(motion, record.scene.positions), motion)
         return replace(driven, stator_error=float(record.wave["relative_error"]), record=record)
 
     @cached_property
@@ -138,7 +128,7 @@ class DrivenContact:
 
     @property
     def level(self) -> float:
-        """First voltage in V, or given amplitude in m, of the scene."""
+        """First level of the scene."""
         return self.scene.levels[0]
 
     @property
@@ -147,23 +137,23 @@ class DrivenContact:
         return self.amplitudes[0]
 
     def amplitudes_at(self, level: float) -> dict[str, float]:
-        """Return the columns of a point that say how far the surface moves under the slider at a level."""
+        """Return the columns of a point with the amplitudes of the surface under the slider at a level, m."""
         normal, tangential = self.amplitudes
         return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
 
     @property
     def levels(self) -> tuple[float, ...]:
-        """The scene's voltages in V or given amplitudes in m, above 0 and rising."""
+        """The scene's levels above 0, rising."""
         return tuple(sorted({level for level in self.scene.levels if level > 0.0}))
 
     def at(self, level: float) -> tuple:
-        """Return the orbits at a voltage in V or a given amplitude in m."""
+        """Return the orbits at a level."""
         return scaled(self.orbits, level)
 
     def above(self, factor: float, moves: Callable[[float], bool] | None = None) -> tuple[float, ...]:
         """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is.
 
-        ``moves``: whether the slider moves at a level, where the threshold has no closed form, as on pillars.
+        ``moves``: returns whether the slider moves at a level; for pillars, whose threshold has no closed form.
         """
         if moves is None:
             threshold = factor * contact.threshold_factor(self.slider, self.orbits)
@@ -176,6 +166,6 @@ class DrivenContact:
         return tuple(level for level, own in zip(self.levels, moving, strict=True) if own)
 
     def spread(self, factor: float, count: int, moves: Callable[[float], bool] | None = None) -> list[float]:
-        """Return at most a count of the levels that `above` returns, evenly chosen, the last included."""
+        """Return at most ``count`` of the levels that `above` returns, evenly spaced, the last included."""
         moving = self.above(factor, moves)
         return sorted({moving[round(k * (len(moving) - 1) / count)] for k in range(1, count + 1)})

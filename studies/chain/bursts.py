@@ -1,4 +1,4 @@
-"""The motion of a slider on balls during and after a burst: on the wave at its place, then with its travel.
+"""The motion of a slider on balls during and after a burst: on the wave at its position, then with its travel.
 
 The growth and decay of the wave are those of its ring-up, where the method of solution accepts an envelope.
 """
@@ -29,7 +29,7 @@ def followed_burst(driven: DrivenContact, level: float, velocity: float, toleran
 
 
 def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None):
-    """Return the trajectory of a slider under which the wave stays that at its place."""
+    """Return the trajectory of a slider on the wave at its initial position."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.least_friction(len(orbits))
     stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
@@ -45,9 +45,8 @@ def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance
         return followed()
     ring_down = ringing.ring_down
     try:
-        if ring_down is None:
-            return followed(ringing.envelope)
-        return followed(ringing.envelope, (after + float(ring_down.time[-1]), ring_down))
+        rest = after if ring_down is None else (after + float(ring_down.time[-1]), ring_down)
+        return followed(ringing.envelope, rest)
     except contact.ConvergenceError:
         if method != "auto":
             raise
@@ -68,21 +67,20 @@ def _along(driven: DrivenContact, trajectory, level: float):
         raise contact.ConvergenceError(
             "not applicable",
             f"a ball reaches the stator's end {travel.time[-1]:.3g} s after the start: shorten drive.burst, or set "
-            "slider.travel = false for the velocity that the wave at the slider's place would give",
+            "slider.travel = false for the velocity that the wave at the slider's position would give",
         )
     # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
     speed = contact.reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
     averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
     with_change = with_travel(trajectory, travel)
     error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
-    return replace(with_change, answer=replace(with_change.answer, error=error)), {"travel_m": float(travel.place[-1])}
+    return replace(with_change, answer=replace(with_change.answer, error=error)), {
+        "travel_m": float(travel.displacement[-1])
+    }
 
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:
-    """Return the solution method for a task, steady state or burst.
-
-    A method that exists only for the other task selects "auto" for this one.
-    """
+    """Return the solution method for a steady state or a burst; "auto" if the scene's exists only for the other one."""
     wanted = scene.slider.method
     if wanted in available:
         return wanted

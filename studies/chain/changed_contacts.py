@@ -1,4 +1,4 @@
-"""The contacts of a scene with changed keys, on stators that are solved once and kept.
+"""The contacts of a scene with changed keys, on stators that are solved once and stored.
 
 A change of the stator, its transducers or the frequency requires a new solution of the section and its circuit; a
 change of the slider requires a new contact alone; voltage, power and burst require neither.
@@ -27,7 +27,7 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
-MAX_PLACES = 1_000_000  # of all solved stators in memory, about 300 MB
+MAX_POSITIONS = 1_000_000  # of all solved stators in memory, about 300 MB
 GAIN = 0.1  # tolerance of the stator at a step, over that of the step before
 # Of the velocity's tolerance, for a stator solved in a band: a band that is one level finer costs half as much again,
 # a second band costs twice as much
@@ -36,13 +36,12 @@ BAND_SHARE = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class Shared:
-    """What one solution of the stator, or of a band of them, serves."""
+    """The positions and frequencies for which one solution of the stator, or of a band, is computed."""
 
-    # (x, y) in m that it is evaluated at, for all contacts that stand on some of them
-    places: tuple[tuple[float, float], ...] = ()
+    positions: tuple[tuple[float, float], ...] = ()  # (x, y) in m of all contacts
     # lowest and highest frequency in Hz, if there are enough of them to interpolate over a band
     limits: tuple[float, ...] = ()
-    slider: bool | None = None  # whether it drives sliders; None: if the scene has one before it is changed
+    slider: bool | None = None  # True if it drives sliders; None: if the unchanged scene has one
 
 
 class ChangedContacts(ChangedScenes):
@@ -55,7 +54,7 @@ class ChangedContacts(ChangedScenes):
     tolerance : float
         Of the velocity, over its reference speed.
     shared : Shared
-        What the solutions of the stator are used for.
+        What one solution of the stator is computed for.
     coarse : bool
         True takes the stator's coarsest discretisation.
     as_run : bool
@@ -63,13 +62,12 @@ class ChangedContacts(ChangedScenes):
     """
 
     def __init__(
-        self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False,
-        as_run: bool = False,
-    ) -> None:  # fmt: skip
+        self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False, as_run: bool = False
+    ) -> None:
         super().__init__(table)
         self.tolerance, self.coarse, self.as_run = tolerance, coarse, as_run
         self.slider = "slider" in table if shared.slider is None else shared.slider
-        self.places, self.limits = shared.places, shared.limits
+        self.positions, self.limits = shared.positions, shared.limits
         self.seconds = 0.0  # spent on stators
         self._count = 0
         self._solved: dict[tuple, SolvedStator | Exception] = {}
@@ -88,54 +86,54 @@ class ChangedContacts(ChangedScenes):
         """
         scene, stator = self.resolved(changes)
         if stator is None:
-            return DrivenContact.given(scene)
-        places, shared = self.own_and_shared_places(scene)
+            return DrivenContact.prescribed(scene)
+        positions, shared = self.own_and_shared_positions(scene)
         try:
             solved = self._solution(stator, shared, step)
-        except RunError:  # a place in a node of the wave must not cost the others
-            if shared == places:
+        except RunError:  # a position at a node of the wave must not fail the others
+            if shared == positions:
                 raise
-            solved = self._solution(stator, places, step)
-        refusals = [solved.at[place].refusal for place in places if solved.at[place].refusal]
+            solved = self._solution(stator, positions, step)
+        refusals = [solved.at[position].refusal for position in positions if solved.at[position].refusal]
         if refusals and scene.slider is not None:
             raise RunError(refusals[0])
-        motion = self.motion(stator, places, self._goal(stator, places, step)) if scene.on_pillars else None
+        motion = self.motion(stator, positions, self._goal(stator, positions, step)) if scene.on_pillars else None
         return DrivenContact.of_stator(scene, solved, motion)
 
-    def motion(self, stator: Scene, places: Any, goal: float) -> SurfaceMotion:
-        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept.
+    def motion(self, stator: Scene, positions: Any, goal: float) -> SurfaceMotion:
+        """Return the surface motion of a `stator_alone` at positions (x, y) in m; only the latest is stored.
 
-        ``goal``: its relative error.  RunError where it is not reached; a run takes what was reached, with its error.
+        ``goal``: allowed relative error.  RunError where it is missed, except in a run, which accepts the motion.
         """
-        question = stator, places, goal
-        latest, motion = self._latest  # once: a worker may have several threads
-        if latest != question:
+        arguments = stator, positions, goal
+        latest, motion = self._latest  # read once: a worker may have several threads
+        if latest != arguments:
             self._count += 1
             LOGGER.info("stator" if self.as_run else f"stator {self._count}")  # a run has one
             start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
-                motion = solve(stator, places, tolerance=goal, slider=self.slider, missed=self.as_run)
+                motion = solve(stator, positions, tolerance=goal, slider=self.slider, missed=self.as_run)
             finally:
                 self.seconds += time.perf_counter() - start_time
-            self._latest = question, motion
+            self._latest = arguments, motion
         return motion
 
     def motion_of(self, driven: DrivenContact, step: int = 0) -> SurfaceMotion | None:
-        """Return the surface motion in which a slider may travel; None if it may not, or the wave is given."""
+        """Return the surface motion along which a slider may travel; None if it may not, or on a prescribed wave."""
         if driven.solved is None or driven.scene.slider.travel is False:
             return None
-        stator, places = stator_alone(driven.scene), tuple(driven.solved.at)
-        return self.motion(stator, places, self._goal(stator, places, step))
+        stator, positions = stator_alone(driven.scene), tuple(driven.solved.at)
+        return self.motion(stator, positions, self._goal(stator, positions, step))
 
     def bursting(self, driven: DrivenContact, motion: SurfaceMotion | None) -> DrivenContact:
-        """Return a contact with the ring-up of its burst, and with the motion's field along the slider's travel."""
+        """Return a contact with the ring-up of its burst and, given a motion, the orbits along the slider's travel."""
         slider, along = driven.scene.slider, None
         if motion is not None and driven.scene.burst is not None and slider.travel is not False:
             along = WaveAlong.under(slider, motion)
         return replace(driven, ringing=self.ring_up(driven), along=along)
 
     def ring_up(self, driven: DrivenContact) -> RingUp | None:
-        """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
+        """Return the ring-up of a burst; None with a prescribed wave and under a transducer."""
         center = driven.scene.slider.center
         if driven.scene.burst is None or driven.solved is None or driven.solved.at[center].covered:
             return None
@@ -145,63 +143,60 @@ class ChangedContacts(ChangedScenes):
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
-        if len(self._solved) * max(1, len(self.places)) > MAX_PLACES:
+        if len(self._solved) * max(1, len(self.positions)) > MAX_POSITIONS:
             self._solved.clear()
         groups: dict = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
                 scene, stator = self.resolved(changes)
-                places = self.own_and_shared_places(scene)[1]
-                if self._in_band(stator, places) and (stator, places, step) not in self._solved:
+                positions = self.own_and_shared_positions(scene)[1]
+                if self._in_band(stator, positions) and (stator, positions, step) not in self._solved:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
-                    groups.setdefault((fixed, places), {})[stator.frequency] = stator
-        for (fixed, places), stators in groups.items():
+                    groups.setdefault((fixed, positions), {})[stator.frequency] = stator
+        for (fixed, positions), stators in groups.items():
             start_time = time.perf_counter()
             # a band that fails leaves each of its stators to be solved alone, which says why it fails
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
-                band = self._band(fixed, *self.limits, places=along, tolerance=goal)
+                along, goal = tuple(dict.fromkeys(x for x, _ in positions)), self._goal(fixed, positions, step)
+                band = self._band(fixed, *self.limits, positions=along, tolerance=goal)
                 waves = band.waves(list(stators), fem_model.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
-                    motion = surface_motion(wave, stator.stator, places, slider=self.slider)
-                    self._solved[stator, places, step] = SolvedStator.of(motion, places)
+                    motion = surface_motion(wave, stator.stator, positions, slider=self.slider)
+                    self._solved[stator, positions, step] = SolvedStator.of(motion, positions)
             self.seconds += time.perf_counter() - start_time
 
-    def own_and_shared_places(self, scene: Scene) -> tuple[tuple, tuple]:
-        """Return the places of a scene, and those that one solution of the stator serves."""
-        places = scene.places
+    def own_and_shared_positions(self, scene: Scene) -> tuple[tuple, tuple]:
+        """Return the positions of a scene, and those that one solution of the stator serves."""
+        positions = scene.positions
         if scene.slider is None:
-            return places, places
-        # with all balls on the axis the section may stand for the wave, and knows no place off it
-        off_axis, length = any(y for _, y in places), scene.stator.length
-        shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (off_axis or not y))
-        return places, shared if set(places) <= set(shared) else places
+            return positions, positions
+        # with all balls on the axis the plane section may be used, which has no motion off the axis
+        off_axis, length = any(y for _, y in positions), scene.stator.length
+        shared = tuple((x, y) for x, y in self.positions if 0.0 <= x <= length and (off_axis or not y))
+        return positions, shared if set(positions) <= set(shared) else positions
 
-    def _solution(self, stator: Scene, places: Any, step: int) -> SolvedStator:
-        """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
-        question = stator, places, step
-        if question not in self._solved:
+    def _solution(self, stator: Scene, positions: Any, step: int) -> SolvedStator:
+        """Return the stored solution of a stator, solved by `motion` if necessary, or raise its stored error."""
+        key = stator, positions, step
+        if key not in self._solved:
             try:
-                motion = self.motion(stator, places, self._goal(*question))
-                self._solved[question] = SolvedStator.of(motion, places, coarse=self.coarse)
+                motion = self.motion(stator, positions, self._goal(*key))
+                self._solved[key] = SolvedStator.of(motion, positions, coarse=self.coarse)
             except Exception as error:
-                self._solved[question] = error
-        solution = self._solved[question]
+                self._solved[key] = error
+        solution = self._solved[key]
         if isinstance(solution, Exception):
             raise solution.with_traceback(None)
         return solution
 
-    def _in_band(self, stator: Scene, places: Any) -> bool:
-        """Return whether a stator is solved as one of a band: a range was given, and no finite aperture."""
-        return (
-            bool(self.limits)
-            and not (stator.crossed or stator.piece)
-            and not fem_model.spreads(stator.stator, places if self.slider else None)
-        )
+    def _in_band(self, stator: Scene, positions: Any) -> bool:
+        """Return whether a stator is solved as one of a band: with frequency limits and without finite apertures."""
+        plain = bool(self.limits) and not (stator.crossed or stator.piece)
+        return plain and not fem_model.spreads(stator.stator, positions if self.slider else None)
 
-    def _goal(self, stator: Scene, places: Any, step: int) -> float:
-        """Return the relative error allowed of a stator at a step."""
+    def _goal(self, stator: Scene, positions: Any, step: int) -> float:
+        """Return the allowed relative error of a stator at a step."""
         if self.coarse:
             return math.inf
-        share = BAND_SHARE if self._in_band(stator, places) else SHARE
+        share = BAND_SHARE if self._in_band(stator, positions) else SHARE
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)

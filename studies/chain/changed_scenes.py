@@ -1,7 +1,7 @@
 """A scene with some of its keys changed, resolved again only where a change requires it.
 
-Of many changed scenes most share their blocks.  A block that was read and a stator or slider that was resolved are
-kept by their keys and values.
+Most of many changed scenes share their blocks.  The blocks that were read, and the stators and sliders that were
+resolved, are cached.
 """
 
 from dataclasses import replace
@@ -29,10 +29,10 @@ class ChangedScenes:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
         self.table = table
-        # a cache of a method of this object would refer to the object: a cycle, which would keep the solved stators of
-        # a subclass in memory until the next collection of garbage
+        # functions, not methods: a cached method would refer to this object, and this cycle would hold the solved
+        # stators of a subclass in memory until the next garbage collection
         self._read = partial(_read_block, table, rules)
-        self._block, self._slider = (lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider))
+        self._block, self._slider = lru_cache(MAX_BLOCKS)(self._read), lru_cache(MAX_BLOCKS)(resolve.resolved_slider)
         self._stator = lru_cache(64)(_resolved_stator)
 
     def scene(self, changes: dict) -> Scene:
@@ -44,17 +44,16 @@ class ChangedScenes:
             if dot:
                 own.setdefault(name, []).append((key, value))
         for name in self.table | own:
-            question = name, tuple(own.get(name, ()))
             try:
-                blocks[name] = self._block(*question)
-            except TypeError:  # a table among the values is no key of the memory
-                blocks[name] = self._read(*question)
+                blocks[name] = self._block(name, tuple(own.get(name, ())))
+            except TypeError:  # a value that is a table is not hashable
+                blocks[name] = self._read(name, tuple(own.get(name, ())))
             if isinstance(blocks[name], SceneError):
                 raise blocks[name].with_traceback(None)
         return Scene(**blocks)
 
     def resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
-        """Return the scene with numbers for automatic values, and its stator alone at 1 V; None for a given wave."""
+        """Return the scene with numbers for automatic values, and its stator alone at 1 V, None for a [wave]."""
         scene, stator = self.scene(changes), None
         blocks: dict[str, Any] = {}
         if scene.stator is not None:
@@ -64,8 +63,8 @@ class ChangedScenes:
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
-            on = None if scene.slider.ball is None else scene.stator
-            blocks["slider"] = self._slider(scene.slider, on)
+            # only the moduli of a named ball depend on the stator
+            blocks["slider"] = self._slider(scene.slider, None if scene.slider.ball is None else scene.stator)
         if not all(getattr(scene, key) == each for key, each in blocks.items()):
             scene = replace(scene, **blocks)
         if scene.slider is not None:

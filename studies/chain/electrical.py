@@ -26,12 +26,10 @@ def electrical_block(scene: Scene, motion) -> dict:
         block["power_network_W_per_V2"] = circuit.network.in_ladders
     block |= _recovered(scene, circuit)
     if len(circuit.sources) > 1:
+        volts, amperes = circuit.voltages, circuit.currents
         block["sources"] = {
-            circuit.names[index]: {
-                "voltage_per_volt": complex(circuit.voltages[index]),
-                "current_A_per_V": complex(circuit.currents[index]),
-            }
-            for index in sorted(circuit.sources)
+            circuit.names[k]: {"voltage_per_volt": complex(volts[k]), "current_A_per_V": complex(amperes[k])}
+            for k in sorted(circuit.sources)
         }
     return block
 

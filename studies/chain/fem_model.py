@@ -54,14 +54,14 @@ def whole_stator(scene: Scene):
 
 
 def pieces(scene: Scene) -> tuple:
-    """Return the ``fem.MeshPiece`` objects of a scene, one for each place."""
+    """Return the ``fem.MeshPiece`` objects of a scene, one for each position."""
     meshed = []
     for index, block in enumerate(scene.piece):
         path = f"piece.{index}"
-        solids = tuple(
-            (name, _piece_solid(material, scene.stator, f"{path}.materials.{name}"))
-            for name, material in block.materials or ()
-        )
+        solids: tuple = ()
+        for name, material in block.materials or ():
+            with stator_keys(f"{path}.materials.{name}"):
+                solids += ((name, fem.rotated(_crystal(material), scene.stator.orientation)),)
         try:
             mesh = _mesh(block.file, LENGTHS[block.length_unit])
         except fem.MeshError as error:
@@ -69,11 +69,13 @@ def pieces(scene: Scene) -> tuple:
         low, high = mesh.extent
         count, length = len(block.position), scene.stator.length
         if count > 1 and count * (high - low) > (1 + ROUNDED) * length:
-            rule = f"must name at most as many places as fit on the stator, {length * 1e3:g} mm long"
+            rule = f"must name at most as many positions as fit on the stator, {length * 1e3:g} mm long"
             raise SceneError(f"{path}.position", f"{rule}, got {count} of a mesh {(high - low) * 1e3:.6g} mm wide")
         meshed += [
-            fem.MeshPiece(name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ())
-            for place in block.position
+            fem.MeshPiece(
+                name=block.label, mesh=mesh, position=position, solids=solids, electrodes=block.electrodes or ()
+            )
+            for position in block.position
         ]
     return tuple(meshed)
 
@@ -81,19 +83,12 @@ def pieces(scene: Scene) -> tuple:
 def _mesh(file: str, unit: float):
     """Return the ``fem.SectionMesh`` of a file as it is now."""
     path = Path(file)
-    stamp = path.stat().st_mtime_ns if path.is_file() else 0
-    return _read_mesh(file, unit, stamp)
+    return _read_mesh(file, unit, path.stat().st_mtime_ns if path.is_file() else 0)
 
 
 @lru_cache(32)
 def _read_mesh(file: str, unit: float, stamp: int):
     return fem.read_mesh(file, unit)
-
-
-def _piece_solid(material, block: Stator, path: str):
-    """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
-    with stator_keys(path):
-        return fem.rotated(_crystal(material), block.orientation)
 
 
 def transducers(scene: Scene) -> tuple:
@@ -102,16 +97,16 @@ def transducers(scene: Scene) -> tuple:
         return tuple(_transducer(block, block.wavelength) for block in scene.transducer)
 
 
-def free_span(rows, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
+def free_span(extents, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
     """Return the ends in m of the free surface about x: those of the stator, or ``clear`` from the fingers before them.
 
-    ``rows``: left and right end of each row of fingers.
+    ``extents``: left and right end of the fingers of each transducer, m.
     """
-    left = max((right + clear for _, right in rows if right <= x), default=0.0)
-    return left, min((left - clear for left, _ in rows if left >= x), default=length)
+    left = max((right + clear for _, right in extents if right <= x), default=0.0)
+    return left, min((left - clear for left, _ in extents if left >= x), default=length)
 
 
-def section_row(scene: Scene) -> tuple:
+def section_transducers(scene: Scene) -> tuple:
     """Return `transducers` for models with a single section along x; a SceneError if some lie on other lines."""
     if scene.crossed:
         rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
@@ -119,30 +114,28 @@ def section_row(scene: Scene) -> tuple:
     return transducers(scene)
 
 
-def rows(scene: Scene) -> tuple:
-    """Return the `fem.rows_of` a scene with turned transducers."""
+def transducer_groups(scene: Scene) -> tuple:
+    """Return the groups of parallel transducers (`fem.rows_of`) of a scene with rotated transducers."""
     return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
 
 
-def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
-    """Return the scene of the section that the answers of a rotated scene refer to, and the position of a point in it.
+def first_section(scene: Scene, point: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that the answers of a rotated scene refer to, and x of a point in it, m.
 
-    ``place``: (x, y) in m; its position along the section is in m.
+    ``point``: (x, y) in m on the stator.
     """
     if not scene.crossed:
-        return scene, place[0]
-    row = rows(scene)[0]
+        return scene, point[0]
+    group = transducer_groups(scene)[0]
     blocks, drive = {each.name: each for each in scene.transducer}, scene.drive
     alone = tuple(
-        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern) for each in row.transducers
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern) for each in group.transducers
     )
-    sources = tuple((name, size) for name, size in drive.driven.items() if name in [each.name for each in alone])
-    return replace(
-        scene,
-        stator=replace(scene.stator, length=row.stator.length),
-        transducer=alone,
-        drive=replace(drive, sources=sources) if drive.sources is not None else drive,
-    ), float(row.local(*place)[0])
+    if drive.sources is not None:
+        names = [each.name for each in alone]
+        drive = replace(drive, sources=tuple((name, size) for name, size in drive.driven.items() if name in names))
+    section = replace(scene.stator, length=group.stator.length)
+    return replace(scene, stator=section, transducer=alone, drive=drive), float(group.local(*point)[0])
 
 
 def driven(scene: Scene):
@@ -151,14 +144,14 @@ def driven(scene: Scene):
 
 
 def _transducer(block: Transducer, period: float):
-    (x, y), alike = block.place, "name finger_pairs metallisation aperture termination pattern split".split()
+    (x, y), alike = block.center_xy, "name finger_pairs metallisation aperture termination pattern split".split()
     own = {name: getattr(block, name) for name in alike}
     return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
 
 
 def unturned(block: Transducer, period: float):
     """Return the ``fem.Transducer`` of a block in the axes of its waves."""
-    return _transducer(replace(block, center=block.place[0], angle=0.0), period)
+    return _transducer(replace(block, center=block.center_xy[0], angle=0.0), period)
 
 
 def drive(scene: Scene):
@@ -179,37 +172,36 @@ def _ladder(match: str | tuple) -> tuple:
 
 
 def diffracts(scene: Scene) -> bool:
-    """Return True if finite apertures are computed: as the scene requests, or by default if it has a slider."""
-    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.places)
+    """Return True if finite apertures are computed for a scene, see `section_reason`."""
+    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.contact_positions)
 
 
 @lru_cache(64)
-def spreads(block: Stator, places: tuple | None) -> bool:
-    """Return True if finite apertures are computed for contacts at places (x, y); ``places`` is None without slider."""
-    return not section_reason(block, stator(block), places)
+def spreads(block: Stator, positions: tuple | None) -> bool:
+    """Return True if finite apertures are computed for contacts at ``positions`` (x, y), m; None without slider."""
+    return not section_reason(block, stator(block), positions)
 
 
-def section_reason(block: Stator, whole, places) -> str:
-    """Return why the plane section stands for the finite aperture; empty where the beam is to be computed.
+def section_reason(block: Stator, whole, positions) -> str:
+    """Return why the plane section is used instead of the finite aperture; empty where the beam is to be computed.
 
-    Contacts beside the axis, y != 0 in ``places`` (x, y), lie where the beam's amplitude varies along y, which the
-    section does not describe.  Between reflecting ends the beam takes several times as long as the section, and it is
-    computed by default only for such contacts.
+    Between reflecting ends the beam takes several times as long as the section.  It is then computed by default only
+    for contacts beside the axis (y != 0), because the section does not describe how the amplitude varies along y.
 
     Parameters
     ----------
     block : Stator
     whole : fem.Stator
         Of this block, with its meshed pieces.
-    places : sequence of (float, float) or None
+    positions : sequence of (float, float) or None
         Of the contacts, m; None without a slider.
     """
     if block.diffraction is not None:
         return "" if block.diffraction else "stator.diffraction is false"
-    if places is None:
+    if positions is None:
         return "stator.diffraction is absent, and the scene has no slider"
     refusal = fem.beam_refusal(whole)
-    if refusal or whole.ends == "absorbing" or any(y for _, y in places):
+    if refusal or whole.ends == "absorbing" or any(y for _, y in positions):
         return refusal
     return (
         "stator.diffraction is absent, and between reflecting ends the beam takes 2 to 4 times as long as the section; "
@@ -220,13 +212,9 @@ def section_reason(block: Stator, whole, places) -> str:
 def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
     """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
     return fem.port_admittance(
-        whole_stator(scene),
-        section_row(scene),
-        frequency=frequency,
-        tolerance=tolerance,
-        finite_apertures=diffracts(scene) if spread is None else spread,
-        mirror_width=scene.stator.mirror_width,
-    )
+        whole_stator(scene), section_transducers(scene), frequency=frequency, tolerance=tolerance,
+        finite_apertures=diffracts(scene) if spread is None else spread, mirror_width=scene.stator.mirror_width,
+    )  # fmt: skip
 
 
 def _present(block, *names: str) -> dict:

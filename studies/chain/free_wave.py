@@ -15,20 +15,14 @@ def free_wave_record(scene: Scene, tolerance: float) -> Record:
     start_time = time.perf_counter()
     with answered():
         wave = fem.free_wave(fem_model.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
-    names = ("u_x", "u_y", "u_z", "phi_V")
-    columns = {"z_m": wave.depth}
-    columns |= {f"{name}_per_m_of_u_z": wave.profile[:, k] for k, name in enumerate(names)}
+    names = [f"{name}_per_m_of_u_z" for name in ("u_x", "u_y", "u_z", "phi_V")]
+    block = {
+        "frequency_Hz": wave.frequency, "phase_velocity_m_per_s": wave.velocity, "surface_ratio": wave.surface_ratio,
+        "attenuation_per_m": wave.attenuation,
+    }  # fmt: skip
     return Record(
-        scene=scene,
-        tolerance=tolerance,
-        wave={
-            "frequency_Hz": wave.frequency,
-            "phase_velocity_m_per_s": wave.velocity,
-            "surface_ratio": wave.surface_ratio,
-            "attenuation_per_m": wave.attenuation,
-        },
+        scene=scene, tolerance=tolerance, wave=block, left_out=left_out(scene),
         error={"relative": wave.relative_error, "parts": {"stator": wave.relative_error}},
         seconds={"stator": time.perf_counter() - start_time},
-        left_out=left_out(scene),
-        surface=columns,
-    )
+        surface={"z_m": wave.depth} | dict(zip(names, wave.profile.T, strict=True)),
+    )  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 
 from studies.chain import fem_model
 from studies.chain.predictor import Predictor
-from studies.chain.scan_prediction import along_places, over_frequency, placed
+from studies.chain.scan_prediction import over_frequency, placed, scan_component
 from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
@@ -38,7 +38,7 @@ def beside(record: Record, measured: Measurement) -> dict:
     if scan.kind == "frequency":
         predicted = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3))
     else:
-        predicted = along_places(record.surface_motion, scan)
+        predicted = scan_component(record.surface_motion, scan)
     return scan_block(scene, scan, predicted)
 
 
@@ -59,14 +59,12 @@ def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | No
 
 def scan_block(scene: Scene, scan, predicted) -> dict:
     """Return the comparison of a placed scan with its prediction."""
-    velocity = fem_model.surface_velocity(scene.stator)
-    return compared_scan(
-        scan, predicted, wavelength=velocity / scene.frequency, source=scene.driven_transducer.place[0]
-    )
+    wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
+    return compared_scan(scan, predicted, wavelength=wavelength, source=scene.driven_transducer.center_xy[0])
 
 
 def _trace(record: Record, measured: Measurement) -> dict:
-    """Return a trace beside the trajectory of its level, moved in time to where it lies closest."""
+    """Return the comparison of a trace with the trajectory at its level, shifted in time for the best agreement."""
     if not record.trajectories:
         setting = f'--set {record.scene.source_key}.burst="0.1 s"'
         raise SceneError("--measured", f"{measured.name!r} holds a burst: {setting} says how long it was")

@@ -22,7 +22,7 @@ ALSO = {
     "step": ("step_m",),
     "efficiency": ("contact_efficiency", "motor_efficiency"),
 }
-OF_PILLARS = ("thrust", "efficiency")  # of ALSO, what is known of a slider on pillars
+OF_PILLARS = ("thrust", "efficiency")  # keywords of ALSO that apply to a slider on pillars
 FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
 AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
 ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
@@ -36,8 +36,8 @@ def keywords(columns: Iterable[str]) -> tuple[str, ...]:
     >>> keywords(["velocity_m_per_s", "threshold_factor", "thrust_N", "release_factor"])
     ('limits', 'thrust')
     """
-    asked = [word for column in columns for word, requested in ALSO.items() if column in requested]
-    return tuple(dict.fromkeys(asked))
+    words = (word for column in columns for word, requested in ALSO.items() if column in requested)
+    return tuple(dict.fromkeys(words))
 
 
 def amplitudes(driven: DrivenContact) -> dict:
@@ -45,15 +45,15 @@ def amplitudes(driven: DrivenContact) -> dict:
     outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
     if solved is None:
         return outcomes
-    admittance, power = solved.admittance, solved.power * driven.level**2
-    return outcomes | dict(zip(ELECTRICAL, (solved.frequency, admittance.real, admittance.imag, power), strict=True))
+    values = solved.frequency, solved.admittance.real, solved.admittance.imag, solved.power * driven.level**2
+    return outcomes | dict(zip(ELECTRICAL, values, strict=True))
 
 
-def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False) -> dict:
+def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False) -> dict:
     """Return the answer with the quantities that the keywords in ``also`` (keys of ``ALSO``) request.
 
-    Forces and powers are totals over all contacts. If ``averaged`` is True, averaging computes the start-up wherever it
-    is applicable, without regard to its error.
+    Forces and powers are totals over all contacts. ``averaged``: True computes the start-up by averaging wherever that
+    is applicable, whatever its error.
     """
     if not also or "velocity_m_per_s" not in answer:
         return answer
@@ -77,7 +77,7 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
     except contact.ConvergenceError:
         return answer  # start-up and efficiency need the thrust
     answer["thrust_N"] = thrust * share
-    # each by itself: where one has no answer, the other stands
+    # each is suppressed separately, so that one is returned where the other has no answer
     if "start-up" in also:
         with suppress(contact.ConvergenceError):
             final = abs(answer["velocity_m_per_s"])
@@ -86,9 +86,8 @@ def also_asked(also, tolerance: float, driven: DrivenContact, answer: dict, *, a
     if "efficiency" in also:
         with suppress(contact.ConvergenceError):
             power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
-            power = amplitudes(driven).get("power_W", 0.0)
-            if power > 0.0:
-                answer["motor_efficiency"] = power_out * share / power
+            if (electrical := amplitudes(driven).get("power_W", 0.0)) > 0.0:
+                answer["motor_efficiency"] = power_out * share / electrical
     return answer
 
 
@@ -115,13 +114,14 @@ def _of_pillars(also: Iterable[str], driven: DrivenContact, velocity: float) -> 
     refuse_of_pillars(also)
     thrust, power, efficiency = 0.0, 0.0, 0.0
     if velocity != 0.0:
-        line = PillarContact.of(driven).load_line(driven.level, points=3)  # without load, half of the stall, the stall
+        line = PillarContact.of(driven).load_line(
+            driven.level, points=3
+        )  # loads: 0, half of the stall load, stall load
         thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
     values = {"thrust_N": thrust}
     if "efficiency" in also:
         values["contact_efficiency"] = efficiency
-        electrical = amplitudes(driven).get("power_W", 0.0)
-        if electrical > 0.0:
+        if (electrical := amplitudes(driven).get("power_W", 0.0)) > 0.0:
             values["motor_efficiency"] = power / electrical
     return values
 
@@ -131,7 +131,7 @@ def start_up_time(
 ) -> float | None:
     """Return the time in s from rest to 63 % of the steady velocity ``final``, or None if the burst does not reach it.
 
-    The burst is four times as long as the blocked ``thrust`` would need to reach ``final``. ``averaged`` is meant for
+    The burst is four times as long as the blocked ``thrust`` would need to reach ``final``. ``averaged`` is for
     differences between nearly equal times: the error of averaging cancels, and the exact motion takes 100 times as
     long to compute.
     """

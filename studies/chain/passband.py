@@ -1,4 +1,4 @@
-"""The frequencies of a study, given as a band or from the passband of the driven transducer, and an estimate of it."""
+"""The frequencies of a study, from a band or the passband of the driven transducer, and an estimate of the latter."""
 
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from studies.scene.ranges import read_range
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 MAX_HALF_BAND = 0.45  # over the middle frequency, for transducers of few fingers
 MAX_FREQUENCIES = 2000  # that a study takes by default
-DEFAULT_COUNT, MAX_ASKED = 401, 100_000  # frequencies of a network: by default, and at most
+DEFAULT_COUNT, MAX_COUNT = 401, 100_000  # frequencies of a network: by default, and at most
 
 
 def driven_scene(scene: str | Path | Scene) -> Scene:
@@ -31,9 +31,9 @@ def waves_return(scene: Scene) -> bool:
 
 
 def frequencies(scene: Scene, count: int | None, least: int = 2):
-    """Return frequencies in Hz, evenly spaced about the drive's, or v / period where the main lobe does not hold it.
+    """Return frequencies in Hz, evenly spaced about the drive's, or about v / period if that is outside the main lobe.
 
-    Without a count they are at least so many, and follow the ripple of waves that return: 4 in v / (2 length).
+    Without a ``count`` there are at least ``least``, and 4 in each ripple v / (2 length) of returning waves.
     """
     driven = scene.driven_transducer
     velocity = fem_model.surface_velocity(scene.stator)
@@ -52,18 +52,17 @@ def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -
         return frequencies(scene, count, DEFAULT_COUNT)
     if not isinstance(band, str):
         return np.asarray(band, dtype=float)
-    result = read_range("--band", band, "Hz", bare=1e6)
-    if not (0 < result.low < result.high and 2 <= result.count <= MAX_ASKED):
-        rule = f"must rise from START above 0 to STOP in 2 to {MAX_ASKED} values, got {band!r}"
-        raise SceneError("--band", rule)
-    return np.array(result.values)
+    values = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < values[0] < values[-1] and 2 <= len(values) <= MAX_COUNT):
+        raise SceneError("--band", f"must rise from START above 0 to STOP in 2 to {MAX_COUNT} values, got {band!r}")
+    return np.array(values)
 
 
-def group_delay(at, transfer, way: float):
-    """Return the group delay -d(phase)/d(omega) in s of a transfer function; ``way`` is its approximate delay.
+def group_delay(at, transfer, approximate: float):
+    """Return the group delay -d(phase)/d(omega) in s of a transfer function at frequencies ``at`` in Hz.
 
-    The phase turns by 2 pi ``way`` df from one frequency to the next, often more than half a turn: what is left of it
-    after that delay is unwrapped.
+    The phase changes from one frequency to the next by 2 pi df times the delay, often by more than pi. Therefore it is
+    unwrapped after the phase of the ``approximate`` delay in s has been removed.
 
     Examples
     --------
@@ -71,8 +70,8 @@ def group_delay(at, transfer, way: float):
     >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
     np.float64(59.0)
     """
-    left = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * way)))
-    return way - np.gradient(left, 2 * np.pi * at)
+    remainder = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * approximate)))
+    return approximate - np.gradient(remainder, 2 * np.pi * at)
 
 
 def expected(scene: Scene):

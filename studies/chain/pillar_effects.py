@@ -20,10 +20,10 @@ import numpy as np
 import contact
 import fem
 from studies.chain import pillars
-from studies.chain.ball_effects import LOAD, point_admittance
+from studies.chain.ball_effects import LOAD, OVERTONES, point_admittance
 from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact, bounce_ratio
-from studies.chain.stator_effects import Rows
+from studies.chain.stator_effects import Effects
 from studies.record import Record
 
 # Ratio of the compliance of silicon on 128YX lithium niobate under a pressure that travels with the wave to the static
@@ -36,31 +36,28 @@ RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # isotropic half-space, nu 
 SAMPLE = 0.18  # rms relative change of the velocity between random seeds, times sqrt(number of pillars)
 ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
-OVERTONES = "overtones of the wave under the pillars"
 MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 
 
-def pillar_rows(record: Record) -> list[list[tuple]]:
-    """Return (effect, quantity, size, source) of each neglected effect at each point of a run with pillars."""
+def effects_at_points(record: Record) -> list[list[tuple]]:
+    """Return the neglected effects at each point of a run with pillars, each as fields of `stator_effects.Effect`."""
     body, motion = PillarContact.of(DrivenContact.of_run(record)), None
-    rows: list[list[tuple]] = []
-    for point in record.points:
-        rows.append([])
+    effects: list[list[tuple]] = [[] for _ in record.points]
+    for own, point in zip(effects, record.points, strict=True):
         with suppress(contact.ConvergenceError):
             if level := point[record.level]:
                 motion = body.motion(level, near=motion)
-                rows[-1] += _at_level(record, body, motion, point)
-    return rows
+                own += _at_level(record, body, motion, point)
+    return effects
 
 
-def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
+def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Effects:
     wave, slider, level = motion.wave, record.scene.slider, point[record.level]
     if body.misfit > 0.0:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
-    vibration = bounce_ratio(slider, wave.frequency) ** 2
     how = "square of the contact resonance over the wave's frequency"
-    yield "the slider's own vibration", "velocity", vibration, how
+    yield "the slider's own vibration", "velocity", bounce_ratio(slider, wave.frequency) ** 2, how
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
@@ -71,9 +68,8 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
     yield from _compliance(body, motion, slider, level)
     yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
-        sample_error = SAMPLE / math.sqrt(motion.pillars.number)
-        how = "0.18 over the square root of the number of pillars, rms"
-        yield "another seed of the heights", "velocity", sample_error, how
+        how = f"{SAMPLE:g} over the square root of the number of pillars, rms"
+        yield "another seed of the heights", "velocity", SAMPLE / math.sqrt(motion.pillars.number), how
     yield from _neighbours(body, motion, slider, level)
     mean_radius = float(pillars.layout(slider).diameter.mean()) / 2
     pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
@@ -81,15 +77,14 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Rows:
     yield "adhesion of perfectly flat pillars", "the preload", pull_off / slider.preload_force, how
 
 
-def _compliance(body, motion, slider, level) -> Rows:
+def _compliance(body, motion, slider, level) -> Effects:
     """Yield the effect of the elastic deformation of stator and slider on the scale of the wavelength."""
     layout, wave = pillars.layout(slider), motion.wave
-    if wave.amplitude == 0.0 or layout.x.size < 2:
+    prescribed = body.driven.scene.wave
+    if wave.amplitude == 0.0 or layout.x.size < 2 or (prescribed is not None and prescribed.wavelength is None):
         return
     area = (float(np.ptp(layout.x)) + layout.pitch) * pillars.strip_width(slider)
     pressure = float(np.abs(motion.first_normal).sum()) / area
-    if body.driven.scene.wave is not None and body.driven.scene.wave.wavelength is None:
-        return
     dent = TRAVELLING * 2 / slider.effective_modulus * pressure / wave.wavenumber / wave.amplitude
     slope = DENT_FREE
     if motion.load != 0.0:
@@ -99,7 +94,7 @@ def _compliance(body, motion, slider, level) -> Rows:
     yield "compliance of stator and slider at the wavelength", "velocity", -slope * dent, how
 
 
-def _scattering(motion) -> Rows:
+def _scattering(motion) -> Effects:
     """Yield the effect of the power scattered by unequal pillar forces, taken as independent point sources."""
     wave = motion.wave
     shear, speed = ISOTROPIC / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
@@ -111,7 +106,7 @@ def _scattering(motion) -> Rows:
         yield "scattering by unequal pillars", "velocity", -power / motion.wave_power_in / 4, how
 
 
-def leak(record: Record, motion) -> Rows:
+def leak(record: Record, motion) -> Effects:
     """Yield how close the loaded wave is to leaking, and the error of the first-order phase advance.
 
     Pillars stiffen the surface and make the wave faster. Above the limiting velocity of the bulk waves it leaks.
@@ -141,13 +136,11 @@ def leak(record: Record, motion) -> Rows:
         yield "first order in the load on the wave", "the phase's advance", -exact / advance - 1, how
 
 
-def _neighbours(body, motion, slider, level) -> Rows:
+def _neighbours(body, motion, slider, level) -> Effects:
     """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
     layout = pillars.layout(slider)
-    radius_over_pitch = float(layout.diameter.mean()) / 2 / layout.pitch
-    if slider.pillars.interaction or layout.x.size > MAX_COMPARED or layout.x.size < 4 or radius_over_pitch > 0.4:
-        return
-    if motion.velocity == 0.0:
+    known = 4 <= layout.x.size <= MAX_COMPARED and float(layout.diameter.mean()) / 2 / layout.pitch <= 0.4
+    if slider.pillars.interaction or not known or motion.velocity == 0.0:
         return
     try:
         other = replace(body, pillars=pillars.pillars_of(slider, interaction=True)).motion(level, near=motion)
@@ -162,15 +155,15 @@ def pillar_warnings(record: Record) -> Iterator[str]:
 
     `studies.chain.warnings` covers effects that change the velocity; this function covers the other effects.
     """
-    for row in record.model_error:
-        if row["quantity"] == MARGIN and row["size"] >= 1.0:
+    for each in record.model_error:
+        quantity, size, source = each["quantity"], each["size"], each["source"]
+        if quantity == MARGIN and size >= 1.0:
             remedy = "a smaller preload, a larger area of pillars or a larger amplitude keeps it slower"
-            yield f"the loaded wave leaks into bulk waves, which is neglected ({row['source']}): {remedy}"
-        if row["quantity"] == "the preload" and row["size"] >= 0.1:
-            yield f"model error: {row['effect']} would add {100 * row['size']:.3g} % of the preload ({row['source']})"
+            yield f"the loaded wave leaks into bulk waves, which is neglected ({source}): {remedy}"
+        if quantity == "the preload" and size >= 0.1:
+            yield f"model error: {each['effect']} would add {100 * size:.3g} % of the preload ({source})"
     slider, block = record.scene.slider, record.scene.slider.pillars
-    default_seed = block.height_scatter > 0.0 and block.seed == pillars.SEED
-    if default_seed:
+    if block.height_scatter > 0.0 and block.seed == pillars.SEED:
         yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"
     if block.seed is not None and not block.height_scatter:
         yield f"slider.pillars.seed = {block.seed} has no effect: slider.pillars.height_scatter is 0 m"

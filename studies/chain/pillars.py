@@ -1,4 +1,4 @@
-"""From a scene to pillars on a passing wave: places, heights, stiffnesses, and the waves from both sides.
+"""From a scene to pillars on a passing wave: positions, heights, stiffnesses, and the waves from both sides.
 
 A pillar of radius a, height h, cross-section A = pi a^2 and second moment I = pi a^4/4 on the pair's moduli E* and G*:
 
@@ -12,7 +12,7 @@ u_x = Q ((1 - nu) + nu cos^2 theta)/(2 pi G r) (Cerruti; Johnson, section 3.6), 
 Q (2 - nu)/(4 pi G r), because cos^2 theta is 1/2 in the mean. Over the pillar's own Q/(8 a G*) this is the same share
 as that of the normal forces, whatever nu is. Beyond a/p = 0.1, and for unequal pitches, this is an assumption.
 
-A given [wave], whose surface points move towards +x at its crests, runs towards -x (retrograde motion).
+A prescribed [wave], whose surface points move towards +x at its crests, runs towards -x (retrograde motion).
 """
 
 import math
@@ -84,8 +84,8 @@ def layout(slider: Slider) -> Layout:
         across = np.ptp(y) / (lines - 1) if 1 < lines < 2 * math.sqrt(x.size) else pitch
     else:
         (along, across), counts = block.pitches, block.counts
-        places = [(np.arange(n) - (n - 1) / 2) * p for n, p in zip(counts, (along, across), strict=True)]
-        x, y = (each.ravel() for each in np.meshgrid(*places, indexing="ij"))
+        positions = [(np.arange(n) - (n - 1) / 2) * p for n, p in zip(counts, (along, across), strict=True)]
+        x, y = (each.ravel() for each in np.meshgrid(*positions, indexing="ij"))
         heights = np.zeros(x.size)
         if block.height_scatter > 0.0:
             seed = SEED if block.seed is None else block.seed
@@ -200,7 +200,7 @@ def strip_width(slider: Slider) -> float:
     return float(np.ptp(geometry.y)) + geometry.across
 
 
-def given_wave(scene: Scene):
+def prescribed_wave(scene: Scene):
     """Return the `contact.PassingWave` of a [wave] of amplitude 1 m, which runs towards -x."""
     wave = scene.wave
     return contact.PassingWave(
@@ -225,7 +225,7 @@ def check_pillars(scene: Scene) -> None:
         rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")
     for each in scene.transducer:
-        x, y = each.place
+        x, y = each.center_xy
         reach = each.half_length
         if left < x + reach and right > x - reach and abs(middle - y) < (each.aperture + strip_width(slider)) / 2:
             rule = f"must keep the pillars off the fingers of {each.name!r}, {x - reach:g} to {x + reach:g} m"

@@ -39,33 +39,25 @@ class RingUp:
     # Relative error of the velocity at the end of the burst. With an envelope: the error of the envelope times
     # (settling time / burst duration). Without one: a lower bound of the ring-up time over the burst duration.
     error: float
-    # Factor on the steady orbits; None if the ring-up is too long to be computed
-    envelope: "Envelope | Any" = field(default=None, repr=False)
-    # Factor after the end of the burst, with the time counted from that end
-    ring_down: "Envelope | None" = field(default=None, repr=False)
+    envelope: "Envelope | Any" = field(default=None, repr=False)  # None if the ring-up is too long to be computed
+    ring_down: "Envelope | None" = field(default=None, repr=False)  # its time is counted from the end of the burst
     response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem.BurstEnvelope
 
     @classmethod
     def of(cls, burst_envelope) -> "RingUp":
         """Return the ring-up that follows from a `fem.BurstEnvelope`."""
-        factors, during = (
-            burst_envelope.normal / burst_envelope.steady_normal,
-            burst_envelope.time < burst_envelope.duration,
-        )
+        time, duration = burst_envelope.time, burst_envelope.duration
+        factors, during = burst_envelope.normal / burst_envelope.steady_normal, time < duration
 
         def shape(selected, start):
             values = factors[selected]
             return contact.Envelope(
-                time=burst_envelope.time[selected] - start, amplitude=abs(values), phase=np.unwrap(np.angle(values))
+                time=time[selected] - start, amplitude=abs(values), phase=np.unwrap(np.angle(values))
             )
 
-        error = float(burst_envelope.relative_error * min(1.0, burst_envelope.settling / burst_envelope.duration))
-        return cls(
-            error=error,
-            envelope=shape(during, 0.0),
-            ring_down=shape(~during, burst_envelope.duration),
-            response=burst_envelope,
-        )
+        error = float(burst_envelope.relative_error * min(1.0, burst_envelope.settling / duration))
+        envelope, ring_down = shape(during, 0.0), shape(~during, duration)
+        return cls(error=error, envelope=envelope, ring_down=ring_down, response=burst_envelope)
 
     def lasting(self, duration: float, share: float = 1.0) -> "RingUp":
         """Return the ring-up of a burst of another duration in s, computed from a fraction ``share`` of the band."""
@@ -80,7 +72,7 @@ class RingUp:
 
 
 def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
-    """Return the ring-up under the slider of a run when its drive is switched on; else None and why there is none."""
+    """Return the ring-up under the slider when the drive of a run is switched on; or None, and why there is none."""
     record, center = driven.record, driven.scene.slider.center
     if record.surface_motion.covered(center):
         return None, "the slider stands over a transducer or a meshed piece"
@@ -88,26 +80,21 @@ def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
     return (None, ringing.sentence) if ringing.response is None else (ringing, "")
 
 
-def ring_up(scene: Scene, place: tuple[float, float]) -> RingUp:
-    """Return the ring-up at the point ``place`` = (x, y) in m of a scene with transducers, a burst and a frequency."""
-    scene, x = fem_model.first_row(scene, place)
+def ring_up(scene: Scene, point: tuple[float, float]) -> RingUp:
+    """Return the ring-up at a point (x, y) in m of a scene with transducers, a burst and a frequency."""
+    scene, x = fem_model.first_section(scene, point)
     driven = scene.driven_transducer
     half_band = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
-    prepared = response(
-        scene, scene.frequency - half_band, scene.frequency + half_band, places=(x,), tolerance=TOLERANCE
-    )
+    low, high = scene.frequency - half_band, scene.frequency + half_band
+    over_band = response(scene, low, high, positions=(x,), tolerance=TOLERANCE)
     LOGGER.info("stator: ring-up of the burst")
     try:
-        response_envelope = fem.burst_response(
-            prepared,
-            x,
-            drive=fem_model.drive(scene),
-            frequency=scene.frequency,
-            duration=scene.burst,
-            tolerance=TOLERANCE,
-            max_frequencies=MAX_FREQUENCIES,
-        )
+        return RingUp.of(
+            fem.burst_response(
+                over_band, x, drive=fem_model.drive(scene), frequency=scene.frequency, duration=scene.burst,
+                tolerance=TOLERANCE, max_frequencies=MAX_FREQUENCIES,
+            )
+        )  # fmt: skip
     except fem.ConvergenceError:
         # n frequencies over a band b resolve a time of n/b, which the ring-up exceeds
         return RingUp(error=min(1.0, MAX_FREQUENCIES / (2 * half_band) / scene.burst))
-    return RingUp.of(response_envelope)

@@ -85,7 +85,7 @@ def run(
 def _run(scene: Scene, tolerance: float) -> Record:
     scene = resolve.resolved(scene)
     if scene.wave is not None:
-        record = _given(scene, tolerance)
+        record = _prescribed(scene, tolerance)
     elif scene.transducer:
         contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True)
         record = _driven(scene, contacts)
@@ -99,55 +99,42 @@ def _run(scene: Scene, tolerance: float) -> Record:
     return replace(record, warnings=warnings_of(record))
 
 
-def _given(scene: Scene, tolerance: float) -> Record:
+def _prescribed(scene: Scene, tolerance: float) -> Record:
     """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
-    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance)
-    return Record(
-        scene=scene,
-        tolerance=tolerance,
-        wave={"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio},
-        **answer.blocks(tolerance),
-        seconds={"contact": time.perf_counter() - start_time},
-        left_out=left_out(scene),
-    )
+    answer = slider_answer(DrivenContact.prescribed(scene), tolerance=tolerance)
+    wave = {"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio}
+    seconds = {"contact": time.perf_counter() - start_time}
+    blocks = answer.blocks(tolerance)
+    return Record(scene=scene, tolerance=tolerance, wave=wave, **blocks, seconds=seconds, left_out=left_out(scene))
 
 
 def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
     """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
     start_time, tolerance = time.perf_counter(), contacts.tolerance
-    places, ringing, seconds = scene.places, None, {}
+    positions, ringing, seconds = scene.positions, None, {}
     if scene.slider is None:
-        motion = contacts.motion(stator_alone(scene), places, tolerance)
-        blocks = amplitude_blocks(scene, motion, places[0], tolerance)
+        motion = contacts.motion(stator_alone(scene), positions, tolerance)
+        blocks = amplitude_blocks(scene, motion, positions[0], tolerance)
     else:
         motion, answer, ringing, seconds["contact"] = _with_contact(scene, contacts)
         blocks = answer.blocks(tolerance)
-        # under pillars the centre is one place of many
-        vanished = "" if scene.slider.pillars is not None else node(motion, places)
-        if refusal := vanished or unresolved(motion, places):
+        vanished = "" if scene.on_pillars else node(motion, positions)  # the centre is one position of many pillars
+        if refusal := vanished or unresolved(motion, positions):
             blocks |= {"shortfall": f"no answer: {refusal}", "refused": True}
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)
     blocks["points"] = with_powers(blocks["points"], electrical)
+    neglected = left_out(
+        scene, beam=motion.beam is not None, reason=motion.reason, ringing=ringing,
+        trajectories=blocks.get("trajectories", ()),
+    )  # fmt: skip
     record = Record(
-        scene=scene,
-        tolerance=tolerance,
-        wave=wave_block(scene, motion, places[0], ringing),
-        electrical=electrical,
-        left_out=left_out(
-            scene,
-            beam=motion.beam is not None,
-            reason=motion.reason,
-            ringing=ringing,
-            trajectories=blocks.get("trajectories", ()),
-        ),
-        surface=surface_columns(scene, motion),
-        surface_motion=motion,
-        meshed_pieces=motion.wave.meshed_pieces,
-        **blocks,
-    )
+        scene=scene, tolerance=tolerance, wave=wave_block(scene, motion, positions[0], ringing), electrical=electrical,
+        left_out=neglected, surface=surface_columns(scene, motion), surface_motion=motion,
+        meshed_pieces=motion.wave.meshed_pieces, **blocks,
+    )  # fmt: skip
     return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
 
 
@@ -156,12 +143,12 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
 
     The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
     """
-    stator, places, seconds = stator_alone(scene), scene.places, 0.0
-    motion = contacts.motion(stator, places, SHARE * contacts.tolerance)
+    stator, positions, seconds = stator_alone(scene), scene.positions, 0.0
+    motion = contacts.motion(stator, positions, SHARE * contacts.tolerance)
 
     def answered() -> tuple[SliderAnswer, RingUp | None]:
         nonlocal seconds
-        driven = contacts.bursting(DrivenContact.of_stator(scene, SolvedStator.of(motion, places), motion), motion)
+        driven = contacts.bursting(DrivenContact.of_stator(scene, SolvedStator.of(motion, positions), motion), motion)
         contact_start = time.perf_counter()
         answer = slider_answer(driven, tolerance=contacts.tolerance)
         seconds += time.perf_counter() - contact_start
@@ -169,17 +156,17 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
 
     answer, ringing = answered()
     for _ in range(ROUNDS - 1):
-        section, whole = motion.wave.relative_error, motion.relative_error(places)
+        section, whole = motion.wave.relative_error, motion.relative_error(positions)
         rings = 0.0 if ringing is None else ringing.error
         goal = needed_section_tolerance(answer, section, contacts.tolerance, rings, beam_share=1 - section / whole)
         if goal is None:
             break
         try:
-            motion = contacts.motion(stator, places, goal)
+            motion = contacts.motion(stator, positions, goal)
         except RunError:
             break  # the answer of the round before is recorded, with its error
         answer, _ = answered()
-        if motion.wave.relative_error >= section or motion.relative_error(places) > STALLED * whole:
+        if motion.wave.relative_error >= section or motion.relative_error(positions) > STALLED * whole:
             break
     return motion, answer, ringing, seconds
 

@@ -1,4 +1,4 @@
-"""Prediction of a vibrometer's scan: the surface motion of a scene at the scan's places or frequencies, per volt."""
+"""Prediction of a vibrometer's scan: the surface motion of a scene at its positions or frequencies, per volt."""
 
 import logging
 from dataclasses import replace
@@ -21,37 +21,39 @@ MAX_APART = 1e-6  # relative difference of the frequencies of scan and drive; be
 
 
 def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
-    """Return a scan whose places are all known, on the stator of a resolved scene, and at the drive's frequency.
+    """Return a scan with all its positions, on the stator of a resolved scene, and at the drive's frequency.
 
     A coordinate that the file leaves out is the slider's or, without a slider, that of the stator's middle.
 
     Raises
     ------
     SceneError
-        If the scene drives no stator, a place lies beside it, or the scan was taken at another frequency.
+        If the scene drives no stator, a position lies beside it, or the scan was taken at another frequency.
     """
     if scene.stator is None or not scene.transducer:
         raise SceneError(option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator")
-    x, y = scene.places[0]
+    x, y = scene.positions[0]
     complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
     length, half = scene.stator.length, scene.stator.width / 2
-    for name, places, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):
-        if np.min(places) < low or np.max(places) > high:
+    for name, values, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):
+        if np.min(values) < low or np.max(values) > high:
             rule = f"{scan.name!r}: {name} must lie on the stator, {low:g} to {high:g} m"
-            raise SceneError(option, f"{rule}, got {np.min(places):g} to {np.max(places):g} m")
+            raise SceneError(option, f"{rule}, got {np.min(values):g} to {np.max(values):g} m")
     if complete.frequency is not None and complete.kind != "frequency":
-        apart = abs(complete.frequency[0] / scene.frequency - 1.0)
-        if apart > MAX_APART:
-            taken = f"{complete.frequency[0]:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
-            rule = f"{scan.name!r} was taken at {taken}"
+        taken = complete.frequency[0]
+        if abs(taken / scene.frequency - 1.0) > MAX_APART:
+            rule = f"{scan.name!r} was taken at {taken:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
             raise SceneError(option, f"{rule}: set drive.frequency")
     return complete
 
 
-def along_places(motion: SurfaceMotion, scan: Scan) -> np.ndarray:
-    """Return the component of a scan at its places, complex, m per V."""
-    places = list(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
-    return motion.at(places)[COMPONENTS.index(scan.component)]
+def scan_component(motion: SurfaceMotion, scan: Scan) -> np.ndarray:
+    """Return the component of a scan at its positions, complex, m per V."""
+    return motion.at(_positions(scan))[COMPONENTS.index(scan.component)]
+
+
+def _positions(scan: Scan) -> tuple[tuple[float, float], ...]:
+    return tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
 
 
 def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
@@ -60,45 +62,43 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
     Raises
     ------
     SceneError
-        For u_y, which a section has not, several places or a place beside the middle line.
+        For u_y, which a section does not have, several positions or one beside the middle line.
     """
-    place = float(scan.x[0])
+    x = float(scan.x[0])
     several = np.ptp(scan.x) > 0.0 or np.any(scan.y != 0.0)
     if scan.frequency is None or scan.component == "u_y" or several or scene.crossed:
-        rule = "over frequency must be of u_x or u_z at one place on the middle line, of one row of transducers"
+        rule = "over frequency must be of u_x or u_z at one position on the middle line, without rotated transducers"
         raise SceneError("--measured", f"{scan.name!r} {rule}")
     at, number = np.unique(scan.frequency, return_inverse=True)
     alone = stator_alone(scene)
-    prepared = response(alone, at[0], at[-1], places=(place,), tolerance=tolerance)
+    over_band = response(alone, at[0], at[-1], positions=(x,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, fem_model.drive(alone))
+    waves = over_band.waves(at, fem_model.drive(alone))
     component = ("u_x", "u_z").index(scan.component)
-    motion = np.array([wave.motion(place)[component] for wave in waves])
-    return motion[number]
+    return np.array([wave.motion(x)[component] for wave in waves])[number]
 
 
 def predicted_scan(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
     """Return the motion of a resolved scene at the points of a placed scan, complex, m per V."""
     if scan.kind == "frequency":
         return over_frequency(scene, scan, tolerance=tolerance)
-    alone = stator_alone(scene)
-    places = tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
-    # one place: every other one, also off the axis, is evaluated from the same solution
-    motion = solved_motion(alone, places[:1], tolerance=tolerance, slider=True, missed=True)
-    return along_places(motion, scan)
+    # solved for one position: all others, also off the axis, are evaluated from the same solution
+    first = _positions(scan)[:1]
+    motion = solved_motion(stator_alone(scene), first, tolerance=tolerance, slider=True, missed=True)
+    return scan_component(motion, scan)
 
 
 def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:
     """Return a motion along x with the velocity of the surface wave multiplied by a factor.
 
-    Per distance from the middle of the driven transducer the phase lags by omega/v (1/factor - 1) more. All amplitudes
-    stay, and so do the phases of what ends and other transducers return: for absorbing ends, and factors near 1.
+    The phase lag per distance from the middle of the driven transducer increases by omega/v (1/factor - 1). Amplitudes
+    and the phases of reflected waves do not change, which holds for absorbing ends and factors near 1.
     """
     if factor == 1.0:
         return motion
     velocity = fem_model.surface_velocity(scene.stator)
     frequency = scene.frequency if scan.frequency is None else scan.frequency
-    distance = abs(scan.x - scene.driven_transducer.place[0])
+    distance = abs(scan.x - scene.driven_transducer.center_xy[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
@@ -110,7 +110,7 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
     SceneError
         If the file has another number of ports, or its frequencies lie outside the driven transducer's passband.
     """
-    names = [each.name for each in scene.transducer if each.has_two_combs]
+    names = [each.name for each in scene.transducer if each.has_two_electrodes]
     if data.ports != len(names):
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
         raise SceneError("--data", rule)
@@ -119,7 +119,7 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
 
 
 def refuse_other_range(scene: Scene, data: NetworkData, option: str) -> None:
-    """Refuse a file whose frequencies do not meet the passband of the driven transducer."""
+    """Refuse a file whose frequencies do not overlap the passband of the driven transducer."""
     band = passband.frequencies(scene, 2)
     if data.frequency[-1] < band[0] or data.frequency[0] > band[-1]:
         own = f"{data.frequency[0] / 1e6:.5g} to {data.frequency[-1] / 1e6:.5g} MHz"

@@ -11,10 +11,8 @@ LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
 MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
 MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
-USUAL_VELOCITIES = (
-    200.0,
-    20e3,
-)  # m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
+# m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
+USUAL_VELOCITIES = (200.0, 20e3)
 # Radius of the contact area at rest over the wavelength. Above it, the surface under a contact is not flat and not in
 # phase, as the contact model assumes.
 MAX_CONTACT_SHARE = 0.05
@@ -31,11 +29,9 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
     if slider is None:
         return
     yield from _sizes(scene, slider)
-    for each in scene.transducer:
-        half = each.half_length if isinstance(each.period, float) else 0.0
-        if slider.position is None or each.turned:
-            continue
-        if abs(slider.center[0] - each.place[0]) < half:
+    for each in scene.transducer if slider.position is not None else ():
+        half = each.half_length if isinstance(each.period, float) and not each.turned else 0.0
+        if abs(slider.center[0] - each.center_xy[0]) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     weight = slider.mass * slider.gravity
     if isinstance(slider.preload, float) and 0.0 < slider.preload < LIFTED * weight:
@@ -46,7 +42,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         )
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (
-            f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
+            f"contacts = {slider.contacts} means {slider.contacts} balls at one position, moved by the same wave: "
             'give their offsets along x instead, such as contacts = ["-5 mm", "5 mm"]'
         )
 
@@ -95,26 +91,22 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
     if distance < diameter * (1 - 1e-12):
         yield (
             f"{balls} of {diameter * 1e3:g} mm overlap: slider.contacts {first + 1} and {second + 1} are "
-            f"{distance * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
+            f"{distance * 1e3:.4g} mm apart: a smaller slider.radius, or positions further apart"
         )
 
 
 def _area_radius(slider: Slider) -> float:
-    """Return the radius of the contact area at rest in m.
-
-    All contacts carry the same force. The radius of a ball follows from Hertz; a punch has a fixed radius.
-    """
-    if slider.shape == "punch" or slider.effective_modulus is None:
-        return slider.radius if slider.shape == "punch" else 0.0
+    """Return the radius of the contact area at rest in m, of a ball by Hertz; all contacts carry the same force."""
+    if slider.shape == "punch":
+        return slider.radius
+    if slider.effective_modulus is None:
+        return 0.0
     force = slider.preload_force / len(slider.offsets)
     return (0.75 * force * slider.radius / slider.effective_modulus) ** (1 / 3)
 
 
 def _nearest(slider: Slider) -> tuple[float, int, int]:
-    """Return the smallest distance between two contacts in m and their indices.
-
-    The distance is infinite if the scene states only the number of contacts.
-    """
+    """Return the smallest distance between two contacts in m (inf if only their number is stated) and their indices."""
     if isinstance(slider.contacts, int):
         return math.inf, 0, 0
     offsets = slider.offsets[:MAX_BALLS_COMPARED]

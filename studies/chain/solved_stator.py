@@ -1,4 +1,4 @@
-"""The few numbers of a solved stator that contacts and answers need, kept while many scenes share its solution."""
+"""The few numbers of a solved stator that contacts and answers need; many scenes share one solution."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -10,9 +10,9 @@ from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 from studies.scene.drive import Drive
 
-COARSE_ERROR = 0.05  # relative, of the coarsest discretisation, which has no estimate of its own: 1.7 to 4.5 % seen
+COARSE_ERROR = 0.05  # relative error of the coarsest discretisation, which has no own estimate; 1.7 to 4.5 % measured
 MAX_DRIVES = 10_000  # in memory
-PLACE_KEYS = ("slider.position", "slider.contacts")
+POSITION_KEYS = ("slider.position", "slider.contacts")
 
 
 def of_stator(key: str) -> bool:
@@ -21,8 +21,8 @@ def of_stator(key: str) -> bool:
     return own and key not in ("drive.voltage", "drive.power", "drive.burst")
 
 
-class PlaceAnswer(NamedTuple):
-    """Motion of the surface at one place, per volt of the source."""
+class LocalMotion(NamedTuple):
+    """Motion of the surface at one position, per volt of the source."""
 
     tangential: complex  # u_x, m per V
     normal: complex  # u_z, m per V
@@ -33,32 +33,32 @@ class PlaceAnswer(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedStator:
-    """Motion at some places and admittance of a solved stator, per volt of the source."""
+    """Motion at some positions and admittance of a solved stator, per volt of the source."""
 
-    at: dict[tuple[float, float], PlaceAnswer]  # by place (x, y) in m
+    at: dict[tuple[float, float], LocalMotion]  # by position (x, y) in m
     frequency: float  # Hz
     admittance: complex  # S
     power: float  # mean, from all sources into the stator, W per V^2
 
     @classmethod
-    def of(cls, motion: SurfaceMotion, places, *, coarse: bool = False) -> "SolvedStator":
-        """Evaluate a surface motion at places (x, y) in m; ``coarse``: it is that of the coarsest discretisation."""
-        tangential, _, normal = motion.at(places)
-        errors = [COARSE_ERROR] * len(places) if coarse else motion.errors(places)
+    def of(cls, motion: SurfaceMotion, positions, *, coarse: bool = False) -> "SolvedStator":
+        """Evaluate a surface motion at positions (x, y) in m; ``coarse``: it is that of the coarsest discretisation."""
+        tangential, _, normal = motion.at(positions)
+        errors = [COARSE_ERROR] * len(positions) if coarse else motion.errors(positions)
         at = {}
-        for place, u_x, u_z, error in zip(places, tangential, normal, errors, strict=True):
-            covered, refusal = motion.covered(place), unresolved(motion, [place])
-            at[place] = PlaceAnswer(complex(u_x), complex(u_z), float(error), covered, refusal)
+        for position, u_x, u_z, error in zip(positions, tangential, normal, errors, strict=True):
+            covered, refusal = motion.covered(position), unresolved(motion, [position])
+            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal)
         return cls(
             at=at, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,
         )  # fmt: skip
 
-    def orbits(self, places) -> tuple:
-        """Return the contact.Orbit of 1 V at some of the places."""
+    def orbits(self, positions) -> tuple:
+        """Return the contact.Orbit of 1 V at some of the positions."""
         return tuple(
             contact.Orbit(frequency=self.frequency, tangential=each.tangential, normal=each.normal)
-            for each in (self.at[place] for place in places)
+            for each in (self.at[position] for position in positions)
         )
 
 

@@ -1,8 +1,8 @@
 """A driven scene at many frequencies: interpolated over bands where its transducers allow it, else solved one by one.
 
-`fem.frequency_band` takes a band of limited width and transducers whose gaps are all whole; a wider range is cut
-into several bands.  Where it cannot be used (fingers left out, a neighbour or an end nearer than half a gap, a
-place under a transducer) every frequency is solved alone: slower, with the same numbers.
+`fem.frequency_band` interpolates over a band of limited width; a wider range is divided into several bands.  It cannot
+be used if fingers are left out, if a neighbour or an end is nearer than half a gap, or for a position under a
+transducer.  Every frequency is then solved alone, which is slower and gives the same numbers.
 """
 
 import logging
@@ -26,12 +26,11 @@ MAX_SINGLE = 5  # frequencies that cost less one by one than the set-up of a ban
 
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """A driven stator that answers at any frequency of a range; the interface is that of ``fem.burst_response``."""
+    """A driven stator at any frequency of a range, with the interface that ``fem.burst_response`` needs."""
 
     limits: tuple[float, float]  # Hz
-    # fem.Band, from low to high; empty where every frequency is solved by itself
-    bands: tuple = field(repr=False)
-    alone: Callable = field(repr=False)  # frequency -> fem.SurfaceWave, for that case
+    bands: tuple = field(repr=False)  # fem.Band, from low to high; empty if every frequency is solved alone
+    alone: Callable = field(repr=False)  # frequency -> fem.SurfaceWave, solved alone
 
     def wave(self, frequency: float, drive):
         """Return the fem.SurfaceWave at a frequency in Hz."""
@@ -49,13 +48,15 @@ class Response:
         return list(each(lambda frequency: self.wave(float(frequency), drive), frequencies))
 
 
-def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float, ...], tolerance: float) -> Response:
+def response(
+    scene: Scene, lowest: float, highest: float, *, positions: tuple[float, ...], tolerance: float
+) -> Response:
     """Prepare a resolved scene with transducers for frequencies from lowest to highest (Hz).
 
-    ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
+    ``positions``: where the motion is evaluated, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = fem_model.whole_stator(scene), fem_model.section_row(scene)
-    common = {"drive": fem_model.drive(scene), "tolerance": tolerance, "places": tuple(places)}
+    block, transducers = fem_model.whole_stator(scene), fem_model.section_transducers(scene)
+    common = {"drive": fem_model.drive(scene), "tolerance": tolerance, "places": tuple(positions)}
 
     def alone(frequency: float):
         LOGGER.info(f"stator: {frequency / 1e6:.5g} MHz")
@@ -63,7 +64,7 @@ def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float
             return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
 
     bands = []
-    if _takes_bands(block, transducers, places):
+    if _takes_bands(block, transducers, positions):
         for low, high in pairwise(_edges(lowest, highest)):
             LOGGER.info(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
             try:
@@ -76,16 +77,16 @@ def response(scene: Scene, lowest: float, highest: float, *, places: tuple[float
 
 def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    block, row = fem_model.whole_stator(scene), fem_model.section_row(scene)
+    block, transducers = fem_model.whole_stator(scene), fem_model.section_transducers(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
-    if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, row, ()):
+    if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, transducers, ()):
         return np.split(frequencies, len(frequencies))
     return bands
 
 
 def port_admittances(scene: Scene, frequencies, tolerance: float):
-    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
+    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, computed as in a run."""
     parts: list = []
     done = 0
     for group in groups(scene, frequencies):
@@ -96,11 +97,9 @@ def port_admittances(scene: Scene, frequencies, tolerance: float):
         with answered(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
             parts.append(fem_model.port_admittance(scene, group, tolerance))
     return fem.PortAdmittance(
-        names=parts[0].names,
-        frequency=frequencies,
-        matrix=np.concatenate([part.matrix for part in parts]),
+        names=parts[0].names, frequency=frequencies, matrix=np.concatenate([part.matrix for part in parts]),
         relative_error=max(part.relative_error for part in parts),
-    )
+    )  # fmt: skip
 
 
 def driving_point(ports, transducers, drive):
@@ -115,12 +114,12 @@ def _edges(lowest: float, highest: float) -> list[float]:
     return [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
 
 
-def _takes_bands(block, transducers, places) -> bool:
-    """Return whether bands can be used: whole gaps everywhere, no finger left out, no place under a transducer."""
-    row = tuple(sorted(transducers, key=lambda each: each.center))
-    for each, gaps in zip(row, fem.outer_gaps(block, row), strict=True):
+def _takes_bands(block, transducers, positions) -> bool:
+    """Return whether `fem.frequency_band` can be used, see the module's docstring."""
+    ordered = tuple(sorted(transducers, key=lambda each: each.center))
+    for each, gaps in zip(ordered, fem.outer_gaps(block, ordered), strict=True):
         left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]
         narrow = any(gap < each.half_gap * (1 - 1e-9) for gap in gaps)
-        if "0" in each.signs or narrow or any(left <= place <= right for place in places):
+        if "0" in each.signs or narrow or any(left <= position <= right for position in positions):
             return False
     return True

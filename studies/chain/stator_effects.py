@@ -1,8 +1,7 @@
 """Estimates of the effects on u_z and on the power that the model of a driven stator neglects.
 
-Each function takes the record of a run and yields (effect, quantity, size, source) as `studies.chain.model_error`
-describes.  The size of the finite aperture is that of a ripple; its sign may be wrong in cuts in which a beam hardly
-spreads.
+Each function takes the record of a run and yields the fields of an `Effect`.  The size of the finite aperture is that
+of a ripple; its sign may be wrong in cuts in which a beam hardly spreads.
 
 Sources:
 
@@ -13,6 +12,7 @@ Sources:
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,10 +37,20 @@ VACUUM_FACTOR = 4.0
 NONLINEARITY, LISTED = 5.0, 0.01
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
-Rows = Iterator[tuple]  # effect, quantity, size, source and, for a size that is not relative, its unit
+Effects = Iterator[tuple]  # fields of `Effect`
 
 
-def stator_effects(record: Record) -> Rows:
+class Effect(NamedTuple):
+    """A neglected effect; its fields are keys of run.json."""
+
+    effect: str
+    quantity: str  # what it changes
+    size: float  # relative change or, with a unit, change in that
+    source: str
+    unit: str = ""
+
+
+def stator_effects(record: Record) -> Effects:
     """Yield the neglected effects on u_z; they do not depend on the level."""
     for each in (_aperture, _finger_ends, vacuum_effect, _electrode_mass):
         yield from each(record)
@@ -51,37 +61,36 @@ def wavelength(record: Record) -> float:
     return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
 
 
-def _aperture(record: Record) -> Rows:
+def _aperture(record: Record) -> Effects:
     """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
     motion, block = record.surface_motion, record.scene.stator
-    places = record.scene.contact_places
+    positions = record.scene.contact_positions
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
-        spans = [each.extent for each in fem_model.transducers(record.scene)]
-        covered = any(low <= x <= high for x, _ in places for low, high in spans)
+        extents = [each.extent for each in fem_model.transducers(record.scene)]
+        covered = any(left <= x <= right for x, _ in positions for left, right in extents)
     else:
-        covered = any(motion.covered(place) for place in places)
+        covered = any(map(motion.covered, positions))
     if covered:
         return
     if motion.beam is None:
-        worst = max(_spread(record, *zip(*places, strict=True)) - 1, key=abs)
+        worst = max(_spread(record, *zip(*positions, strict=True)) - 1, key=abs)
         how = "angular spectrum of the driven aperture, on the cut's slowness curve"
         yield "finite aperture", "u_z", float(worst), how
         return
     if record.scene.crossed:
-        yield from _crossed(record, places)
+        yield from _crossed(record, positions)
         return
-    beam, at = motion.beam, tuple(zip(*places, strict=True))
+    beam, at = motion.beam, tuple(zip(*positions, strict=True))
     other = beam.with_side_faces(None if block.mirror_width else block.width)
-    ratios = abs(other.motion(*at)[2] / motion.at(places)[2])
-    worst = max((float(each) - 1 for each in ratios), key=abs)
+    worst = max(abs(other.motion(*at)[2] / motion.at(positions)[2]) - 1, key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
-    yield "side faces", "u_z", worst, how
+    yield "side faces", "u_z", float(worst), how
 
 
-def _crossed(record: Record, places) -> Rows:
+def _crossed(record: Record, positions) -> Effects:
     """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
-    beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
+    beam, (x, y) = record.surface_motion.beam, zip(*positions, strict=True)
     amplitude, solid = abs(beam.motion(x, y)[2]), fem_model.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / amplitude).max())
     how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
@@ -104,39 +113,35 @@ def _spread(record: Record, x, y) -> np.ndarray:
     except fem.ConvergenceError:
         # some directions have no surface wave: assume the velocity along x in all directions
         curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
-    return curve.spectrum(driven.aperture, np.subtract(x, driven.place[0]), y)
+    return curve.spectrum(driven.aperture, np.subtract(x, driven.center_xy[0]), y)
 
 
-def _finger_ends(record: Record) -> Rows:
+def _finger_ends(record: Record) -> Effects:
     """Yield the effect of the charge distribution along the fingers.
 
     The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
     static charge at the finger ends; the remaining error is yielded.
     """
-    driven, motion = record.scene.driven_transducer, record.surface_motion
+    motion, positions = record.surface_motion, record.scene.contact_positions
     beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
-    places = record.scene.contact_places
-    if beam is None or any(motion.covered(place) for place in places):
-        yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
-        return
-    at = tuple(zip(*places, strict=True))
-    charge_error = beam.charge_error(*at)
+    covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
+    charge_error = None if beam is None or covered else beam.charge_error(*at)
     if charge_error is not None:
-        yield (effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers")
+        yield effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers"
         return
-    if record.scene.crossed:
+    if beam is None or covered or record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     stator = fem_model.stator(record.scene.stator)
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
-    changes = abs(longer.motion(*at)[2]) / abs(motion.at(places)[2]) - 1
+    changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
-    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * driven.finger_pairs)
-    effect = "ripple of the charge along the fingers"
-    yield effect, "u_z", remainder, f"error that remains with static charge at the ends, {ceramic}"
+    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * record.scene.driven_transducer.finger_pairs)
+    how = f"error that remains with static charge at the ends, {ceramic}"
+    yield "ripple of the charge along the fingers", "u_z", remainder, how
 
 
-def vacuum_effect(record: Record) -> Rows:
+def vacuum_effect(record: Record) -> Effects:
     """Yield the effect of the field in the vacuum on u_z, which is of second order.
 
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
@@ -144,8 +149,8 @@ def vacuum_effect(record: Record) -> Rows:
     if record.scene.stator.above == "none":
         solid = fem_model.solid(record.scene.stator)
         permittivity = solid.permittivity
-        squared_permittivity = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
-        share = fem.VACUUM_PERMITTIVITY / math.sqrt(squared_permittivity)
+        eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
+        share = fem.VACUUM_PERMITTIVITY / eps_p
         try:
             bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
             size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
@@ -164,7 +169,7 @@ def amplitude_per_power(record: Record) -> float | None:
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
     driven = fem_model.driven(scene)
-    if scene.crossed:  # the beam row of the driven transducer has its own axes
+    if scene.crossed:  # the group of the driven transducer has its own axes
         transducers = record.surface_motion.beam.rows[0].transducers
         driven = next(each for each in transducers if scene.drive.driven.get(each.name))
     (left, right), half_wavelength = driven.extent, wavelength(record) / 2
@@ -177,7 +182,7 @@ def amplitude_per_power(record: Record) -> float | None:
     return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
 
 
-def _electrode_mass(record: Record) -> Rows:
+def _electrode_mass(record: Record) -> Effects:
     constant, wave = amplitude_per_power(record), record.wave
     if constant is None:
         return
@@ -185,10 +190,10 @@ def _electrode_mass(record: Record) -> Rows:
     # |u|^2 per power and width
     motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
     slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
-    effect = "mass of 100 nm aluminium on the fingers"
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
-    yield (effect, "u_z", phase, "first-order perturbation of the velocity under the fingers, over half of the row")
+    how = "first-order perturbation of the velocity under the fingers, over half of the row"
+    yield "mass of 100 nm aluminium on the fingers", "u_z", phase, how
 
 
 def surface_strain(record: Record, level: float) -> float:
@@ -196,7 +201,7 @@ def surface_strain(record: Record, level: float) -> float:
     return 2 * math.pi / wavelength(record) * level * float(abs(record.surface["u_x_m_per_V"]).max())
 
 
-def large_strain(record: Record, level: float) -> Rows:
+def large_strain(record: Record, level: float) -> Effects:
     """Yield the effect of a strain beyond linear elasticity, from `LISTED` on."""
     strain = surface_strain(record, level)
     if NONLINEARITY * strain >= LISTED:
@@ -204,7 +209,7 @@ def large_strain(record: Record, level: float) -> Rows:
         yield "nonlinear elasticity", "u_z", NONLINEARITY * strain, how
 
 
-def heating(record: Record) -> Rows:
+def heating(record: Record) -> Effects:
     """Yield the power that may heat the stator, at the largest level."""
     highest = max(record.scene.levels, default=0.0)
     power = record.electrical["power_W_per_V2"] * highest**2

@@ -1,9 +1,9 @@
 """Motion of the surface under the slider, per volt: of the finite aperture where that is known, else of the section.
 
-The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
-amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses between the two; every
-answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
-them (`fem.crossed_beam`); the section of the motion is then that of the driven row whose waves run nearest to x.
+The motion of the section depends on x alone.  The beam (`fem.surface_beam`) distributes the section's charges over the
+aperture, so that the amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses
+between the two for all answers.  Rotated transducers have a section for each group of parallel ones
+(`fem.crossed_beam`); the section of the motion is then that of the driven group whose waves run nearest to x.
 """
 
 from dataclasses import dataclass, field
@@ -34,7 +34,7 @@ class SurfaceMotion:
     # Of the finite aperture; None where the section stands for it
     beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one
-    # Motion and error by place (x, y): what has been evaluated
+    # Motion and error at the positions (x, y) that have been evaluated
     known: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -47,55 +47,54 @@ class SurfaceMotion:
         """The `fem.results.power_balance.PowerBalance` that belongs to it."""
         return (self.beam or self.wave).power
 
-    def at(self, places):
-        """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places)."""
-        return np.array([each for each, _ in self._known_at(places)]).T
+    def at(self, positions):
+        """Return u_x, u_y and u_z in m per V at positions (x, y) in m, complex, shape (3, positions)."""
+        return np.array([each for each, _ in self._known_at(positions)]).T
 
     def along(self, x, y: float):
         """Return u_x, u_y and u_z at many x in m on a line of constant y, complex, shape (3, len(x))."""
         return self._both(x, y)[0]
 
-    def errors(self, places):
-        """Return the estimated error at places (x, y) over max(|u_x|, |u_z|) at each."""
-        return [error for _, error in self._known_at(places)]
+    def errors(self, positions):
+        """Return the estimated error at positions (x, y) over max(|u_x|, |u_z|) at each."""
+        return [error for _, error in self._known_at(positions)]
 
-    def relative_error(self, places) -> float:
+    def relative_error(self, positions) -> float:
         """Return the largest of these errors."""
-        return float(max(self.errors(places)))
+        return float(max(self.errors(positions)))
 
-    def in_section(self, place: tuple[float, float]) -> float:
-        """Return where a place (x, y) lies on the line of the section, m."""
-        return place[0] if self.beam is None else self.beam.in_section(*place)
+    def in_section(self, position: tuple[float, float]) -> float:
+        """Return the coordinate of a position (x, y) along the section, m."""
+        return position[0] if self.beam is None else self.beam.in_section(*position)
 
-    def covered(self, place: tuple[float, float]) -> bool:
-        """Whether a place lies under a transducer or on a meshed piece of the section."""
-        return self.wave.covered(self.in_section(place))
+    def covered(self, position: tuple[float, float]) -> bool:
+        """Whether a position lies under a transducer or on a meshed piece of the section."""
+        return self.wave.covered(self.in_section(position))
 
-    def _known_at(self, places) -> list:
-        """Return motion and error at each place; those that are new are computed together."""
-        new = [place for place in dict.fromkeys(places) if place not in self.known]
+    def _known_at(self, positions) -> list:
+        """Return motion and error at each position; those that are new are computed together."""
+        new = [position for position in dict.fromkeys(positions) if position not in self.known]
         if new:
             motions, errors = self._both(*zip(*new, strict=True))
             self.known.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
-        return [self.known[place] for place in places]
+        return [self.known[position] for position in positions]
 
     def _both(self, x, y):
         if self.beam is not None:
             return self.beam.motion_and_error(x, y)
         tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
-        return np.array([tangential, np.zeros_like(normal), normal]), np.full(
-            np.shape(normal), self.wave.relative_error
-        )
+        motion = np.array([tangential, np.zeros_like(normal), normal])
+        return motion, np.full(np.shape(normal), self.wave.relative_error)
 
-    def surface_mode_at(self, place: tuple[float, float]) -> complex:
-        """Return the surface mode's part of u_z at a place (x, y) beside the transducers."""
+    def surface_mode_at(self, position: tuple[float, float]) -> complex:
+        """Return the surface mode's part of u_z at a position (x, y) beside the transducers."""
         if self.beam is None:
-            return complex(self.wave.rayleigh_motion(place[0])[1])
-        return complex(self.beam.surface_mode.motion(*place)[2])
+            return complex(self.wave.rayleigh_motion(position[0])[1])
+        return complex(self.beam.surface_mode.motion(*position)[2])
 
-    def standing_wave_ratio(self, place: tuple[float, float]) -> float:
-        """Return the largest over the smallest |u_z| within a wavelength either side of a place (x, y)."""
-        x, y = place
+    def standing_wave_ratio(self, position: tuple[float, float]) -> float:
+        """Return the largest over the smallest |u_z| within a wavelength either side of a position (x, y)."""
+        x, y = position
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
         reach = abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
@@ -104,9 +103,9 @@ class SurfaceMotion:
 
 
 def solved_motion(
-    scene: Scene, places, *, tolerance: float, slider: bool | None = None, missed: bool = False
+    scene: Scene, positions, *, tolerance: float, slider: bool | None = None, missed: bool = False
 ) -> SurfaceMotion:
-    """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
+    """Return the motion of a driven scene, its section solved to a tolerance at positions (x, y) in m.
 
     ``slider``: True if the motion is to drive a slider; by default, if the scene has one.  ``missed``: True returns a
     motion that misses the tolerance, with its error, instead of raising RunError.  A refusal of the beam becomes one of
@@ -114,9 +113,11 @@ def solved_motion(
     """
     slider = scene.slider is not None if slider is None else slider
 
-    def solve(stator, row, drive, at):
+    def solve(stator, transducers, drive, x):
         try:
-            return fem.driven_wave(stator, row, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=at)
+            return fem.driven_wave(
+                stator, transducers, frequency=scene.frequency, drive=drive, tolerance=tolerance, places=x
+            )
         except fem.ConvergenceError as error:
             if error.reached is None or not missed:
                 raise
@@ -125,10 +126,10 @@ def solved_motion(
     try:
         with answered():
             if scene.crossed:
-                return crossed_motion(scene, places, solve)
+                return crossed_motion(scene, positions, solve)
             whole = fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene)
-            wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
-            return surface_motion(wave, scene.stator, places, slider=slider)
+            wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in positions)))
+            return surface_motion(wave, scene.stator, positions, slider=slider)
     except fem.BeamError as error:
         scene.refuse("stator.diffraction", f"must be false or absent: {error}")
     except fem.InputError as error:
@@ -136,38 +137,32 @@ def solved_motion(
         scene.refuse(error.key.replace("transducer", f"transducer.{index}", 1), error.rule)
 
 
-def crossed_motion(scene, places, solve) -> SurfaceMotion:
+def crossed_motion(scene, positions, solve) -> SurfaceMotion:
     """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
     beam = fem.crossed_beam(
-        fem_model.whole_stator(scene),
-        fem_model.transducers(scene),
-        width=scene.stator.width,
-        frequency=scene.frequency,
-        drive=fem_model.drive(scene),
-        solve=solve,
-        places=tuple(places),
-    )
+        fem_model.whole_stator(scene), fem_model.transducers(scene), width=scene.stator.width,
+        frequency=scene.frequency, drive=fem_model.drive(scene), solve=solve, places=tuple(positions),
+    )  # fmt: skip
     return SurfaceMotion(wave=beam.wave, beam=beam)
 
 
-def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:
-    """Return the motion of a solved stator (fem.SurfaceWave) for places (x, y) in m: that of the beam or the section.
+def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> SurfaceMotion:
+    """Return the motion of a solved stator (fem.SurfaceWave) at positions (x, y) in m: that of the beam or the section.
 
     ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
-    section; None: the finite aperture under a slider, where `fem_model.section_reason` has nothing against it and the
-    error that it adds to the section's is smaller than what it changes.
+    section; None: the finite aperture under a slider, unless `fem_model.section_reason` states a reason against it or
+    the error that it adds to the section's is larger than what it changes.
     """
-    reason = fem_model.section_reason(block, wave.solution.fields.stator, places if slider else None)
+    reason = fem_model.section_reason(block, wave.solution.fields.stator, positions if slider else None)
     if reason:
         return SurfaceMotion(wave=wave, reason=reason)
     spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
     if block.diffraction is None:
-        here, there = spread.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
+        here, there = spread.at(positions)[[0, 2]], wave.motion(np.array([x for x, _ in positions]))
         changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
-        added = spread.relative_error(places) - wave.relative_error
+        added = spread.relative_error(positions) - wave.relative_error
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
-            return SurfaceMotion(
-                wave=wave, reason=f"stator.diffraction is absent and {reason}; true computes it nevertheless"
-            )
+            reason = f"stator.diffraction is absent and {reason}; true computes it nevertheless"
+            return SurfaceMotion(wave=wave, reason=reason)
     return spread

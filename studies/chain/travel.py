@@ -45,24 +45,25 @@ class WaveAlong:
     @classmethod
     def under(cls, slider: Slider, motion: SurfaceMotion) -> Self:
         """Return the orbits under a slider on the motion of a stator's surface."""
-        wave, places = motion.wave, slider.places
+        wave, positions = motion.wave, slider.contact_positions
 
         def orbit(u_x, u_z):
             return contact.Orbit(frequency=wave.frequency, normal=complex(u_z), tangential=complex(u_x))
 
         def orbits(displacements):
-            balls = np.array([motion.along(x + displacements, y) for x, y in places])
+            balls = np.array([motion.along(x + displacements, y) for x, y in positions])
             return [tuple(orbit(u_x, u_z) for u_x, _, u_z in at) for at in np.moveaxis(balls, 2, 0)]
 
-        behind, ahead = min(x for x, _ in places), max(x for x, _ in places)
-        limits = -behind, wave.length - ahead
+        limits = -min(x for x, _ in positions), wave.length - max(x for x, _ in positions)
         return cls(wavelength=wave.phase_velocity / wave.frequency, limits=limits, orbits=orbits)
 
     def scaled(self, factor: float) -> "WaveAlong":
-        """Return the orbits multiplied by a factor."""
-        return replace(
-            self, orbits=lambda places: [tuple(ball.scaled(factor) for ball in each) for each in self.orbits(places)]
-        )
+        """Return the field with all amplitudes multiplied by a factor."""
+
+        def orbits(displacements):
+            return [tuple(orbit.scaled(factor) for orbit in balls) for balls in self.orbits(displacements)]
+
+        return replace(self, orbits=orbits)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +72,7 @@ class Travel:
 
     time: np.ndarray  # s
     velocity: np.ndarray  # m/s along +x
-    place: np.ndarray  # displacement from the beginning, m
+    displacement: np.ndarray  # from the beginning, m
     held_velocity: np.ndarray  # velocity by the same equation with X = 0, m/s
     ended: bool  # True if a ball reached the stator's end, where the solution stops
     # error of the change of velocity at the end, m/s, estimated with half as many displacements, speeds and steps
@@ -84,73 +85,68 @@ class Travel:
 
 
 class _Table:
-    """Table of the acceleration over displacement and velocity, for either direction of motion, and at rest."""
+    """The acceleration, interpolated over displacement and velocity, with a table for either direction of motion.
+
+    ``reach``: smallest and largest displacement, m; ``coarser``: factor on the spacings.
+    """
 
     def __init__(self, slider, wave: WaveAlong, level: float, reach: tuple[float, float], coarser: int):
         from scipy.interpolate import RectBivariateSpline
 
+        self.reach, (low, high) = reach, reach
         step = coarser * wave.wavelength / PER_WAVELENGTH
-        low, high = reach
-        self.places = np.linspace(low, high, max(4, int(np.ceil((high - low) / step)) + 1))
-        rows = [tuple(each.scaled(level) for each in orbits) for orbits in wave.orbits(self.places)]
-        self.top = 1.2 * max(each.omega * abs(each.tangential) for orbits in rows for each in orbits)
-        speeds = np.linspace(0.0, self.top, (SPEEDS - 1) // coarser + 1)
+        displacements = np.linspace(low, high, max(4, int(np.ceil((high - low) / step)) + 1))
+        balls = [tuple(orbit.scaled(level) for orbit in orbits) for orbits in wave.orbits(displacements)]
+        self.top_speed = 1.2 * max(orbit.omega * abs(orbit.tangential) for orbits in balls for orbit in orbits)
+        speeds = np.linspace(0.0, self.top_speed, (SPEEDS - 1) // coarser + 1)
         # At rest a sticking contact bears any force between two limits, so that each side of v = 0 has its own table.
         least = np.where(speeds == 0.0, np.finfo(float).tiny, speeds)
-        forces = np.array([contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows])
+        forces = np.array([contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in balls])
         sides = {1: forces[:, : speeds.size], -1: forces[:, speeds.size :]}
         self._splines = {
-            sign: RectBivariateSpline(self.places, speeds, side / slider.mass) for sign, side in sides.items()
+            sign: RectBivariateSpline(displacements, speeds, side / slider.mass) for sign, side in sides.items()
         }
-        self._damping = slider.tangential_damping / slider.mass
-        self._load = slider.load / slider.mass
+        self._damping, self._load = slider.tangential_damping / slider.mass, 0.0
+        # the load opposes the direction in which the wave alone drives the slider from rest
+        self._load = slider.load / slider.mass * float(np.sign(self.acceleration(0.0, 0.0)))
 
-    def _driven(self, place: float, speed: float, side: int) -> float:
+    def _by_wave(self, displacement: float, speed: float, side: int) -> float:
         """Return the acceleration by the wave on one side of v = 0, m/s^2."""
-        return float(self._splines[side](place, min(abs(speed), self.top))[0, 0])
+        return float(self._splines[side](displacement, min(abs(speed), self.top_speed))[0, 0])
 
-    def toward(self, place: float) -> float:
-        """Return the direction in which the wave drives a slider from rest without a load; 0 if friction holds it."""
-        return 1.0 if self._driven(place, 0.0, 1) > 0 else -1.0 if self._driven(place, 0.0, -1) < 0 else 0.0
-
-    def acceleration(self, place: float, speed: float, load_sign: float) -> float:
-        """Return dv/dt, m/s^2."""
-        load = self._load * load_sign
-        if speed == 0.0:
-            forward, backward = (self._driven(place, 0.0, side) - load for side in (1, -1))
+    def acceleration(self, displacement: float, velocity: float) -> float:
+        """Return dv/dt, m/s^2; 0 at rest where friction holds the slider."""
+        if velocity == 0.0:
+            forward, backward = (self._by_wave(displacement, 0.0, side) - self._load for side in (1, -1))
             return forward if forward > 0 else min(backward, 0.0)
-        return self._driven(place, speed, 1 if speed > 0 else -1) - self._damping * speed - load
+        side = 1 if velocity > 0 else -1
+        return self._by_wave(displacement, velocity, side) - self._damping * velocity - self._load
 
 
-def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) -> np.ndarray:
+def _followed(table: _Table, duration: float, steps: int, moves: bool) -> np.ndarray:
     """Return time, velocity and displacement, shape (3, k), by the classical Runge-Kutta method.
 
-    The solution ends where the displacement leaves ``reach``.  ``moves``: False for X = 0.
+    The solution ends where the displacement leaves the table.  ``moves``: False for X = 0.
     """
-    sign = table.toward(0.0)
-    h, speed, place = duration / steps, 0.0, 0.0
-    rows = [(0.0, 0.0, 0.0)]
+    h, v, x, (low, high) = duration / steps, 0.0, 0.0, table.reach
+    states = [(0.0, 0.0, 0.0)]
 
     def rate(x, v):
-        return (v if moves else 0.0), table.acceleration(x, v, sign)
+        return (v if moves else 0.0), table.acceleration(x, v)
 
     for number in range(1, steps + 1):
-        x1, a1 = rate(place, speed)
-        if speed == 0.0 and a1 == 0.0:
-            new, further = 0.0, place
-        else:
-            x2, a2 = rate(place + h / 2 * x1, speed + h / 2 * a1)
-            x3, a3 = rate(place + h / 2 * x2, speed + h / 2 * a2)
-            x4, a4 = rate(place + h * x3, speed + h * a3)
-            new = speed + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-            further = place + h / 6 * (x1 + 2 * x2 + 2 * x3 + x4)
-            if new * speed < 0:
-                new = 0.0  # the slider stops before it reverses, because friction may hold it
-        speed, place = new, further
-        rows.append((number * h, speed, place))
-        if not reach[0] <= place <= reach[1]:
+        x1, a1 = rate(x, v)
+        if not v == a1 == 0.0:
+            x2, a2 = rate(x + h / 2 * x1, v + h / 2 * a1)
+            x3, a3 = rate(x + h / 2 * x2, v + h / 2 * a2)
+            x4, a4 = rate(x + h * x3, v + h * a3)
+            next_v = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+            x += h / 6 * (x1 + 2 * x2 + 2 * x3 + x4)
+            v = next_v if next_v * v >= 0 else 0.0  # the slider stops before it reverses: friction may hold it
+        states.append((number * h, v, x))
+        if not low <= x <= high:
             break
-    return np.array(rows).T
+    return np.array(states).T
 
 
 def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
@@ -163,60 +159,56 @@ def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: 
     while True:
         ahead, behind = (span, 2 * wave.wavelength) if expected >= 0 else (2 * wave.wavelength, span)
         reach = max(-behind, wave.limits[0]), min(ahead, wave.limits[1])
-        runs = []
+        solutions = []
         for coarser in (1, 2):
             table = _Table(slider, wave, level, reach, coarser)
-            fastest = duration * table.top / (STEP * wave.wavelength)
+            fastest = duration * table.top_speed / (STEP * wave.wavelength)
             steps = int(np.ceil(max(MIN_STEPS, fastest) / coarser))
-            runs.append([_followed(table, duration, steps, moves, reach) for moves in (True, False)])
-        (moving, held), (coarse, coarse_held) = runs
-        at_limit = not reach[0] < moving[2, -1] < reach[1]
-        end = wave.limits[1] if moving[2, -1] > 0 else wave.limits[0]
-        if not at_limit or abs(moving[2, -1]) >= abs(end):
+            solutions.append([_followed(table, duration, steps, moves) for moves in (True, False)])
+        (moving, held), (coarse, coarse_held) = solutions
+        final = moving[2, -1]
+        at_limit = not reach[0] < final < reach[1]
+        if not at_limit or abs(final) >= abs(wave.limits[1] if final > 0 else wave.limits[0]):
             break
         span *= 2
-    time, velocity, place = moving
-    change = velocity[-1] - held[1, len(time) - 1]
-    same = np.interp(time[-1], coarse[0], coarse[1]) - np.interp(time[-1], coarse_held[0], coarse_held[1])
+    time, velocity, displacement = moving
+    held_velocity = held[1, : len(time)]
+    change = velocity[-1] - held_velocity[-1]
+    coarse_change = np.interp(time[-1], *coarse[:2]) - np.interp(time[-1], *coarse_held[:2])
     return Travel(
-        time=time,
-        velocity=velocity,
-        place=place,
-        held_velocity=held[1, : len(time)],
-        ended=bool(at_limit),
-        error=float(abs(change - same)),
-    )
+        time=time, velocity=velocity, displacement=displacement, held_velocity=held_velocity, ended=bool(at_limit),
+        error=float(abs(change - coarse_change)),
+    )  # fmt: skip
 
 
 def with_travel(trajectory, travel: Travel):
     """Return a `contact.Trajectory` with the change of velocity added, and the slide after the burst adapted to it."""
     time, velocity = trajectory.time, np.array(trajectory.velocity)
-    end = trajectory.velocity_at_burst_end
     on = time <= trajectory.duration * (1 + 1e-12)
     velocity[on] += np.interp(time[on], travel.time, travel.velocity - travel.held_velocity)
+    end = trajectory.velocity_at_burst_end
     new_end = end + travel.change
-    after = time[~on] - trajectory.duration
-    if after.size:
-        # The slide has the same curve of speed, shifted in time; higher speeds are extrapolated with the first slope.
-        old = np.append(end, trajectory.velocity[~on])
-        known = np.append(0.0, after)
-        velocity[~on] = _slide(known, old, new_end, after)
+    if not on.all():
+        slide = np.append(end, trajectory.velocity[~on])
+        velocity[~on] = _slide(time[~on] - trajectory.duration, slide, new_end)
     return replace(trajectory, velocity=velocity, answer=replace(trajectory.answer, value=float(new_end)))
 
 
-def _slide(known, old, start: float, after):
-    """Return a decaying speed with another start: the same curve shifted in time and extrapolated with its slope."""
-    size = abs(old)
-    if size[0] == 0.0 or size[-1] >= size[0]:
-        return old[1:] + (start - old[0])
-    half = int(np.argmax(size <= 0.5 * size[0])) or len(size) - 1
-    slope = (size[half] - size[0]) / known[half]
-    below = int(np.argmax(size <= abs(start)))
-    if abs(start) >= size[0] or below == 0:
-        shift = (abs(start) - size[0]) / slope
+def _slide(after, velocity, start: float):
+    """Return a decaying velocity with another start, at the times ``after`` (k,) from the end of the burst.
+
+    ``velocity`` (k + 1,), at 0 and at these times, is shifted in time; higher speeds are extrapolated with its slope.
+    """
+    time, speed = np.append(0.0, after), abs(velocity)
+    if speed[0] == 0.0 or speed[-1] >= speed[0]:
+        return velocity[1:] + (start - velocity[0])
+    half = int(np.argmax(speed <= 0.5 * speed[0])) or len(speed) - 1
+    slope = (speed[half] - speed[0]) / time[half]
+    below = int(np.argmax(speed <= abs(start)))
+    if abs(start) >= speed[0] or below == 0:
+        shift = (abs(start) - speed[0]) / slope
     else:
-        shift = np.interp(-abs(start), -size[below - 1 : below + 1], known[below - 1 : below + 1])
+        shift = np.interp(-abs(start), -speed[below - 1 : below + 1], time[below - 1 : below + 1])
     at = after + shift
-    shifted = np.interp(at, known, old)
-    beyond = np.minimum(at, 0.0) + (np.maximum(at - known[-1], 0.0) if size[-1] > 0.05 * size[0] else 0.0)
-    return shifted + np.sign(start) * slope * beyond
+    beyond = np.minimum(at, 0.0) + (np.maximum(at - time[-1], 0.0) if speed[-1] > 0.05 * speed[0] else 0.0)
+    return np.interp(at, time, velocity) + np.sign(start) * slope * beyond

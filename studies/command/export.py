@@ -119,7 +119,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     if wanted == "c" or (wanted == "csv" and arguments.scan is None and scene.slider is not None):
         more = "; --scan x gives one" if wanted == "csv" and scene.transducer else ""
         raise SceneError("--out", f"must be a directory, as there are several files, got {str(out)!r}{more}")
-    ports = sum(each.has_two_combs for each in scene.transducer)
+    ports = sum(each.has_two_electrodes for each in scene.transducer)
     if wanted == "touchstone" and 0 < ports and suffix != f".s{ports}p":
         raise SceneError(
             "--out", f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"

@@ -33,7 +33,7 @@ def with_options(error: SceneError) -> SceneError:
     if len(error.problems) > 1:
         return SceneError.together(map(with_options, error.problems))
     word, space, rest = error.path.partition(" ")
-    return SceneError(OPTIONS.get(word, word) + space + rest, error.rule, error.place)
+    return SceneError(OPTIONS.get(word, word) + space + rest, error.rule, error.location)
 
 
 def refused(error: SceneError, arguments: argparse.Namespace) -> SceneError:

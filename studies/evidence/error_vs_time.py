@@ -23,6 +23,7 @@ from studies.chain import run as run_chain
 from studies.chain.resolve import resolved
 from studies.evidence.own_process import alone, peak_memory
 from studies.record.plots import finished
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, judged, of_record, study
@@ -225,4 +226,4 @@ def figure(record: Panel, ax):
         ax.plot(x, stated, style[0], color=colour, markerfacecolor="none", markersize=6)
     ax.plot([], [], "o", color="black", markerfacecolor="none", label="as stated with the answer")
     title = f"{record.title}\n{table['machine']}"
-    return finished(ax, "CPU time, warm (s)", "relative error (1)", title)
+    return finished(ax, f"{quantity('cpu_time_s').axis}, warm", "relative error (1)", title)

@@ -17,6 +17,7 @@ from collections.abc import Callable
 
 from studies.evidence.omission import OMISSIONS
 from studies.record.plots import finished
+from studies.record.quantities import quantity
 from studies.record.text import markdown
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
@@ -100,14 +101,15 @@ def figure(record: Panel, ax):
     data = record.data
     ax.invert_yaxis()
     if record.name == "blocks":
+        time = quantity("cpu_time_s").axis
         places, memory = range(len(data["scene"])), [size / 1e8 for size in data["bytes"]]
         for side, values, colour, label in (
-            (-0.2, data["seconds"], "#0072B2", "CPU time (s)"),
+            (-0.2, data["seconds"], "#0072B2", time),
             (0.2, memory, "#E69F00", "peak memory (100 MB)"),
         ):
             ax.barh([place + side for place in places], values, 0.38, color=colour, label=label)
         ax.set_yticks(places, data["scene"])
-        return finished(ax, "CPU time (s), peak memory (100 MB)", "scene", record.title)
+        return finished(ax, f"{time}, peak memory (100 MB)", "scene", record.title)
     places = range(len(data["part"]))
     for key, colour, mark, what in (
         ("seconds", "#0072B2", "o", "time"),

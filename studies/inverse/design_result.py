@@ -1,4 +1,4 @@
-"""The best motor that a search found, and what it leaves: text, design.json, the scene at the optimum, a picture."""
+"""The result of a design search: text, design.json, the scene at the optimum, a picture."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from studies.report.intermediate import key_axis
 from studies.results.content import write_json
 from studies.scene.toml import document
 
-AT_END = 2e-3  # distance from an end of a range, relative to the range, below which the best value lies at it
+NEAR_END = 2e-3  # distance from an end of a range, relative to the range, below which the best value lies at it
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -22,13 +22,15 @@ class Design:
     goals: tuple[str, ...]
     columns: tuple[str, ...]  # of a point, one for each goal
     optimum: dict  # the best point (of two goals: the middle of the front)
-    front: list[dict]  # points that no other beats in both goals; the optimum alone with one goal
-    # By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
+    front: list[dict]  # points that no other exceeds in both goals; the optimum alone with one goal
+    # by key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
     robustness: dict
-    rows: list[dict]  # evaluations of the search, in their order
-    evaluations: int  # with those of the robustness
+    points: list[dict]  # of the search, in the order of their evaluation
+    evaluations: int  # number, with those of the robustness
     variables: tuple[Parameter, ...]  # with their ranges
     table: dict  # TOML document of the scene at the optimum
+
+    rows = property(lambda self: self.points, doc="Former name of ``points``.")
 
     def to_dict(self) -> dict:
         """Return what design.json holds."""
@@ -36,7 +38,7 @@ class Design:
             "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
             "evaluations": self.evaluations,
         }  # fmt: skip
-        ends = {each.key: each.end_reached(self.optimum[each.key], AT_END) for each in self.variables}
+        ends = {each.key: each.end_reached(self.optimum[each.key], NEAR_END) for each in self.variables}
         at_ends = {key: side for key, side in ends.items() if side is not None}
         return whole | ({"at_end_of_range": at_ends} if at_ends else {})
 
@@ -45,15 +47,15 @@ class Design:
         rows = [["variable", "best", "5 % off leaves", "constraints"]]
         for each in self.variables:
             robust, best = self.robustness[each.key], each.text(self.optimum[each.key], 5)
-            kept = "kept" if robust["keeps_constraints"] else "broken"
-            rows.append([each.key, best, f"{100 * robust['least_share_of_goal']:.4g} %", kept])
+            constraints = "kept" if robust["keeps_constraints"] else "broken"
+            rows.append([each.key, best, f"{100 * robust['least_share_of_goal']:.4g} %", constraints])
         notes: list[tuple[str, str | list[str]]] = [("at the best", [
             f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
             if isinstance(value, float) and "." not in name and name != "relative_error"
         ])]  # fmt: skip
         if len(self.front) > 1:
-            notes.append(("front", f"{len(self.front)} motors that none beats in {' and '.join(self.goals)}"))
-        ends = (each.end_in_words(self.optimum[each.key], AT_END) for each in self.variables)
+            notes.append(("front", f"{len(self.front)} motors on the Pareto front of {' and '.join(self.goals)}"))
+        ends = (each.end_in_words(self.optimum[each.key], NEAR_END) for each in self.variables)
         notes += [("remark", remark) for remarks in ends for remark in remarks]
         notes.append(("evaluations", f"{self.evaluations}"))
         return "\n".join([*table(rows), "", *labelled(notes)])
@@ -74,19 +76,18 @@ class Design:
 
     def draw(self, ax):
         """Draw the goal against the evaluations, or the front of two goals, on an Axes."""
-        points = [point for point in self.rows if all(point.get(name) is not None for name in self.columns)]
+        points = [point for point in self.points if all(point.get(name) is not None for name in self.columns)]
         axes = [
             key_axis(name, self.optimum[name]) if "." in name else (quantity(name).scale, quantity(name).axis)
             for name in self.columns
         ]
-        single = len(self.columns) == 1
-        best, label = [self.optimum], "best that keeps the constraints"
+        best, label, single = [self.optimum], "best that keeps the constraints", len(self.columns) == 1
         if not single:
-            best, label = self.front, "front: no evaluation beats these in both"
-        looks = ((points, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
-        for some, marks, colour, name in looks:
+            best, label = self.front, "front: no evaluation exceeds these in both"
+        series = ((points, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
+        for some, marks, colour, name in series:
             values = [[abs(point[key]) * scale for point in some]
                       for key, (scale, _) in zip(self.columns, axes, strict=True)]  # fmt: skip
-            at = [[points.index(point) for point in some], *values] if single else values
-            ax.plot(*at, marks, color=COLOURS[colour], markersize=4, label=name)
+            coordinates = [[points.index(point) for point in some], *values] if single else values
+            ax.plot(*coordinates, marks, color=COLOURS[colour], markersize=4, label=name)
         return finished(ax, "evaluation" if single else axes[0][1], axes[-1][1], "")

@@ -52,35 +52,35 @@ class Direction:
 def undetermined(jacobian: np.ndarray, parameters: tuple[Parameter, ...], half_width: np.ndarray) -> list[Direction]:
     """Return the directions of the free numbers that the measurements leave undetermined.
 
-    ``jacobian``: of the residuals in standard deviations, with columns of systematic errors at the end;
-    ``half_width``: half the range of each x.
+    ``jacobian``: of the residuals, with the columns of systematic errors at the end; ``half_width``: half the range of
+    each x.
     """
     count = len(parameters)
     scaled = jacobian * half_width
     if scaled.shape[1] > count:  # what a systematic error may explain determines nothing
         shared = np.linalg.qr(scaled[:, count:])[0]
         scaled = scaled[:, :count] - shared @ (shared.T @ scaled[:, :count])
-    _, sizes, rows = np.linalg.svd(np.vstack([scaled, np.zeros((count, count))]))
+    _, sizes, right = np.linalg.svd(np.vstack([scaled, np.zeros((count, count))]))
     least = EXACT * max(sizes[0], ENOUGH)
     directions = []
     for exact in (True, False):
         small = (sizes < ENOUGH) & ((sizes <= least) == exact)
-        for row in _sparse(rows[small] * half_width[:count]):
-            directions.append(direction(row, parameters, exact=exact))
+        changes = _echelon(right[small] * half_width[:count])
+        directions += [direction(change, parameters, exact=exact) for change in changes]
     return directions
 
 
-def direction(row: np.ndarray, parameters: tuple[Parameter, ...], *, exact: bool) -> Direction:
+def direction(change: np.ndarray, parameters: tuple[Parameter, ...], *, exact: bool) -> Direction:
     """Return the direction of a change of x."""
-    row = row / row[np.argmax(np.abs(row))]
-    kept = {p.key: float(size) for p, size in zip(parameters, row, strict=True) if abs(size) > SMALL}
-    if next(iter(kept.values())) < 0:
-        kept = {key: -size for key, size in kept.items()}
-    return Direction(components=kept, exact=exact)
+    change = change / change[np.argmax(np.abs(change))]
+    components = {p.key: float(size) for p, size in zip(parameters, change, strict=True) if abs(size) > SMALL}
+    if next(iter(components.values())) < 0:
+        components = {key: -size for key, size in components.items()}
+    return Direction(components=components, exact=exact)
 
 
-def _sparse(rows: np.ndarray) -> list[np.ndarray]:
-    """Return the reduced echelon form of some rows, with the columns that QR chooses as pivots."""
+def _echelon(rows: np.ndarray) -> list[np.ndarray]:
+    """Return the rows of a matrix in reduced echelon form, with the columns that QR chooses as pivots."""
     if not len(rows):
         return []
     _, triangle, order = qr(rows, pivoting=True)

@@ -23,24 +23,24 @@ LOGGER = logging.getLogger(__name__)
 # solved to 1e-5 and to 1e-6 differ by up to 8e-6; those of four balls at different places cost 100 times more at 1e-6.
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
             "start-up time": 1e-5}  # fmt: skip
-# column of each answer
+# columns of the answers
 ANSWERS = {
     "velocity": "velocity_m_per_s", "threshold": "threshold_factor", "release": "release_factor", "thrust": "thrust_N",
     "efficiency": "contact_efficiency", "start-up time": "start_up_time_s",
 }  # fmt: skip
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
-PHASED = ("center", "position", "thickness", "frequency")  # many wavelengths: a change is one of phase
+PHASED = ("center", "position", "thickness", "frequency")  # their change shifts the phase of a wave, and is amplified
 LIMITS = ("threshold", "release")
 SIDE = 0.01  # change of a number to either side, beside its elasticity
 
 
 def numbers(predictor: MeasurementPredictor) -> list[str]:
-    """Return the keys of a scene's positive numbers that an answer may depend on, none of them in a list."""
-    known = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
+    """Return the keys of a scene's positive numbers that an answer may depend on; entries of lists are left out."""
+    left_out = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
     table = {name: block for name, block in predictor.table.items() if name != "uncertain"}
     positive = (key for key, value in walk(table) if isinstance(value, float) and value > 0.0)
-    return [key for key in positive if not key.endswith(known) and not key.rpartition(".")[2].isdigit()]
+    return [key for key in positive if not key.endswith(left_out) and not key.rpartition(".")[2].isdigit()]
 
 
 def answers_of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ def answers_of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
 
 
 def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
-    """Return pairs of an accuracy and the names of the answers that have it, which one question gives."""
+    """Return pairs of an accuracy and the names of the answers that have it, which are computed together."""
     known = answers_of_slider(predictor)
     for name in outcomes:
         if name not in known:
@@ -71,7 +71,7 @@ def elasticities(
 ) -> dict[str, dict[str, tuple[float, float]]]:
     """Return {outcome: {key: (d ln outcome / d ln number, its error)}}, the level itself as "level".
 
-    ``level``: voltage in V or given normal amplitude in m.
+    ``level``: voltage in V or normal amplitude in m.
     """
     slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
     for accuracy, names in _together(predictor, outcomes):
@@ -85,7 +85,7 @@ def elasticities(
             factors = np.exp(np.concatenate([widths, -widths])).tolist()
             values, errors = answers_at(predictor, names, level, [{key: factor} for factor in factors])
             for name, column, start in zip(names, values.T, centre[0], strict=True):
-                # no slope without an answer, such as for a value that the scene refuses
+                # no derivative without an answer, such as for a value that the scene refuses
                 if start > 0.0 and np.all(column > 0.0):
                     error = within if name in LIMITS else max(within, *errors)
                     slopes[name][key] = _slope(np.log(column / start), widths, error)
@@ -93,7 +93,7 @@ def elasticities(
 
 
 def _slope(logarithms: np.ndarray, widths: np.ndarray, accuracy: float) -> tuple[float, float]:
-    """Return the derivative and its error from values at +widths and -widths, each half of the one before."""
+    """Return the derivative and its error from values at +widths and -widths, each width half of the one before."""
     up, down = np.split(logarithms, 2)
     table = ((up - down) / (2.0 * widths)).tolist()
     for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
@@ -120,10 +120,10 @@ def both_sides(
 def answers_at(
     predictor: MeasurementPredictor, names: Sequence[str], level: float, many: list[dict[str, float]]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return answers for sets of factors by key, (m, n), and the velocities' numerical errors over |v|, (m,).
+    """Return answers for m sets of factors by key, (m, n), and the numerical errors of the velocities over |v|, (m,).
 
-    "level" may be among the keys; an answer is NaN where there is none.  An averaged state has no numerical error.  A
-    stator that cannot be solved raises RunError: a number must not be missing in silence.
+    "level" may be among the keys.  An answer is NaN where the scene refuses a value; an averaged state has no numerical
+    error.  A stator that cannot be solved raises RunError, so that no number is left out unnoticed.
     """
     columns = [ANSWERS[name] for name in names]
     level_key = predictor.scene({}).level_key
@@ -132,12 +132,12 @@ def answers_at(
         | {level_key: level * factors.get("level", 1.0)}
         for factors in many
     ]
-    rows = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
-    errors = np.zeros(len(rows))
-    for k, row in enumerate(rows):
-        if "relative_error" not in row and not row.get("refused"):
-            raise RunError(row["status"])
-        if row.get("numerical_error") and row["velocity_m_per_s"]:
-            speed, orbits = row["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
-            errors[k] = row["numerical_error"] * contact.reference_speed(speed, orbits) / abs(speed)
-    return np.abs([[row.get(column, math.nan) for column in columns] for row in rows]), errors
+    answers = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
+    errors = np.zeros(len(answers))
+    for k, answer in enumerate(answers):
+        if "relative_error" not in answer and not answer.get("refused"):
+            raise RunError(answer["status"])
+        if answer.get("numerical_error") and answer["velocity_m_per_s"]:
+            velocity, orbits = answer["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
+            errors[k] = answer["numerical_error"] * contact.reference_speed(velocity, orbits) / abs(velocity)
+    return np.abs([[answer.get(column, math.nan) for column in columns] for answer in answers]), errors

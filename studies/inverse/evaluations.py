@@ -1,4 +1,4 @@
-"""Evaluations of a search: points of a sweep, requested one generation after the other and kept in its store.
+"""Evaluations of a search: points of a sweep that are requested one generation after the other and kept in its store.
 
 A search requests its points in an order that depends only on its options and on earlier answers.  A search that was
 interrupted therefore requests the same points again, reads them from the store and goes on.
@@ -9,7 +9,7 @@ import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studies.chain.solved_stator import PLACE_KEYS
+from studies.chain.solved_stator import POSITION_KEYS
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at
@@ -18,7 +18,7 @@ from studies.sweeps.driver import Driver
 from studies.sweeps.plan import Design as SweepDesign
 from studies.sweeps.plan import designed
 from studies.sweeps.store import Store
-from studies.sweeps.workers import workers as chosen_workers
+from studies.sweeps.workers import workers
 
 LOGGER = logging.getLogger(__name__)
 
@@ -34,36 +34,36 @@ class Options:
     workers: int = 1  # processes
 
 
-def planned(table: dict, parameters: tuple[Parameter, ...], *, also, tolerance: float) -> SweepDesign:
-    """Return the sweep whose points a search requests; of several voltages or amplitudes the largest counts."""
-    level, keys = level_key(table), [each.key for each in parameters]
+def planned(table: dict, variables: tuple[Parameter, ...], *, also, tolerance: float) -> SweepDesign:
+    """Return the sweep whose points a search requests; of several voltages or amplitudes it takes the largest."""
+    level, keys = level_key(table), [each.key for each in variables]
     if level is not None and level not in keys:
         levels = value_at(table, level)
         table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
-    plan = designed(table, {each.key: [each.low, each.high] for each in parameters}, tolerance=tolerance, also=also)
-    moved = any(key in PLACE_KEYS for key in keys)  # each point has its own places
-    return replace(plan, question=replace(plan.question, places=())) if moved else plan
+    plan = designed(table, {each.key: [each.low, each.high] for each in variables}, tolerance=tolerance, also=also)
+    if any(key in POSITION_KEYS for key in keys):  # each point has its own contact positions
+        plan = replace(plan, question=replace(plan.question, positions=()))
+    return plan
 
 
 class Evaluations:
     """Answers at the points of a search; a context manager, which holds the store.
 
-    ``search`` is everything beside the sweep that decides which points are requested: goals, constraints, budget, seed;
-    ``coarse`` takes the stator's coarsest discretisation.
+    ``search``: what decides, beside the sweep, which points are requested: goals, constraints, budget, seed.
+    ``coarse``: True takes the stator's coarsest discretisation.
     """
 
     def __init__(self, plan: SweepDesign, search: dict, options: Options, *, coarse: bool = False):
         self.question = replace(plan.question, coarse=coarse)
-        self.rows: list[dict] = []
+        self.points: list[dict] = []  # keys and outcomes of each point, in the order of the requests
         self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
-        # a sweep that grows: the points requested so far
-        axis = Axis(self.question.keys, tuple([] for _ in self.question.keys))
-        self.known: dict[tuple, int] = {}
+        axis = Axis(self.question.keys, tuple([] for _ in self.question.keys))  # grows with each request
+        self.index: dict[tuple, int] = {}  # of the point with these values
         self.requested = SweepDesign(question=self.question, axes=(axis,))
         folder = None if options.out is None else Path(options.out)
         self.store = Store(folder / "coarse" if coarse and folder else folder, self.requested, identity)
-        self.workers = chosen_workers(options.workers)
+        self.workers = workers(options.workers)
 
     def __enter__(self):
         return self
@@ -73,28 +73,28 @@ class Evaluations:
         self.store.close()
 
     def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:
-        """Return the outcomes at some values of the keys, with the keys; what is known is not computed again."""
+        """Return the points, with keys and outcomes, at some values of the keys; no point is computed twice."""
         first = len(self.requested)
         for own in values:
-            if own not in self.known:
-                self.known[own] = len(self.requested)
+            if own not in self.index:
+                self.index[own] = len(self.requested)
                 for column, value in zip(self.requested.axes[0].columns, (*own, *self.fixed), strict=True):
                     column.append(value)
         if len(self.requested) > first:
-            Driver(self.requested, self.store, self.workers, self._tell).run()
+            Driver(self.requested, self.store, self.workers, self._report).run()
             self._read(first)
-        return [self.rows[self.known[own]] for own in values]
+        return [self.points[self.index[own]] for own in values]
 
     def _read(self, first: int) -> None:
-        for evaluation in self.store.rows(first, len(self.requested)):
-            (expected,) = self.requested.values([evaluation["point"]])
-            if tuple(evaluation[key] for key in self.question.keys) != expected:
+        for point in self.store.rows(first, len(self.requested)):
+            (expected,) = self.requested.values([point["point"]])
+            if tuple(point[key] for key in self.question.keys) != expected:
                 raise RunError(
-                    f"point {evaluation['point']} of the store is another one than this search asks for: "
+                    f"point {point['point']} of the store is not the one that this search requests: "
                     "name another directory"
                 )
-            self.rows.append(evaluation)
+            self.points.append(point)
 
-    def _tell(self, points: int, kept: int, failed: int, cost: float) -> None:
+    def _report(self, _total: int, done: int, failed: int, _seconds: float) -> None:
         failures = "" if self.question.coarse else f", {failed} without an answer within the tolerance"
-        LOGGER.info(f"{kept} {'coarse ' if self.question.coarse else ''}evaluations{failures}")
+        LOGGER.info(f"{done} {'coarse ' if self.question.coarse else ''}evaluations{failures}")

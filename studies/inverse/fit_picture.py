@@ -31,7 +31,7 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     data = measurement.network or measurement.scan
     if data is not None:
         by_frequency = measurement.scan is None or measurement.scan.kind == "frequency"
-        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "place_m")
+        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "beam_position_m")
     if measurement.time:
         at, along = measurement.time, quantity("time_s")
     scale, drawn = along.scale, QUANTITIES[measurement.quantity]
@@ -72,4 +72,4 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
     lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=size)
-    finished(lower, along.axis, "residual (std. deviations)", "", columns=0)
+    finished(lower, along.axis, quantity("residual").axis, "", columns=0)

@@ -1,4 +1,4 @@
-"""Numbers of a motor from measured curves: estimates, intervals that can be trusted, and what the data cannot tell.
+"""Numbers of a motor from measured curves: estimates, intervals, and what the data do not determine.
 
 Weighted least squares (`least_squares`), profile likelihood intervals (`profile`), undetermined directions by scaled
 singular values (`directions`) and by profiles that stay open.  A number in an undetermined direction has no interval.
@@ -6,19 +6,17 @@ Source: Raue et al., Structural and practical identifiability analysis by exploi
 Bioinformatics 25 (2009) 1923.
 """
 
-import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from studies.chain.scan_prediction import placed, refuse_other_range
 from studies.inverse.directions import Direction, direction, undetermined
-from studies.inverse.least_squares import CLEARLY, Problem, standard_deviations
+from studies.inverse.least_squares import CLEARLY, Minimum, Problem, standard_deviations
 from studies.inverse.next_measurement import ranked
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter, as_measurements, as_parameters
 from studies.inverse.prediction import MeasurementPredictor
@@ -29,9 +27,8 @@ from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
 
-LOGGER = logging.getLogger(__name__)
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
-MAX_ATTEMPTS = 4  # a profile may come to a better minimum, about which the fit is then made again
+MAX_ATTEMPTS = 4  # a profile may reach a lower minimum; the fit is then repeated about that one
 
 
 def fit(
@@ -52,8 +49,8 @@ def fit(
     measurements : Measurement, path or list of them
         Measured curves, or the CSV files that hold them.
     parameters : list, dict or lmfit.Parameters
-        `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``, or a dict of a key's range; one that does not
-        ``vary`` is held at its value.
+        `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``, or a dict of a key's range; one without ``vary``
+        is held at its value.
     tolerance : float
         Of the velocity, for the stator.
     next_measurements : bool, optional
@@ -110,53 +107,52 @@ def prepared(
     *,
     tolerance: float,
 ) -> tuple[Problem, tuple[Parameter, ...], bool]:
-    """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
+    """Return the problem of a fit, the parameters held at their values, and True if the deviations are estimated."""
     readers = (partial(Scene.load, scene), partial(as_measurements, measurements), partial(as_parameters, parameters))
-    loaded, curves, wanted = all_answers(readers)
+    loaded, curves, free_and_fixed = all_answers(readers)
     predictor = MeasurementPredictor(loaded, tolerance=tolerance)
-    fixed = tuple(each for each in wanted if not each.vary)
+    free, fixed = (tuple(each for each in free_and_fixed if each.vary == vary) for vary in (True, False))
     for each in fixed:
         if each.value is None:
             raise SceneError(f"parameters {each.key}", "is held, and needs a value")
-    held = {each.key: each.value for each in fixed}
-    curves = [replace(each, settings=held | each.settings) for each in curves]
-    free = tuple(each for each in wanted if each.vary)
+    values = {each.key: each.value for each in fixed}
+    curves = [replace(each, settings=values | each.settings) for each in curves]
     _refuse(predictor, curves, free)
     curves, estimated = _weighted(curves)
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
 
 
-def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_measurements: bool) -> Fit:
-    """Return the fit about its least minimum: directions, profiles and, if asked for, next measurements.
+def fit_about(problem: Problem, minima: list[Minimum], degrees: int, estimated: bool, next_measurements: bool) -> Fit:
+    """Return the fit about the least of its minima, which is the first of them.
 
-    ``minima``: pairs (x, sum of squares), the least first, x as in `least_squares.Problem`; ``degrees``: of freedom;
-    ``estimated``: True if the scatter of the measurements is estimated from the residuals.
+    ``degrees``: of freedom; ``estimated``: True if the scatter of the measurements is estimated from the residuals;
+    ``next_measurements``: True ranks further measurements.
     """
     if estimated:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9  # not 0 if the fit is exact
         problem = replace(problem, measurements=tuple(each.scattered(scale) for each in problem.measurements))
         minima = [(x, squares / scale**2) for x, squares in minima]
-        if problem.systematic:  # what is known of them does not scale with the scatter
+        if problem.systematic:  # a systematic error does not scale with the scatter
             minima = sorted((problem.minimum(x) for x, _ in minima), key=lambda each: each[1])
     (best, least), *others = minima
-    slopes = problem.jacobian(best)
-    directions = undetermined(slopes, problem.parameters, problem.half_width)
+    jacobian = problem.jacobian(best)
+    directions = undetermined(jacobian, problem.parameters, problem.half_width)
     best = _nearest(problem, best, least, directions)
-    lost = {key for each in directions for key in each.components}
-    information = problem.information(slopes)
+    without_interval = {key for each in directions for key in each.components}
+    information = problem.information(jacobian)
     covariance = np.linalg.inv(information)
     allowed = allowed_excess(degrees if estimated else None)
     rivals = [(x, squares) for x, squares in others if squares - least < allowed]
     ends: dict[str, tuple[End | None, End | None]] = {}
     for j, parameter in enumerate(problem.parameters):
         problem.predictor.begin(f"fit: interval of {parameter.key}")
-        step = FIRST_STEP * math.sqrt(covariance[j, j])
-        if parameter.key in lost:
+        if parameter.key in without_interval:
             ends[parameter.key] = (None, None)
             continue
+        step = FIRST_STEP * math.sqrt(covariance[j, j])
         lower, upper = (_outermost(problem, [(best, least), *rivals], j, sign, step, allowed) for sign in (-1.0, 1.0))
         ends[parameter.key] = lower, upper
-    directions += _open_directions(problem, best, ends, lost)
+    directions += _open_directions(problem, best, ends)
     candidates = None
     if next_measurements:
         problem.predictor.begin("fit: next measurements")
@@ -165,46 +161,42 @@ def fit_about(problem: Any, minima: Any, degrees: int, estimated: bool, next_mea
         problem=problem, inner=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
         deviation=problem.measurements[0].deviations[0] if estimated else None,
         directions=tuple(directions), rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
-        candidates=candidates, informs=_informed(problem, slopes),
+        candidates=candidates, informs=_informed(problem, jacobian),
     )  # fmt: skip
 
 
-def _informed(problem: Problem, slopes: Any) -> tuple[tuple[str, dict[str, float]], ...]:
-    """Return, for each measurement, how far it alone narrows each number.
+def _informed(problem: Problem, jacobian: np.ndarray) -> tuple[tuple[str, dict[str, float]], ...]:
+    """Return, for each measurement, how many times it alone narrows each number.
 
     That is half the width of the number's range over the standard deviation that this measurement would leave.
     """
-    ends, shares = np.cumsum([len(each.values) for each in problem.measurements]), []
-    for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
-        own = standard_deviations(problem.information(rows))
-        gains = {p.key: float(problem.half_width[k] / own[k]) for k, p in enumerate(problem.parameters)}
-        shares.append((each.name, gains))
-    return tuple(shares)
+    ends, informs = np.cumsum([len(each.values) for each in problem.measurements]), []
+    for each, rows in zip(problem.measurements, np.split(jacobian, ends)[: len(ends)], strict=True):
+        gains = problem.half_width / standard_deviations(problem.information(rows))
+        informs.append((each.name, {p.key: float(gains[k]) for k, p in enumerate(problem.parameters)}))
+    return tuple(informs)
 
 
-def _outermost(problem: Any, minima: Any, j: int, sign: float, step: float, allowed: float) -> End:
+def _outermost(problem: Problem, minima: list[Minimum], j: int, sign: float, step: float, allowed: float) -> End:
     """Return the end of the interval of parameter number j, downwards (``sign`` -1) or upwards (+1).
 
-    Each minimum that the data do not rule out has an end: the outermost counts, and before all others one at which the
-    profile stays open.
+    Each minimum that the data do not rule out has its own interval: the outermost end is taken, or one that is open.
     """
     least = minima[0][1]
     profiles = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
     return min(profiles, key=lambda end: (end.closed, -sign * end.x[j]))
 
 
-def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.ndarray:
+def _nearest(problem: Problem, best: np.ndarray, least: float, directions: list[Direction]) -> np.ndarray:
     """Return the minimum nearest to the scene's own values, along directions of no effect.
 
     The step towards the scene's values is projected on these directions. If it raises the sum of squares clearly, for
     instance because a range cuts it off, the minimum stays where it is.
     """
-    without_effect = [
-        [each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact
-    ]
-    if not without_effect:
+    exact = [[each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact]
+    if not exact:
         return best
-    basis = np.linalg.qr(np.array(without_effect).T)[0]
+    basis = np.linalg.qr(np.array(exact).T)[0]
     count, moved = len(problem.parameters), best.copy()  # behind the parameters: systematic errors of the measurements
     scene_values = [p.start(problem.predictor.value(p.key)) for p in problem.parameters]
     moved[:count] -= basis @ (basis.T @ (best[:count] - scene_values))
@@ -212,28 +204,26 @@ def _nearest(problem: Problem, best: Any, least: Any, directions: Any) -> np.nda
     return moved if np.sum(problem.residuals([moved])[0] ** 2) <= least + CLEARLY * max(1.0, least) else best
 
 
-def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Direction]:
-    """Return the directions along which a profile went on to the end of a range without making an interval.
+def _open_directions(
+    problem: Problem, best: np.ndarray, ends: dict[str, tuple[End | None, End | None]]
+) -> list[Direction]:
+    """Return the directions in which a profile reached the end of a range and stayed open.
 
-    Each parameter that is not in ``lost`` adds at most one, and none that combines the same parameters as another.
+    Each parameter adds at most one, and none that combines the same parameters as another.
     """
-    directions: list[Direction] = []
-    stated = set(lost)
-    for key, pair in ends.items():
-        for end in pair:
-            if end is None or end.closed or key in stated:
-                continue
-            moved = (end.x - best)[: len(problem.parameters)]
-            if np.max(np.abs(moved)) > 0.0:
-                open_direction = direction(moved, problem.parameters, exact=False)
-                stated.add(key)
-                if all(open_direction.components.keys() != each.components.keys() for each in directions):
-                    directions.append(open_direction)
-    return directions
+    directions: dict[frozenset[str], Direction] = {}
+    for pair in ends.values():
+        changes = [(end.x - best)[: len(problem.parameters)] for end in pair if end is not None and not end.closed]
+        for change in [each for each in changes if np.any(each)][:1]:
+            open_direction = direction(change, problem.parameters, exact=False)
+            directions.setdefault(frozenset(open_direction.components), open_direction)
+    return list(directions.values())
 
 
-def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any) -> None:
-    """Refuse what this scene cannot be fitted to or by; one error carries the faults of all of them."""
+def _refuse(
+    predictor: MeasurementPredictor, measurements: list[Measurement], parameters: tuple[Parameter, ...]
+) -> None:
+    """Raise one error with all reasons why these parameters of this scene cannot be fitted to these measurements."""
     by_key = {each.key: each for each in parameters}
 
     def check_number() -> None:
@@ -244,10 +234,8 @@ def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any)
 
     def check_measurement(each: Measurement) -> None:
         if each.quantity not in FIELD and not predictor.slider:
-            raise SceneError(
-                f"measurements {each.name}", "needs a scene with a [slider]: without one there is no velocity"
-            )
-        if each.network is not None and not predictor.given_wave:
+            raise SceneError(f"measurements {each.name}", "needs a scene with a [slider], which moves")
+        if each.network is not None and not predictor.prescribed_wave:
             refuse_other_range(predictor.scene({}), each.network, "measurements")
         if each.scan is not None:
             placed(predictor.scene({}), each.scan, "measurements")
@@ -255,11 +243,11 @@ def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any)
     def check_parameter(key: str) -> None:
         if sum(each.key == key for each in parameters) > 1:
             raise SceneError(f"parameters {key}", "is given twice")
-        if key == AMPLITUDE_FACTOR and predictor.given_wave:
-            raise SceneError(f"parameters {key}", "needs a stator; with a given [wave] free amplitude_per_volt")
-        if key == AMPLITUDE_PER_VOLT and not predictor.given_wave:
-            raise SceneError(f"parameters {key}", "needs a given [wave]; with a stator free amplitude_factor")
-        if "." in key:  # an end of the range that the scene refuses is refused by name
+        if key == AMPLITUDE_FACTOR and predictor.prescribed_wave:
+            raise SceneError(f"parameters {key}", "needs a [stator]; of a scene with a [wave] free amplitude_per_volt")
+        if key == AMPLITUDE_PER_VOLT and not predictor.prescribed_wave:
+            raise SceneError(f"parameters {key}", "needs a [wave]; of a scene with a [stator] free amplitude_factor")
+        if "." in key:  # both ends of the range must be values that the scene allows
             for end in (by_key[key].low, by_key[key].high):
                 predictor.scene({key: end})
 
@@ -267,11 +255,11 @@ def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any)
     all_answers([check_number, *each_measurement, *(partial(check_parameter, key) for key in by_key)])
 
 
-def _weighted(measurements: Any) -> tuple[list[Measurement], bool]:
-    """Return the measurements with deviations, and whether these are to be scaled by the residuals."""
+def _weighted(measurements: list[Measurement]) -> tuple[list[Measurement], bool]:
+    """Return the measurements with standard deviations, and True if the residuals determine their common factor."""
     known = [each.deviations is not None for each in measurements]
     if all(known):
-        return list(measurements), False
+        return measurements, False
     if any(known) or len({each.quantity for each in measurements}) > 1:
         raise SceneError(
             "measurements", "must state standard deviations in every file, or in none and all of one quantity"
@@ -279,16 +267,14 @@ def _weighted(measurements: Any) -> tuple[list[Measurement], bool]:
     size = float(np.sqrt(np.mean(np.square(np.concatenate([each.values for each in measurements])))))
     if size == 0.0:
         raise SceneError("measurements", "holds nothing but zeros, and no standard deviations")
-    alike = [replace(each, deviations=(1.0,) * len(each.values)) for each in measurements]
-    return [each.scattered(0.01 * size) for each in alike], True
+    return [replace(each, deviations=(0.01 * size,) * len(each.values)) for each in measurements], True
 
 
 def _signed(problem: Problem) -> tuple[Measurement, ...]:
-    """Return the measurements; speeds without a sign take the prediction's."""
+    """Return the measurements; speeds without a sign take that of the predicted velocity."""
     predicted, signed = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
-        total = np.nansum([values[k] for values in predicted])
         is_speed = each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0
-        reverse = is_speed and total < 0.0
+        reverse = is_speed and np.nansum([values[k] for values in predicted]) < 0.0
         signed.append(replace(each, values=tuple(-value for value in each.values)) if reverse else each)
     return tuple(signed)

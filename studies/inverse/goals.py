@@ -1,4 +1,4 @@
-"""Goals and constraints of a design search, and the numbers that it may choose, as the command names them."""
+"""Goals, constraints and variables of a design search, as the command names them."""
 
 import math
 import re
@@ -11,14 +11,14 @@ from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
-# goal: columns of a point, of which the first that it has counts, and whether less is better
+# by goal: columns of a point, of which the first that has a value is taken, and True if less is better
 GOALS = {
     "velocity": (("velocity_m_per_s",), False),
     "thrust": (("thrust_N",), False),
     "efficiency": (("motor_efficiency", "contact_efficiency"), False),
     "step_resolution": (("step_m",), True),
 }
-# column of what a constraint may name beside keys of the scene
+# columns of the outcomes that a constraint may name, beside keys of the scene
 BOUNDED = {
     "velocity": "velocity_m_per_s", "thrust": "thrust_N", "contact_pressure": "contact_pressure_Pa",
     "stick_margin": "stick_margin", "normal_amplitude": "normal_amplitude_m", "power_W": "power_W",
@@ -29,21 +29,21 @@ LEAST = "least "  # before the name of what is minimised
 
 @dataclass(frozen=True, kw_only=True)
 class Goal:
-    """What a search makes as large, or as small, as it can."""
+    """What a search maximises or minimises."""
 
     name: str  # of GOALS, or LEAST and what is minimised
-    columns: tuple[str, ...]  # of a point, of which the first that it has counts
-    less: bool = False  # whether less is better
+    columns: tuple[str, ...]  # of a point, of which the first that has a value is taken
+    less: bool = False  # True: minimised
 
     def column(self, point: dict) -> str | None:
-        """Return the column that counts at a point; None without an answer."""
+        """Return the first column that has a value at a point; None without an answer."""
         return next((name for name in self.columns if point.get(name) is not None), None)
 
     def merit(self, point: dict) -> float:
-        """Return a number that is larger the better a point is: the quantity or its inverse; 0 without an answer."""
+        """Return the size of the quantity, or its inverse where less is better; 0 without an answer."""
         column = self.column(point)
         value = 0.0 if column is None else abs(point[column])
-        return value if not self.less else (1.0 / value if value > 0.0 else 0.0)
+        return (1.0 / value if value > 0.0 else 0.0) if self.less else value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
 
 def read_variable(text: str | Parameter) -> Parameter:
     """Read ``KEY=LOW:HIGH`` of a number or a count of the scene; a parameter is returned as it is."""
-    return read_parameter(text, "variables", design=True) if isinstance(text, str) else text
+    return read_parameter(text, "variables", design=True)
 
 
 def read_constraint(text: str | Constraint) -> Constraint:

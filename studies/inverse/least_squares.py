@@ -16,17 +16,20 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement import Measurement
 from studies.refusal import RunError
 
-STEP = 1e-4  # of the logarithm, or of the range: the difference errs by its square, a prediction by 1e-9
+STEP = 1e-4  # of the logarithm, or over the range: the difference errs by its square, a prediction by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
-SAMPLES, MAX_STARTS = 64, 8  # number of random starts; the best of them, which are followed to a minimum
-SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # likewise, of velocities that are solved one by one
-BETWEEN = 9  # points on the line between two minima, to see whether the sum of squares rises there
+SAMPLES, MAX_STARTS = 64, 8  # random starts; the best of them, from which a minimum is searched
+SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # the same where velocities are solved one by one
+BETWEEN = 9  # points on the line between two minima at which the sum of squares is evaluated
 MAX_EVALUATIONS = 60
 CLEARLY = 1e-3  # relative difference of two sums of squares below which two minima count as equally good
 
 
+Minimum = tuple[np.ndarray, float]  # x as in `Problem`, and the sum of squares there
+
+
 def standard_deviations(information: np.ndarray) -> np.ndarray:
-    """Return the standard deviation of each x, the others free, from a Fisher information."""
+    """Return the standard deviation of each x, all others free, from a Fisher information."""
     return np.sqrt(np.diag(np.linalg.inv(information)))
 
 
@@ -36,11 +39,11 @@ class Problem:
 
     predictor: MeasurementPredictor = field(repr=False)
     parameters: tuple[Parameter, ...]
-    measurements: tuple[Measurement, ...]  # with deviations
+    measurements: tuple[Measurement, ...]  # with standard deviations
 
     @property
     def systematic(self) -> list[int]:
-        """Which measurements have a systematic error."""
+        """Indices of the measurements that have a systematic error."""
         return [k for k, each in enumerate(self.measurements) if each.systematic > 0.0]
 
     @property
@@ -56,9 +59,8 @@ class Problem:
     @property
     def half_width(self) -> np.ndarray:
         """Half the range of each x; of a systematic error its standard deviation."""
-        own = [self.measurements[k].systematic for k in self.systematic]
-        count = len(self.parameters)
-        return np.concatenate([0.5 * (self.high - self.low)[:count], own])
+        ranges = (self.high - self.low)[: len(self.parameters)]
+        return np.concatenate([0.5 * ranges, [self.measurements[k].systematic for k in self.systematic]])
 
     @property
     def points(self) -> int:
@@ -70,30 +72,30 @@ class Problem:
         return {p.key: p.outer(value) for p, value in zip(self.parameters, x, strict=False)}
 
     def predictions(self, xs, measurements=None) -> list[list[np.ndarray]]:
-        """Return, for each x, the predictions of the measurements, or of others, without systematic errors."""
-        own = self.measurements if measurements is None else measurements
-        flat = self.predictor.predict([(each, self.numbers(x)) for x in xs for each in own])
-        return [flat[k : k + len(own)] for k in range(0, len(flat), len(own))]
+        """Return, for each x, the predictions of measurements, by default the problem's; no systematic errors."""
+        measurements = measurements or self.measurements
+        flat = self.predictor.predict([(each, self.numbers(x)) for x in xs for each in measurements])
+        return [flat[k : k + len(measurements)] for k in range(0, len(flat), len(measurements))]
 
     def residuals(self, xs) -> np.ndarray:
         """Return the residuals at each x, (m, n); a point without a prediction counts as one at rest."""
-        rows = []
+        residuals = []
         for x, predicted in zip(xs, self.predictions(xs), strict=True):
-            shared = dict(zip(self.systematic, x[len(self.parameters) :], strict=True))
+            b = dict(zip(self.systematic, x[len(self.parameters) :], strict=True))
             parts = [
-                (np.array(each.values) - np.nan_to_num(values) * (1.0 + shared.get(k, 0.0))) / np.array(each.deviations)
+                (np.array(each.values) - np.nan_to_num(values) * (1.0 + b.get(k, 0.0))) / np.array(each.deviations)
                 for k, (each, values) in enumerate(zip(self.measurements, predicted, strict=True))
             ]
-            parts += [[shift / self.measurements[k].systematic] for k, shift in shared.items()]
-            rows.append(np.concatenate(parts))
-        return np.array(rows)
+            parts += [[error / self.measurements[k].systematic] for k, error in b.items()]
+            residuals.append(np.concatenate(parts))
+        return np.array(residuals)
 
     def jacobian(self, x, free=None) -> np.ndarray:
-        """Return the derivatives of the residuals by some components of x, all when absent, (n, p)."""
-        return self.slopes(self.residuals, x, range(len(x)) if free is None else free)
+        """Return the derivatives of the residuals by the components ``free`` of x, by default all, (n, p)."""
+        return self.derivatives(self.residuals, x, range(len(x)) if free is None else free)
 
-    def slopes(self, function, x, free) -> np.ndarray:
-        """Return the derivatives by components of x of what a function makes of several x, (n, p)."""
+    def derivatives(self, function, x, free) -> np.ndarray:
+        """Return the derivatives by components of x, (n, p), of a function that maps m vectors x to (m, n)."""
         pairs, widths = [], []
         for j in free:
             up, down = np.array(x, float), np.array(x, float)
@@ -101,18 +103,18 @@ class Problem:
             up[j], down[j] = min(x[j] + step, self.high[j]), max(x[j] - step, self.low[j])
             pairs += [up, down]
             widths.append(up[j] - down[j])
-        rows = function(pairs)
-        return np.array([(rows[2 * k] - rows[2 * k + 1]) / width for k, width in enumerate(widths)]).T
+        values = function(pairs)
+        return np.array([(values[2 * k] - values[2 * k + 1]) / width for k, width in enumerate(widths)]).T
 
-    def information(self, slopes: np.ndarray) -> np.ndarray:
-        """Return the Fisher information over x of residuals with some derivatives; the ranges are a weak prior.
+    def information(self, jacobian: np.ndarray) -> np.ndarray:
+        """Return the Fisher information over x of residuals with a Jacobian; the ranges are a weak prior.
 
         The prior of each x has a standard deviation of half its range, that of a systematic error its own.
         """
-        return slopes.T @ slopes + np.diag(self.half_width**-2.0)
+        return jacobian.T @ jacobian + np.diag(self.half_width**-2.0)
 
-    def minimum(self, start, fixed: int | None = None) -> tuple[np.ndarray, float]:
-        """Return (x, sum of squares) of the minimum found from a start, one component perhaps fixed."""
+    def minimum(self, start, fixed: int | None = None) -> Minimum:
+        """Return (x, sum of squares) of the minimum reached from a start, with a component ``fixed`` or none."""
         free = [j for j in range(len(start)) if j != fixed]
         whole = np.array(start, float)
         if not free:
@@ -132,30 +134,30 @@ class Problem:
         )  # fmt: skip
         return at(solution.x), 2.0 * float(solution.cost)
 
-    def minima(self) -> list[tuple[np.ndarray, float]]:
-        """Return (x, sum of squares) of the distinct minima found from several starts, the least first."""
+    def minima(self) -> list[Minimum]:
+        """Return (x, sum of squares) of the distinct minima reached from several starts, the least first."""
         starts = self.starts()
         self.predictor.begin(f"fit: {len(starts)} starting points", len(starts) * len(self.measurements))
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         self.predictor.begin("fit: least squares")
         solutions = [self.minimum(starts[0])]
-        looked_at = MAX_SLOW_STARTS if self.predictor.one_by_one else MAX_STARTS
-        for k in [k for k in np.argsort(squares)[:looked_at] if k > 0]:
-            if not all(self._parted(starts[k], other, squares[k]) for other, _ in solutions):
-                continue  # in the valley of a minimum that is known
+        max_starts = MAX_SLOW_STARTS if self.predictor.one_by_one else MAX_STARTS
+        for k in [k for k in np.argsort(squares)[:max_starts] if k > 0]:
+            if not all(self._separated(starts[k], other, squares[k]) for other, _ in solutions):
+                continue  # in the valley of a known minimum
             x, least = self.minimum(starts[k])
-            same = [n for n, (other, size) in enumerate(solutions) if not self._parted(x, other, max(least, size))]
-            better = [n for n in same if least < solutions[n][1] - CLEARLY * max(1.0, least)]
-            solutions = [each for n, each in enumerate(solutions) if n not in better]
-            if not same or better:
+            same = [n for n, (other, size) in enumerate(solutions) if not self._separated(x, other, max(least, size))]
+            worse = [n for n in same if least < solutions[n][1] - CLEARLY * max(1.0, least)]
+            solutions = [each for n, each in enumerate(solutions) if n not in worse]
+            if not same or worse:
                 solutions.append((x, least))
         solutions.sort(key=lambda each: each[1])
         if any(np.isnan(values).any() for values in self.predictions([solutions[0][0]])[0]):
             raise RunError("the motor has no steady motion at some measured point of the best fit")
         return solutions
 
-    def _parted(self, one, other, highest: float) -> bool:
-        """Return whether the sum of squares rises between two points, so that they lie in different valleys."""
+    def _separated(self, one, other, highest: float) -> bool:
+        """Return whether the sum of squares exceeds ``highest`` between two points, so that they lie in two valleys."""
         if np.max(np.abs(one - other) / self.half_width) < 1e-3:
             return False
         shares = np.linspace(0.0, 1.0, BETWEEN + 2)[1:-1]
@@ -165,16 +167,14 @@ class Problem:
     def starts(self) -> list[np.ndarray]:
         """Return the starts of the search: the scene's own values, then a Latin hypercube if predictions are cheap."""
         own = [p.start(self.predictor.value(p.key) if p.value is None else p.value) for p in self.parameters]
-        shared = [0.0] * len(self.systematic)
-        starts = [np.array([*own, *shared])]
+        count, b = len(self.parameters), [0.0] * len(self.systematic)
+        starts = [np.array([*own, *b])]
         slow = any(self.predictor.needs_stator(p.key) for p in self.parameters)
         if slow or any(each.quantity == "burst" for each in self.measurements):
             return starts
-        count = len(self.parameters)
         samples = SLOW_SAMPLES if self.predictor.one_by_one else SAMPLES
-        for point in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(samples):
-            spread = self.low[:count] + point * (self.high - self.low)[:count]
-            starts.append(np.array([*spread, *shared]))
+        for shares in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(samples):
+            starts.append(np.array([*(self.low[:count] + shares * (self.high - self.low)[:count]), *b]))
         return starts
 
     def _step(self, j: int) -> float:

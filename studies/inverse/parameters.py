@@ -1,10 +1,10 @@
 """The free numbers of a fit: keys of a scene with their ranges, positive ones as logarithms.
 
-Some names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
-amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.  Four belong
-to instruments: ``wave_velocity_factor`` multiplies the surface wave's velocity in a vibrometer's scan,
-``bandwidth`` is that of an encoder (a low-pass filter of first order), ``sampling`` the time over which each of its
-readings is averaged, and ``time_offset`` the time of its trace at which the burst begins.
+Some of them are no keys of a scene.  ``amplitude_per_volt`` (m/V) converts the voltages of a measurement to amplitudes
+of a [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.  Four belong to instruments:
+``wave_velocity_factor`` multiplies the surface wave's velocity in a vibrometer's scan, ``bandwidth`` is that of an
+encoder (a low-pass filter of first order), ``sampling`` the time over which each of its readings is averaged, and
+``time_offset`` the time of its trace at which the burst begins.
 """
 
 import math
@@ -35,16 +35,16 @@ OWN = {
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A number of a fit or a design with its range, in SI units; with whole ends a count.
+    """A number of a fit or a design with its range, in SI units; a count if the ends are integers.
 
     Attributes
     ----------
     key : str
-        Of the scene, its lists numbered from 0; or one of this module's two names. Also ``name``.
+        Of the scene, its lists numbered from 0; or one of this module's ``OWN``. Also ``name``.
     low, high : float
         Ends of the range. Also ``min`` and ``max``.
     value : float or None
-        Where the search begins (the scene's own without it), or the estimate.
+        Start of the search (by default the scene's own value), or the estimate.
     vary : bool
         False: the number is held at its value.
     stderr : float or None
@@ -80,12 +80,12 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it is worked with as its logarithm."""
+        """True if the solvers work with its logarithm."""
         return self.low > 0.0
 
     @property
     def counted(self) -> bool:
-        """Whether it takes whole numbers alone."""
+        """True if its values are integers."""
         return isinstance(self.low, int)
 
     def at(self, share: float) -> float:
@@ -97,7 +97,7 @@ class Parameter:
         return self.outer(low + share * (high - low))
 
     def share(self, value: float) -> float:
-        """Return the share of the range at which a value stands."""
+        """Return the share of the range, 0 to 1, at a value: the inverse of `at`."""
         if self.counted:
             return (value - self.low + 0.5) / (self.high - self.low + 1)
         low, high = self.inner(self.low), self.inner(self.high)
@@ -128,34 +128,36 @@ class Parameter:
         return [] if side is None else [f"{here}: a wider range may hold a better value"]
 
     def inner(self, value: float) -> float:
-        """Return what the solvers work with."""
+        """Return the solvers' variable x at a value."""
         return math.log(value) if self.logarithmic else value
 
     def outer(self, x: float) -> float:
-        """Return the value of what the solvers work with; at an end of the range that end itself."""
+        """Return the value at a variable x of the solvers, cut to the range."""
         value = math.exp(x) if self.logarithmic else float(x)
         return min(max(value, self.low), self.high)
 
     def start(self, value: float | None) -> float:
-        """Return where a search begins: a value within the range, or its middle."""
+        """Return the start of a search as x: a value within the range, or the middle of the range."""
         if value is not None and self.low < value < self.high:
             return self.inner(value)
         return 0.5 * (self.inner(self.low) + self.inner(self.high))
 
 
-def read_parameter(text: str, option: str = "parameters", *, design: bool = False) -> Parameter:
-    """Read ``KEY=LOW:HIGH``; for a ``design`` voltage, amplitude and counts too.
+def read_parameter(text: str | Parameter, option: str = "parameters", *, design: bool = False) -> Parameter:
+    """Read ``KEY=LOW:HIGH``; of a ``design`` also voltage, amplitude and counts.  A parameter is returned as it is.
 
     Raises
     ------
     SceneError
-        If the key is no number of a scene, or the range is none.
+        If the key is no number of a scene, or the range is wrong.
 
     Examples
     --------
     >>> read_parameter("slider.preload=1 mN:5 mN")
     Parameter(key='slider.preload', low=0.001, high=0.005, value=None, vary=True, stderr=None)
     """
+    if isinstance(text, Parameter):
+        return text
     low: float
     high: float
     key, span = parts_of(option, text, "KEY=LOW:HIGH")
@@ -163,7 +165,7 @@ def read_parameter(text: str, option: str = "parameters", *, design: bool = Fals
     if len(ends) != 2:
         raise SceneError(option, f"must be KEY=LOW:HIGH, got {shown(text)}")
     if key in LEVELS and not design:
-        raise SceneError(f"{option} {key}", "is given by the measurement, point by point, and cannot be free")
+        raise SceneError(f"{option} {key}", "follows from each measured point and cannot be free")
     if design and "." in key and isinstance(rule_at(key), Count):
         if not all(end.isdigit() for end in ends):
             raise SceneError(f"{option} {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
@@ -176,13 +178,13 @@ def read_parameter(text: str, option: str = "parameters", *, design: bool = Fals
 
 
 def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
-    """Return the parameters of a fit, however they are written.
+    """Return the parameters of a fit from any of the forms in which a user may write them.
 
     Parameters
     ----------
     parameters : list, dict or lmfit.Parameters
         `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``; a dict of a key's range, (low, high) in SI units or
-        with units, or ``"1 mN:5 mN"``; or lmfit's, whose names hold ``__`` for a dot.
+        with units, or ``"1 mN:5 mN"``; or lmfit's, in whose names ``__`` stands for a dot.
 
     Examples
     --------
@@ -197,11 +199,7 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
             )
             for each in parameters.values()
         )  # fmt: skip
-    return tuple(all_answers(partial(_as_parameter, each) for each in ranges(parameters)))
-
-
-def _as_parameter(parameter: Parameter | str) -> Parameter:
-    return read_parameter(parameter) if isinstance(parameter, str) else parameter
+    return tuple(all_answers(partial(read_parameter, each) for each in ranges(parameters)))
 
 
 def ranges(parameters: Sequence | dict) -> list:
@@ -223,34 +221,32 @@ def ranges(parameters: Sequence | dict) -> list:
 def as_measurements(measurements: Any) -> list[Measurement]:
     """Return measurements: `Measurement` objects or paths of CSV files, one or a list."""
     several = measurements if isinstance(measurements, (list, tuple)) else [measurements]
-    return all_answers(partial(_as_measurement, each) for each in several)
+    return all_answers(partial(read_measurement, each) for each in several)
 
 
-def _as_measurement(measurement: Measurement | str | Path) -> Measurement:
-    return measurement if isinstance(measurement, Measurement) else read_measurement(measurement)
+def read_measurement(path: str | Path | Measurement, settings: tuple[str, ...] = ()) -> Measurement:
+    """Read a CSV file and the keys ``KEY=VALUE`` that hold for it alone; a measurement is returned as it is.
 
-
-def read_setting(text: str, option: str = "measurements") -> tuple[str, object]:
-    """Read ``KEY=VALUE``, what holds for one measurement; the value as in a scene file."""
-    key, value = parts_of(option, text, "FILE.csv KEY=VALUE ...")
-    if key in OWN:
-        return key, _number(option, key, value)
-    return key, rule_at(key).read(key, toml_value(value))
-
-
-def read_measurement(path: str | Path, settings: tuple[str, ...] = ()) -> Measurement:
-    """Read a CSV file with its own fixed keys, ``KEY=VALUE``; ``systematic=0.02`` is a common error of 2 %.
+    ``systematic=0.02`` is a common error of 2 %.
 
     Raises
     ------
     SceneError
         If the file cannot be read or is no measurement, or a setting is wrong.
     """
+    if isinstance(path, Measurement):
+        return path
     if "=" in str(path):
         raise SceneError("measurements", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
-    fixed = dict(read_setting(text) for text in settings)
+    fixed = dict(map(_setting, settings))
     systematic = float(str(fixed.pop(SYSTEMATIC, 0.0)))
     return replace(read_measured(path, "measurements"), systematic=systematic, settings=fixed)
+
+
+def _setting(text: str) -> tuple[str, object]:
+    """Read ``KEY=VALUE`` of a measurement, the value as in a scene file."""
+    key, value = parts_of("measurements", text, "FILE.csv KEY=VALUE ...")
+    return key, _number("measurements", key, value) if key in OWN else rule_at(key).read(key, toml_value(value))
 
 
 def _number(option: str, key: str, text: str) -> float:

@@ -1,13 +1,16 @@
-"""What a motor would show in a measurement, for many sets of its numbers at once.
+"""Predictions of measurements of one motor, for many sets of its numbers at once.
 
-The steady states of all sets and levels are asked for together, by the rule of every other answer
-(`studies.chain.steady`); a burst is followed as in a run.
+The steady states of all sets and levels are solved together, as all other steady states (`studies.chain.steady`); a
+burst is followed as in a run.
 """
 
 import logging
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +20,7 @@ from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
-from studies.chain.solved_stator import PLACE_KEYS, of_stator
+from studies.chain.solved_stator import POSITION_KEYS, of_stator
 from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
     AMPLITUDE_FACTOR,
@@ -37,14 +40,14 @@ from studies.scene.override import value_at
 
 LOGGER = logging.getLogger(__name__)
 
-MAX_FIELDS = 64  # scans and networks kept, each of one stator
+MAX_FIELDS = 64  # predictions of scans and networks in memory, each of one stator
 
 
 class MeasurementPredictor(Predictor):
     """Predictions of measurements of one scene with changed numbers.
 
-    Words such as "weight" and "auto" become numbers before anything is changed; ``tolerance`` is that of the velocity,
-    for the stator.
+    Words such as "weight" and "auto" become numbers before any key is changed; ``tolerance``: of the velocity, for the
+    stator.
     """
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3):
@@ -55,7 +58,7 @@ class MeasurementPredictor(Predictor):
         self._stage, self._total, self._done, self._last_report = "", 0, 0, 0.0
 
     def begin(self, stage: str, total: int = 0) -> None:
-        """Report a stage and count its predictions from now on; ``total``: their number, 0 if it is unknown."""
+        """Report a stage and count its predictions from 0; ``total``: their number, 0 if it is unknown."""
         self._stage, self._total, self._done, self._last_report = stage, total, 0, time.monotonic()
         LOGGER.info(stage)
 
@@ -68,19 +71,18 @@ class MeasurementPredictor(Predictor):
             LOGGER.info(f"{self._stage}: {self._done}{of_total} predictions")
 
     @property
-    def given_wave(self) -> bool:
-        """Whether the surface motion is given."""
+    def prescribed_wave(self) -> bool:
+        """True if the scene prescribes the surface motion by its [wave]."""
         return "wave" in self.table
 
     def contact(self, changes: dict, step: int = 0) -> DrivenContact:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
         driven, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
-        amplitudes = tuple(each * factor for each in driven.amplitudes)
-        return replace(driven, orbits=driven.at(factor), amplitudes=amplitudes)
+        return replace(driven, orbits=driven.at(factor), amplitudes=tuple(each * factor for each in driven.amplitudes))
 
     @property
     def one_by_one(self) -> bool:
-        """Whether velocities are solved one by one, as on pillars (0.06 s for 2500 of them), and not in one loop."""
+        """True on pillars, where velocities are solved one by one (0.06 s for 2500 pillars) and not in one loop."""
         return "pillars" in self.table.get("slider", {})
 
     def value(self, key: str) -> float | None:
@@ -91,16 +93,15 @@ class MeasurementPredictor(Predictor):
         return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
     def needs_stator(self, key: str) -> bool:
-        """Whether a change of the key asks for a new solution of the stator."""
-        return not self.given_wave and (key in PLACE_KEYS or of_stator(key))
+        """Return whether a change of the key requires a new solution of the stator."""
+        return not self.prescribed_wave and (key in POSITION_KEYS or of_stator(key))
 
     def predict(self, questions: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers by key; NaN where there is no answer.
 
-        Steady velocities of all questions are collected in ``states`` and solved together at the end: until then the
-        answer of such a question is its slice of them.
+        The steady velocities of all questions are solved together at the end.
         """
-        answers: list[np.ndarray | slice] = []
+        answers: list[np.ndarray | slice] = []  # a slice: of the velocities of ``states``
         states: list[tuple[DrivenContact, float]] = []
         for measurement, numbers in questions:
             self._count_one()
@@ -124,8 +125,8 @@ class MeasurementPredictor(Predictor):
                 answers.append(np.array([driven.slider.tangential_resonance(len(driven.orbits))]))
             else:
                 raise ValueError(f"no prediction of the quantity {measurement.quantity!r}")
-        speeds = self.velocities(states) if states else np.empty(0)
-        return [speeds[each] if isinstance(each, slice) else each for each in answers]
+        velocities = self.velocities(states) if states else np.empty(0)
+        return [velocities[each] if isinstance(each, slice) else each for each in answers]
 
     def _field(self, measurement: Measurement, data: NetworkData | Scan, numbers: dict) -> np.ndarray:
         """Return the values of a scan or of a network analyser's file; complex ones as real, then imaginary parts.
@@ -135,17 +136,12 @@ class MeasurementPredictor(Predictor):
         scene, stator = self.resolved(numbers)
         if stator is None:
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
-        key = stator, id(data)
         if isinstance(data, NetworkData):
-            if key not in self._fields:
-                self._keep(key, data, network_prediction(scene, data, tolerance=self.tolerance))
-            _, scattering = self._fields[key]
+            scattering = self._once(stator, data, partial(network_prediction, scene, data, tolerance=self.tolerance))
             return np.concatenate([scattering.real.ravel(), scattering.imag.ravel()])
         scan = placed(scene, data, "measurements")
-        if key not in self._fields:
-            # by the function that also makes the scans of `sawmotor export`: both have the same numerical error
-            self._keep(key, data, predicted_scan(scene, scan, tolerance=self.tolerance))
-        motion = self._fields[key][1] * numbers.get(AMPLITUDE_FACTOR, 1.0)
+        motion = self._once(stator, data, partial(predicted_scan, scene, scan, tolerance=self.tolerance))
+        motion = motion * numbers.get(AMPLITUDE_FACTOR, 1.0)
         motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
         if not scan.is_complex:
             return np.abs(motion)
@@ -154,11 +150,14 @@ class MeasurementPredictor(Predictor):
             motion = motion * np.exp(1j * np.angle(np.vdot(motion, measured)))
         return np.concatenate([motion.real, motion.imag])
 
-    def _keep(self, key, data, values) -> None:
-        """Keep a prediction, and the data, so that their identity in the key stays theirs."""
-        if len(self._fields) > MAX_FIELDS:
-            self._fields.clear()
-        self._fields[key] = data, values
+    def _once(self, stator: Scene, data: NetworkData | Scan, predict: Callable[[], Any]) -> Any:
+        """Return a prediction that is computed once for each stator and data."""
+        key = stator, id(data)
+        if key not in self._fields:
+            if len(self._fields) > MAX_FIELDS:
+                self._fields.clear()
+            self._fields[key] = data, predict()  # with the data, so that no other object takes their identity
+        return self._fields[key][1]
 
     def _factors(self, measurement: Measurement, numbers: dict, driven: DrivenContact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
@@ -167,12 +166,12 @@ class MeasurementPredictor(Predictor):
         levels = np.array(measurement.levels)
         if measurement.level_key == "normal_amplitude_m":
             return levels / driven.amplitude
-        if not self.given_wave:
+        if not self.prescribed_wave:
             return levels
         if AMPLITUDE_PER_VOLT not in numbers:
             raise SceneError(
                 f"measurements {measurement.name}",
-                "holds voltages, and a given [wave] has none: give amplitude_per_volt=LENGTH with the file, or free it",
+                "holds voltages, and a [wave] has none: add amplitude_per_volt=LENGTH to the file, or free it",
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
@@ -186,22 +185,22 @@ class MeasurementPredictor(Predictor):
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
     def _burst(self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict) -> np.ndarray:
-        """Return v or the position at the measured instants of a burst; ring-up and travel are as in a run.
+        """Return velocity or position at the measured instants of a burst, with its ring-up and travel.
 
         The instrument's bandwidth, sampling and origin of time are applied to the prediction.
         """
         duration = driven.scene.burst
         if duration is None:
             key = f"{driven.scene.source_key}.burst"
-            raise SceneError(f"measurements {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
+            raise SceneError(f"measurements {measurement.name}", f'holds a burst: add its duration, {key}="0.1 s"')
         driven = self.bursting(driven, self.motion_of(driven))
         if driven.along is not None:
             driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))
-        (speed,) = self.velocities([(driven, level)])
+        (steady,) = self.velocities([(driven, level)])
         offset = float(numbers.get(TIME_OFFSET, 0.0))
         after = max(0.0, 1.01 * (measurement.time[-1] - offset) - duration)  # a little beyond the last instant
         try:
-            trajectory, _ = followed_burst(driven, level, speed, self.tolerance, after=after)
+            trajectory, _ = followed_burst(driven, level, steady, self.tolerance, after=after)
         except contact.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
         curve = trajectory.velocity

@@ -17,7 +17,7 @@ from studies.inverse.least_squares import Problem
 
 AGREES = 3e-3  # tolerance of an end, relative to its distance from the minimum
 MAX_REFITS = 24
-AT_END = 1e-4  # distance from an end of a range, relative to the range, below which a number has reached it
+AT_END = 1e-4  # distance from an end of the range, relative to the range, below which a number has reached that end
 BETTER = 1e-3  # decrease of the sum of squares that counts as a better minimum
 
 
@@ -25,13 +25,13 @@ BETTER = 1e-3  # decrease of the sum of squares that counts as a better minimum
 class End:
     """One end of an interval."""
 
-    x: np.ndarray  # all inner values there
+    x: np.ndarray  # solvers' variables there
     closed: bool  # True if the data determine this end
     because: str = ""  # why it is open
 
 
 class BetterMinimumError(Exception):
-    """A refit found a lower sum of squares; ``x`` is where."""
+    """A refit reached a lower sum of squares, at ``x``."""
 
     def __init__(self, x):
         super().__init__()
@@ -39,7 +39,7 @@ class BetterMinimumError(Exception):
 
 
 def allowed_excess(degrees: int | None) -> float:
-    """Return the excess of the sum of squares at an end; `degrees` of freedom where the deviations are estimated."""
+    """Return the excess of the sum of squares at an end; ``degrees`` of freedom where the deviations are estimated."""
     return float(chi2.ppf(LEVEL, 1) if degrees is None else f.ppf(LEVEL, 1, degrees))
 
 
@@ -51,30 +51,30 @@ def profile(problem: Problem, minimum: tuple, least: float, j: int, *, sign: flo
     """
     (best, first_square), allowed_root = minimum, np.sqrt(allowed)
     bound = problem.high[j] if sign > 0 else problem.low[j]
-    room = abs(bound - best[j])
-    refits = {0.0: (best, first_square)}  # inner values and sum of squares by the distance from the minimum
+    longest = abs(bound - best[j])
+    refits = {0.0: (best, first_square)}  # x and sum of squares by the distance from the minimum
 
     def beyond_end(distance):
         """Return the square root of the excess at a distance, less its value at the end."""
         if distance not in refits:
-            nearest = max((each for each in refits if each < distance), default=0.0)
-            start = _between(refits[nearest][0], best, j, best[j] + sign * distance)
+            nearest = max(each for each in refits if each < distance)
+            start = _on_line(best, refits[nearest][0], j, best[j] + sign * distance)
             refits[distance] = problem.minimum(start, fixed=j)
-        here, squares = refits[distance]
+        x, squares = refits[distance]
         if squares < least - BETTER * max(1.0, least):
-            raise BetterMinimumError(here)
+            raise BetterMinimumError(x)
         return np.sqrt(max(squares - least, 0.0)) - allowed_root
 
     # bracket the end between ``inner`` and ``outer``
-    inner, outer = 0.0, min(max(step, 1e-6 * room), room)
+    inner, outer = 0.0, min(max(step, 1e-6 * longest), longest)
     while (value := beyond_end(outer)) < 0.0:
-        if outer >= room:
+        if outer >= longest:
             ending = problem.parameters[j].outer(bound)
             return End(refits[outer][0], False, f"its range ends at {ending:.4g}")
         # linear extrapolation from the minimum, as a factor on ``outer``
         slope = (value - beyond_end(0.0)) / outer
         factor = -beyond_end(0.0) / slope / outer if slope > 0.0 else 3.0
-        inner, outer = outer, min(outer * float(np.clip(1.02 * factor, 1.2, 3.0)), room)
+        inner, outer = outer, min(outer * float(np.clip(1.02 * factor, 1.2, 3.0)), longest)
     x, _ = refits[brentq(beyond_end, inner, outer, xtol=AGREES * outer, maxiter=MAX_REFITS, disp=False)]
     near = AT_END * (problem.high - problem.low)
     for k, parameter in enumerate(problem.parameters):
@@ -83,11 +83,9 @@ def profile(problem: Problem, minimum: tuple, least: float, j: int, *, sign: flo
     return End(x, True)
 
 
-def _between(x, best, j, value):
-    """Return the start of a refit: on the line from the minimum through the last refit."""
-    start = x.copy()
+def _on_line(best, x, j, value):
+    """Return the start of a refit: the point on the line from the minimum through x at which component j is a value."""
     moved = x[j] - best[j]
-    if moved:
-        start = best + (x - best) * (value - best[j]) / moved
+    start = best + (x - best) * (value - best[j]) / moved if moved else x.copy()
     start[j] = value
     return start

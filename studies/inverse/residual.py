@@ -1,6 +1,5 @@
 """The residuals of a fit as a function, for a solver of one's own: `scipy.optimize`, lmfit, a sampler."""
 
-import logging
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,6 @@ from studies.inverse.fitting import prepared
 from studies.lab.measurement import Measurement
 from studies.refusal import needed
 from studies.scene import Scene
-
-LOGGER = logging.getLogger(__name__)
 
 
 class Residual:
@@ -32,7 +29,7 @@ class Residual:
     parameters : tuple of Parameter
         The free ones.
     start : ndarray, shape (p,)
-        The values where a search may begin.
+        The start of a search.
     bounds : tuple of ndarray
         Lower and upper ends of the ranges.
 
@@ -60,10 +57,7 @@ class Residual:
         self.parameters = self._problem.parameters
         starts = zip(self.parameters, self._problem.starts()[0], strict=False)
         self.start = np.array([each.outer(value) for each, value in starts])
-        self.bounds = (
-            np.array([each.low for each in self.parameters]),
-            np.array([each.high for each in self.parameters]),
-        )
+        self.bounds = tuple(np.array([[each.low, each.high] for each in self.parameters]).T)
 
     def __repr__(self) -> str:
         """Return the measurements and the free parameters with their ranges on one line."""
@@ -78,10 +72,8 @@ class Residual:
     def jacobian(self, values: Any) -> np.ndarray:
         """Return the derivatives of the residuals by the values in SI units, shape (n, p)."""
         x = self._inner(values)
-        count = len(self.parameters)
-        slopes = self._problem.jacobian(x)[:, :count]
         scale = [each.outer(part) if each.logarithmic else 1.0 for each, part in zip(self.parameters, x, strict=False)]
-        return slopes / np.array(scale)
+        return self._problem.jacobian(x)[:, : len(scale)] / np.array(scale)
 
     def lmfit_parameters(self) -> Any:
         """Return lmfit.Parameters; a dot of a key is ``__`` in their names.

@@ -22,6 +22,7 @@ from studies.results.content import write_json
 from studies.scene import Scene
 from studies.scene.toml import document
 
+# of a measurement, by its ``quantity``
 QUANTITIES = {
     "velocity": quantity("velocity_m_per_s"),
     "burst": quantity("velocity_m_per_s"),
@@ -30,19 +31,19 @@ QUANTITIES = {
     "position": quantity("travelled_m"),
     "scan": quantity("surface_motion_m_per_V"),
     "network": quantity("scattering"),
-}  # that are measured
+}
 SHOWN_CANDIDATES = 6
-INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
+INFORMED = 2.0  # how many times a measurement must narrow a number to be said to inform about it
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
-DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn
+DRAWS, GRID = 200, 40  # random motors of the predictive band; levels at which it is drawn
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Fit:
-    """What measurements say about a motor."""
+    """Result of a fit."""
 
-    problem: Problem  # what was fitted
-    inner: np.ndarray  # what the solvers work with at the minimum, such as logarithms
+    problem: Problem
+    inner: np.ndarray  # x at the minimum, as in `Problem`
     chi2: float  # sum of squared residuals
     degrees_of_freedom: int
     # standard deviation in SI units estimated from the residuals; None where the data state their own
@@ -53,8 +54,7 @@ class Fit:
     # numbers at other minima that the data do not rule out; the intervals hold them
     rivals: tuple[dict[str, float], ...]
     covariance: np.ndarray  # of all x, the ranges as a weak prior
-    # next measurements, the most useful first; None where they were not asked for
-    candidates: tuple[Candidate, ...] | None = None
+    candidates: tuple[Candidate, ...] | None = None  # next measurements, the most useful first; None: not computed
     # by measurement: how many times narrower than its range each number is by this measurement alone
     informs: tuple[tuple[str, dict[str, float]], ...] = ()
     fixed: tuple[Parameter, ...] = ()  # held at their values
@@ -93,35 +93,35 @@ class Fit:
 
     @property
     def params(self) -> dict[str, Parameter]:
-        """The parameters by key with estimate and standard error, those that are held included; as lmfit has them.
+        """The parameters by key with estimate and standard error, those held at their values included; as in lmfit.
 
         The standard error is that of the linearised problem; None where the data do not determine the number.
         """
-        lost = {key for each in self.directions for key in each.components}
-        sizes = np.sqrt(np.diag(self.covariance))
+        undetermined = {key for each in self.directions for key in each.components}
         by_key = {}
-        for k, each in enumerate(self.problem.parameters):
+        for each, deviation in zip(self.problem.parameters, self._standard_deviations.tolist(), strict=False):
             value = self.values[each.key]
-            error = float(sizes[k]) * (value if each.logarithmic else 1.0)
-            by_key[each.key] = replace(each, value=value, stderr=None if each.key in lost else error)
+            error = deviation * (value if each.logarithmic else 1.0)
+            by_key[each.key] = replace(each, value=value, stderr=None if each.key in undetermined else error)
         return by_key | {each.key: each for each in self.fixed}
+
+    @property
+    def _standard_deviations(self) -> np.ndarray:
+        return np.sqrt(np.diag(self.covariance))
 
     @property
     def correlation(self) -> np.ndarray:
         """Correlation matrix of the free numbers, the ranges as a weak prior."""
-        sizes, count = np.sqrt(np.diag(self.covariance)), len(self.problem.parameters)
-        return (self.covariance / np.outer(sizes, sizes))[:count, :count]
+        deviations, count = self._standard_deviations, len(self.problem.parameters)
+        return (self.covariance / np.outer(deviations, deviations))[:count, :count]
 
     @property
     def intervals(self) -> dict[str, tuple[float | None, float | None]]:
-        """95 % intervals by key; None for an end that the data do not make."""
+        """95 % intervals by key; None for an end that the data do not determine."""
         by_key = {}
-        for k, parameter in enumerate(self.problem.parameters):
-            low, high = (
-                parameter.outer(end.x[k]) if end is not None and end.closed else None
-                for end in self.ends[parameter.key]
-            )
-            by_key[parameter.key] = low, high
+        for k, p in enumerate(self.problem.parameters):
+            low, high = (p.outer(end.x[k]) if end and end.closed else None for end in self.ends[p.key])
+            by_key[p.key] = low, high
         return by_key
 
     @property
@@ -136,14 +136,12 @@ class Fit:
         parameters = {}
         for key, interval in self.intervals.items():
             parameters[key] = {"value": self.values[key], "interval95": list(interval)}
-            reasons = [end.because for end in self.ends[key] if end is not None and not end.closed]
+            reasons = [end.because for end in self.ends[key] if end and not end.closed]
             if reasons:
                 parameters[key]["open_because"] = reasons
         whole = {
             "parameters": parameters,
-            "undetermined": [
-                {"direction": each.components, "sentence": each.sentence} for each in self.directions
-            ],
+            "undetermined": [{"direction": each.components, "sentence": each.sentence} for each in self.directions],
             "chi2": self.chi2,
             "degrees_of_freedom": self.degrees_of_freedom,
             "correlation": self.correlation.tolist(),
@@ -160,7 +158,7 @@ class Fit:
         return whole | {key: value for key, value in more.items() if value not in (None, [])}
 
     def _notes(self) -> Iterator[tuple[str, str]]:
-        """Yield what is said below the table of the estimates: a label and a line of text."""
+        """Yield the label and the text of each line below the table of the estimates."""
         yield "goodness of fit", self._goodness()
         for direction in self.directions:
             yield "undetermined", direction.sentence
@@ -171,15 +169,15 @@ class Fit:
             for remark in each.end_in_words(self.values[each.key], AT_END):
                 yield "remark", remark
         for key, ends in self.ends.items():
-            for way, end in zip(("below", "above"), ends, strict=True):
-                if end is not None and not end.closed:
-                    yield "open", f"{key} {way}: {end.because}"
+            for side, end in zip(("below", "above"), ends, strict=True):
+                if end and not end.closed:
+                    yield "open", f"{key} {side}: {end.because}"
         for (i, one), (j, other) in combinations(enumerate(self.values), 2):
             if abs(self.correlation[i, j]) > 0.5:
                 yield "correlation", f"{one}, {other}: {self.correlation[i, j]:+.3f}"
         for name, gains in self.informs if len(self.informs) > 1 else ():
-            known = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
-            yield "informs", f"{name}: {', '.join(known) or 'none of the numbers'}"
+            narrowed = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
+            yield "informs", f"{name}: {', '.join(narrowed) or 'none of the numbers'}"
         if self.candidates is None:
             yield "measure next", "not computed: it would double the time of the fit (--next asks for it)"
         for candidate in (self.candidates or ())[:SHOWN_CANDIDATES]:
@@ -190,8 +188,7 @@ class Fit:
         if self.deviation is not None:
             measured = QUANTITIES[self.problem.measurements[0].quantity]
             size = f"{self.deviation * measured.scale:.3g} {measured.shown}"
-            unknown = "the data state none, so they cannot contradict the model"
-            return f"standard deviation from the residuals {size}: {unknown}"
+            return f"standard deviation from the residuals {size}; data without one cannot contradict the model"
         text = f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
         if self.probability is None:
             return text
@@ -218,23 +215,20 @@ class Fit:
         return document(self.scene().to_table(), remarks=tuple(remarks), beside=beside)
 
     def scene(self) -> Scene:
-        """Return the scene with the estimates in place; the two names that are no keys are left out."""
-        table = self.problem.predictor.contact(
-            {key: value for key, value in self.values.items() if "." in key}
-        ).scene.to_table()
-        return Scene.from_table("", table)
+        """Return the scene with those estimates that are keys of it."""
+        of_scene = {key: value for key, value in self.values.items() if "." in key}
+        return Scene.from_table("", self.problem.predictor.contact(of_scene).scene.to_table())
 
     def band(self, measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return (level or time, best, low, high) of a measurement's 95 % predictive band, without its noise.
 
-        The percentiles of ``DRAWS`` normal draws of the logarithms about the best fit, kept within the ranges; where
-        the stator, a burst or a slider on pillars would be computed for each, two standard deviations of the
-        linearised prediction.
+        The percentiles of ``DRAWS`` normal draws of x about the best fit, cut to the ranges; where the stator, a burst
+        or a slider on pillars would be computed for each, 1.96 standard deviations of the linearised prediction.
         """
-        problem, imagined = self.problem, _drawn(measurement)
+        problem, curve = self.problem, _drawn(measurement)
         problem.predictor.begin(f"fit: band of {measurement.name}")
-        at = np.array(imagined.coordinate)
-        best = problem.predictions([self.inner], (imagined,))[0][0]
+        at = np.array(curve.coordinate)
+        best = problem.predictions([self.inner], (curve,))[0][0]
         slow = (
             problem.predictor.one_by_one
             or measurement.quantity not in ("velocity", "amplitude")
@@ -243,19 +237,19 @@ class Fit:
         if slow:
             steps = np.linalg.cholesky(self.covariance).T
             moved = [np.clip(self.inner + step, problem.low, problem.high) for step in steps]
-            shifts = [by_key[0] - best for by_key in problem.predictions(moved, (imagined,))]
+            shifts = [values - best for (values,) in problem.predictions(moved, (curve,))]
             width = 1.96 * np.sqrt(np.nansum(np.square(shifts), axis=0))
             return at, best, best - width, best + width
         draws = np.random.default_rng(0).multivariate_normal(self.inner, self.covariance, DRAWS)
         draws = np.clip(draws, problem.low, problem.high)
-        values = np.array([by_key[0] for by_key in problem.predictions(draws, (imagined,))])
+        values = np.array([values for (values,) in problem.predictions(draws, (curve,))])
         low, high = np.nanpercentile(values, [2.5, 97.5], axis=0)
         return at, best, low, high
 
 
 def _drawn(measurement: Measurement) -> Measurement:
     """Return a measurement at the levels or instants at which its band is drawn."""
-    if measurement.scan is not None or measurement.network is not None:
+    if measurement.scan or measurement.network:
         return measurement
     if measurement.time:
         time = tuple(np.linspace(0.0, measurement.time[-1], 100)[1:])

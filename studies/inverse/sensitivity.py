@@ -24,6 +24,7 @@ from studies.chain.pillars import layout
 from studies.inverse.elasticity import SIDE, answers_at, answers_of_slider, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record.plots import COLOURS, finished
+from studies.record.quantities import quantity
 from studies.report.explanation import plan
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
@@ -32,12 +33,12 @@ QUICK = {"outcomes": ("velocity",)}
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
 COLUMNS = ("key", "elasticity", "error", "change_for_1_percent_more", "change_for_1_percent_less")
 NAMED, MAX_DRAWN = 4, 14  # numbers in the answer's line, and in the picture
-BENDS = 0.2  # difference of both sides, over the larger, from which the study says that the answer bends
+BENDS = 0.2  # difference of both sides, over the larger, from which an answer counts as nonlinear
 SILENT_STEP = 0.02  # by which the numbers without effect are changed together
-AGREEMENT = 1e-2  # of both ways, of the largest elasticity
-# Moves of a number, and those of a number of the stator: of the elasticity, and 1 % to both sides
+AGREEMENT = 1e-2  # of both methods, over the largest elasticity
+# Evaluations for a number, and for a number of the stator: for the elasticity, and with 1 % more and less
 MOVES, STATOR_MOVES = 8, 6
-# CPU seconds of all answers for one move, of balls, of any pillars and of each pillar, and of the rest (one x86_64 core
+# CPU seconds of an evaluation with balls, with pillars, with each pillar, and of the rest of the study (one x86_64 core
 # of 2026)
 BALLS_SECONDS, PILLARS_SECONDS, PILLAR_SECONDS, OTHER_SECONDS = 0.1, 0.2, 1e-4, 4.0
 
@@ -56,13 +57,13 @@ def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: flo
     predictor = MeasurementPredictor(scene, tolerance=tolerance)
     level = max(predictor.contact({}).scene.levels)
     slopes = elasticities(predictor, answers_of_slider(predictor) if outcomes is None else outcomes, level)
-    changes = both_sides(predictor, tuple(name for name, rows in slopes.items() if rows), level)
+    changes = both_sides(predictor, tuple(name for name, by_key in slopes.items() if by_key), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
-    for name, rows in slopes.items():
-        findings += without_effect(predictor, name, rows, level)
+    for name, by_key in slopes.items():
+        findings += without_effect(predictor, name, by_key, level)
         sides = changes.get(name, {})
-        order = sorted(rows, key=lambda key: -abs(rows[key][0]))
-        columns = zip(*((key, *rows[key], *sides[key]) for key in order), strict=True)
+        order = sorted(by_key, key=lambda key: -abs(by_key[key][0]))
+        columns = zip(*((key, *by_key[key], *sides[key]) for key in order), strict=True)
         data = dict.fromkeys(COLUMNS, ()) | dict(zip(COLUMNS, columns, strict=False))
         bends = [[key, *side] for key, side in sides.items() if _bends(*side)]
         panels.append(
@@ -86,9 +87,9 @@ def expected_seconds(scene: Scene) -> float:
     return OTHER_SECONDS + STATOR_MOVES * moved * (stator + point) + MOVES * (len(keys) + 1 - moved) * point
 
 
-def without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
-    """Return which numbers have no effect, and what happens if all of them are changed together."""
-    silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
+def without_effect(predictor: MeasurementPredictor, outcome: str, slopes: dict, level: float) -> list[Finding]:
+    """Return the finding on the numbers that have no effect: what happens if all of them change together."""
+    silent = [key for key, (value, _) in slopes.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
     (before, after), _ = answers_at(predictor, (outcome,), level, [{}, dict.fromkeys(silent, 1.0 + SILENT_STEP)])
@@ -96,15 +97,15 @@ def without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, le
     change = abs(float(np.log(after[0] / before[0])))
     return [
         judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
-                       f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,
-                       expected=f"below {allowed:.1g}")
+               f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,
+               expected=f"below {allowed:.1g}")
     ]  # fmt: skip
 
 
-def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[Finding]:
-    """Return what must hold: both ways agree, and the contact's scaling law."""
+def _checks(predictor: MeasurementPredictor, slopes: dict, level: float) -> list[Finding]:
+    """Return the findings on the velocity: both methods agree, and the contact's scaling law holds."""
     worst = 0.0
-    for key in (key for key in rows if key.startswith("slider.") and not predictor.needs_stator(key)):
+    for key in (key for key in slopes if key.startswith("slider.") and not predictor.needs_stator(key)):
         own = predictor.value(key)
 
         def family(s, key=key, own=own):
@@ -113,32 +114,31 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
 
         slider, orbits = family(0.0)
         implicit = contact.velocity_derivative(family) / contact.mean_motion(slider, orbits).velocity
-        worst = max(worst, abs(implicit - rows[key][0]))
-    size = max(abs(value) for value, _ in rows.values())
+        worst = max(worst, abs(implicit - slopes[key][0]))
+    size = max(abs(value) for value, _ in slopes.values())
     findings = [
-        judged("The implicit function theorem in the averaged equilibrium and differences of the corrected "
-                       "velocity agree.", "largest difference over the largest elasticity", worst / size,
-                       high=AGREEMENT),
+        judged("The implicit function theorem in the averaged equilibrium and differences of the corrected velocity "
+               "agree.", "largest difference over the largest elasticity", worst / size, high=AGREEMENT),
     ]  # fmt: skip
     law = [f"slider.{key}" for key in ("preload", "effective_modulus", "friction_coefficient")]
-    if set(law) <= set(rows) and predictor.contact({}).scene.slider.load == 0.0:
-        preload, modulus, friction = (rows[key][0] for key in law)
-        total = preload + modulus - friction
+    if set(law) <= set(slopes) and predictor.contact({}).scene.slider.load == 0.0:
+        preload, modulus, friction = (slopes[key][0] for key in law)
         sentence = "Preload and modulus up, friction coefficient down by one factor change nothing."
-        findings.append(judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3"))
+        total = abs(preload + modulus - friction)
+        findings.append(judged(sentence, "sum of the elasticities", total, high=1e-3, expected="0 to 1e-3"))
     return findings
 
 
 def _in_words(data: dict) -> Iterator[tuple[str, str]]:
-    """Yield what matters most to an answer, in % for 1 % of the number, and where both sides disagree."""
-    most = [f"{key} {value:+.3g}" for key, value, *_ in _rows(data)[:NAMED] if abs(value) >= NO_EFFECT]
-    yield data["outcome"], f"% for 1 % of {', '.join(most) or 'any number: none'}"
+    """Yield lines with the largest elasticities of an answer, and with the numbers in which it is nonlinear."""
+    largest = [f"{key} {value:+.3g}" for key, value, *_ in _rows(data)[:NAMED] if abs(value) >= NO_EFFECT]
+    yield data["outcome"], f"% for 1 % of {', '.join(largest) or 'any number: none'}"
     for key, more, less in data["bends"]:
         yield "", f"bends with {key}: {100 * more:+.3g} % for 1 % more, {100 * less:+.3g} % for 1 % less"
 
 
 def _bends(more: float | None, less: float | None) -> bool:
-    """Return whether 1 % more and 1 % less of a number do not make opposite changes of one size."""
+    """Return whether the changes for 1 % more and for 1 % less of a number differ in size."""
     if more is None or less is None:
         return False
     return abs(more + less) > max(BENDS * max(abs(more), abs(less)), NO_EFFECT * SIDE)
@@ -165,11 +165,11 @@ def figure(record: Panel, ax):
     rows = [row for row in _rows(record.data) if abs(row[1]) >= NO_EFFECT][:MAX_DRAWN]
     for side, (colour, label, sign) in enumerate((("slip", "1 % more", 1), ("intermittent", "1 % less", -1))):
         changes = [100 * (row[3 + side] or 0.0) for row in rows]
-        places = [k - sign * 0.18 for k in range(len(rows))]
-        ax.barh(places, changes, color=COLOURS[colour], height=0.34, label=label)
+        positions = [k - sign * 0.18 for k in range(len(rows))]
+        ax.barh(positions, changes, color=COLOURS[colour], height=0.34, label=label)
     style = {"fmt": "D", "markersize": 4, "color": COLOURS["line"], "label": "elasticity"}
     ax.errorbar([row[1] for row in rows], range(len(rows)), xerr=[row[2] for row in rows], **style)
     ax.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize="small")
     ax.invert_yaxis()
     ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)
-    return finished(ax, f"change of the {record.data['outcome']} (%)", "", record.title)
+    return finished(ax, f"change of the {record.data['outcome']} ({quantity('change').shown})", "", record.title)

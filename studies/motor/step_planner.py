@@ -22,6 +22,7 @@ import numpy as np
 import contact
 from studies.chain.steps import Steps
 from studies.record.plots import COLOURS, curve, family, finished, logarithmic
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, driven_contact, judged, of_record, study
 
@@ -49,7 +50,7 @@ def run(
     scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4,
     tolerance: float = 1e-3,
 ) -> Answered:  # fmt: skip
-    """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
+    """Return the step of each number of cycles, and the number of cycles for each wanted step.
 
     Parameters
     ----------
@@ -96,12 +97,13 @@ def run(
             "cycles": np.array(cycles),
             "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
             "velocity_m_per_s": table("velocity"), "ring_m": table("ring"), "stopping_time_s": table("stopping_time"),
-            "planned_cycles": counts, "wanted_m": np.array(wanted), "axis": f"{title} (nm)",
+            "planned_cycles": counts, "wanted_m": np.array(wanted), "axis": quantity(key).axis,
             "planned_distance_m": {key: np.sign(steady) * np.array([getattr(each, value) for _, each in plans])
                                    for key, plans in planned.items()},
         })
-        for file, title, value in (
-            ("step_planner", "step", "displacement"), ("stopping", "slide after the burst", "stopping")
+        for file, title, value, key in (
+            ("step_planner", "step", "displacement", "burst_step_m"),
+            ("stopping", "slide after the burst", "stopping", "slide_m"),
         )
     ]  # fmt: skip
     return panels, findings
@@ -155,22 +157,22 @@ def _travelled(bursts: Steps, level: float, step) -> float:
 def figure(record: Panel, ax):
     """Draw distance against cycles; crosses are planned steps, hollow marks are steps against the motor's direction."""
     data, planned = record.data, record.name == "step_planner"
-    hollow = False
+    scale, hollow = quantity("burst_step_m").scale, False
     for name, distance, colour in family(data["distance_m"]):
         reached = np.array([data["planned_cycles"][name], data["planned_distance_m"][name]])
         all_points = np.hstack(([data["cycles"], distance], reached))
-        cycles, values = all_points[:, np.argsort(all_points[0])] * [[1.0], [1e9]]
+        cycles, values = all_points[:, np.argsort(all_points[0])] * [[1.0], [scale]]
         curve(ax, cycles, abs(values), ".-", colour, name)
         backwards = values < 0.0
         ax.plot(cycles[backwards], -values[backwards], "o", color=COLOURS[colour], **HOLLOW)
         hollow |= bool(np.any(backwards))
         if planned:
-            curve(ax, reached[0], abs(reached[1]) * 1e9, "x", colour, size=6.0)
+            curve(ax, reached[0], abs(reached[1]) * scale, "x", colour, size=6.0)
     if hollow:
         ax.plot([], [], "o", color=COLOURS["line"], label="against the motor's direction", **HOLLOW)
     if planned:
-        steps = ", ".join(f"{size * 1e9:g}" for size in data["wanted_m"])
+        steps = ", ".join(f"{size * scale:g}" for size in data["wanted_m"])
         curve(ax, [], [], "x", "line", f"planned for {steps} nm", size=6.0)
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, "cycles of the drive", data["axis"], record.title, columns=3)
+    return finished(ax, quantity("drive_cycles").axis, data["axis"], record.title, columns=3)

@@ -15,7 +15,7 @@ class Seed:
         scene = resolved(Scene.load("twente-contact"))
         self.steps = steps
         self.slider = bridge.contact_slider(scene.slider)
-        self.shape = bridge.given_orbits(scene.wave)
+        self.shape = bridge.prescribed_orbits(scene.wave)
         self.levels = scene.levels
 
     def orbits(self, amplitude: float) -> tuple:

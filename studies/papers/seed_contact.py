@@ -5,21 +5,24 @@ import math
 import numpy as np
 
 from studies.papers.seed import Seed
+from studies.record.quantities import Quantity, quantity
 from studies.study import Panel, judged
 
 CONSTANT, INTERMITTENT = 3e-9, 10e-9  # amplitudes of Figs 6(a) and 6(b), m
 ACCELERATION = 2200  # cycles from rest: 1 ms
 
 
-def _contact_panel(name: str, title: str, history, unit: tuple[float, str]) -> Panel:
-    factor, label = unit
+def _contact_panel(name: str, title: str, history, time: Quantity) -> Panel:
+    force, velocity = quantity("history.tangential_force_N"), quantity("history.velocity_m_per_s")
+    left = {"P": history.normal_force[:, 0], "10 Q": 10 * history.tangential_force[:, 0]}
+    right = {"surface v_t": history.surface_velocity[:, 0], "slider v_s": history.slider_velocity}
     data = {
-        "x": (history.time - history.time[0]) * factor,
-        "left": {"P": history.normal_force[:, 0] * 1e3, "10 Q": history.tangential_force[:, 0] * 1e4},
-        "right": {"surface v_t": history.surface_velocity[:, 0] * 1e3, "slider v_s": history.slider_velocity * 1e3},
-        "x_axis": f"time ({label})",
-        "left_axis": "P and 10 Q (mN)",
-        "right_axis": "velocity (mm/s)",
+        "x": (history.time - history.time[0]) * time.scale,
+        "left": {key: values * force.scale for key, values in left.items()},
+        "right": {key: values * velocity.scale for key, values in right.items()},
+        "x_axis": time.axis,
+        "left_axis": f"P and 10 {force.heading}",
+        "right_axis": velocity.axis,
     }
     return Panel(name=name, title=title, data=data)
 
@@ -40,7 +43,7 @@ def figure_6a(seed: Seed):
         judged("Fig. 6(a): constant contact at 3 nm.", "smallest P over the preload",
                force.min() / seed.slider.preload, expected="positive", holds=force.min() > 0),
     ]  # fmt: skip
-    panel = _contact_panel("fig_6a", "Fig. 6(a): constant contact, 3 nm", history, (1e6, "us"))
+    panel = _contact_panel("fig_6a", "Fig. 6(a): constant contact, 3 nm", history, quantity("cycle_time_s"))
     return [panel], findings
 
 
@@ -56,7 +59,7 @@ def figure_6b(seed: Seed):
         expected="between 0 and 1, with stick and slip in the rest",
         holds=0 < parted < 1 and {"stick", "slip"} <= set(regimes),
     )
-    panel = _contact_panel("fig_6b", "Fig. 6(b): intermittent contact, 10 nm", history, (1e6, "us"))
+    panel = _contact_panel("fig_6b", "Fig. 6(b): intermittent contact, 10 nm", history, quantity("cycle_time_s"))
     return [panel], [switching]
 
 
@@ -113,8 +116,8 @@ def figure_7(seed: Seed):
                "which the paper leaves out, or a damper that would stop the motor"),
     ]  # fmt: skip
     panels = [
-        _contact_panel("fig_7a", "Fig. 7(a): after the burst, slip", whole, (1e3, "ms")),
-        _contact_panel("fig_7b", "Fig. 7(b): after the burst, stick", ring, (1e3, "ms")),
+        _contact_panel("fig_7a", "Fig. 7(a): after the burst, slip", whole, quantity("time_s")),
+        _contact_panel("fig_7b", "Fig. 7(b): after the burst, stick", ring, quantity("time_s")),
     ]  # fmt: skip
     return panels, findings
 

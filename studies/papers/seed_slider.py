@@ -6,6 +6,7 @@ import numpy as np
 
 import contact
 from studies.papers.seed import Seed
+from studies.record.quantities import quantity
 from studies.study import Panel, judged
 
 LOGGER = logging.getLogger(__name__)
@@ -17,6 +18,7 @@ JUDGED = 10e-9  # amplitude in m of the burst whose slopes are judged
 
 def figure_2(seed: Seed):
     """Fig. 2: tangential force against deformation."""
+    across, up = quantity("history.deformation_m"), quantity("history.tangential_force_N")
     x, curves = {}, {}
     force_ratios, scaled_limits = [], []  # Q(x_max) / (mu P), and x_max / P^(2/3), which must not depend on P
     for share in (0.5, 1.0, 2.0):
@@ -25,11 +27,11 @@ def figure_2(seed: Seed):
         limit = seed.slider.limit_slope * z
         deformation = np.linspace(0, limit, 101)
         name = f"P = {force * 1e3:.3g} mN"
-        x[name] = deformation * 1e9
-        curves[name] = seed.slider.tangential_force(deformation, z) * 1e3
-        force_ratios.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
+        Q = seed.slider.tangential_force(deformation, z)
+        x[name], curves[name] = deformation * across.scale, Q * up.scale
+        force_ratios.append(Q[-1] / (seed.slider.friction_coefficient * force))
         scaled_limits.append(limit / share ** (2 / 3))
-    data = {"x": x, "left": curves, "x_axis": "tangential deformation x (nm)", "left_axis": "Q (mN)"}
+    data = {"x": x, "left": curves, "x_axis": across.axis, "left_axis": up.heading}
     finding = judged('Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
                      "Q(x_max) / (mu P) at three P", force_ratios[1], expected="1",
                      holds=all(abs(ratio - 1) < 1e-12 for ratio in force_ratios)
@@ -40,6 +42,7 @@ def figure_2(seed: Seed):
 
 def figure_5a(seed: Seed):
     """Fig. 5(a): step response to a burst."""
+    across, speed = quantity("time_s"), quantity("velocity_m_per_s")
     x, curves = {}, {}
     for amplitude in seed.steps or STEPS:
         LOGGER.info(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
@@ -54,7 +57,7 @@ def figure_5a(seed: Seed):
             samples=1500,
         )
         name = f"{amplitude * 1e9:g} nm"
-        x[name], curves[name] = motion.time * 1e3, motion.velocity * 1e3
+        x[name], curves[name] = motion.time * across.scale, motion.velocity * speed.scale
         if amplitude == JUDGED:
             judged_burst, final = motion, steady
     time = judged_burst.time
@@ -79,7 +82,7 @@ def figure_5a(seed: Seed):
                "the same of the falling slope", bend(down), expected="less than 0.01, a tenth of the rising one's",
                holds=bend(down) < min(0.01, 0.1 * bend(up)), remark="what is left is R_t v"),
     ]  # fmt: skip
-    data = {"x": x, "left": curves, "x_axis": "time (ms)", "left_axis": "slider velocity (mm/s)"}
+    data = {"x": x, "left": curves, "x_axis": across.axis, "left_axis": speed.axis}
     return [Panel(name="fig_5a", title=f"Fig. 5(a): burst of {BURST} s", data=data)], findings
 
 
@@ -101,11 +104,12 @@ def figure_5b(seed: Seed):
                release * 1e9, expected="4.17258, closed form",
                holds=regimes == ["slip", "intermittent"] and abs(release / 4.17258e-9 - 1) < 1e-4),
     ]  # fmt: skip
+    across, up = quantity("normal_amplitude_m"), quantity("velocity_m_per_s")
     data = {
-        "x": np.array(seed.levels) * 1e9,
-        "left": {"steady velocity": speeds * 1e3},
-        "x_axis": "normal amplitude (nm)",
-        "left_axis": "slider velocity (mm/s)",
-        "verticals": {"threshold (theory)": threshold * 1e9, "release (theory)": release * 1e9},
+        "x": np.array(seed.levels) * across.scale,
+        "left": {"steady velocity": speeds * up.scale},
+        "x_axis": across.axis,
+        "left_axis": up.axis,
+        "verticals": {"threshold (theory)": threshold * across.scale, "release (theory)": release * across.scale},
     }
     return [Panel(name="fig_5b", title="Fig. 5(b): steady velocity", data=data)], findings

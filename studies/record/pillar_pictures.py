@@ -10,7 +10,7 @@ from studies.record.quantities import quantity
 if TYPE_CHECKING:
     from studies.record import Record
 
-MAX_DOTS = 20_000  # pillars drawn; of more, evenly chosen ones
+MAX_DOTS = 20_000  # pillars drawn; of more pillars every n-th
 # of the wave's power under a slider on pillars: key of a point, label, colour
 POWERS = (
     ("friction_power_W", "friction", "intermittent"),
@@ -20,10 +20,9 @@ POWERS = (
 
 
 def _at_last_level(record: "Record") -> str:
-    """Return the level whose pillars and waves a record keeps, for a title."""
-    shown = quantity(record.level)
-    known = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
-    return f" at {known[-1] * shown.scale:g} {shown.shown}" if known else ""
+    """Return the level of a record's pillars and waves, the last that has an answer, for a title."""
+    levels = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
+    return f" at {quantity(record.level).with_unit(levels[-1])}" if levels else ""
 
 
 def slider_wave(record: "Record", ax):
@@ -50,7 +49,7 @@ def slider_wave(record: "Record", ax):
 
 
 def pressure(record: "Record", ax):
-    """Draw the mean force on each pillar as a dot at its place."""
+    """Draw the mean force on each pillar as a dot at its position."""
     table = record.pillars
     step = -(-len(table["x_m"]) // MAX_DOTS)
     shown = {"x_m": quantity("offset_m"), "y_m": quantity("y_m"), "normal_force_N": quantity("normal_force_N")}
@@ -66,16 +65,16 @@ def pressure(record: "Record", ax):
 def power(record: "Record", ax):
     """Draw where the power of the waves below the slider goes at each level, as stacked bars."""
     points = [point for point in record.points if "wave_power_in_W" in point]
-    scale = quantity(record.level).scale
-    places, bottom = np.arange(len(points)), np.zeros(len(points))
+    level, share, incident = (quantity(key) for key in (record.level, "power_share", "wave_power_in_W"))
+    positions, bottom = np.arange(len(points)), np.zeros(len(points))
     for key, label, colour in POWERS:
-        values = np.array([100 * point[key] / point["wave_power_in_W"] for point in points])
+        values = np.array([share.scale * point[key] / point["wave_power_in_W"] for point in points])
         if values.any():
-            ax.bar(places, values, bottom=bottom, color=COLOURS[colour], label=label)
+            ax.bar(positions, values, bottom=bottom, color=COLOURS[colour], label=label)
             bottom = bottom + values
-    for place, point in zip(places, points, strict=True):
-        ax.text(place, 101.0, f"{point['wave_power_in_W']:.3g} W", ha="center", fontsize="small")
-    ax.set_xticks(places, [f"{point[record.level] * scale:.4g}" for point in points])
+    for position, point in zip(positions, points, strict=True):
+        text = incident.with_unit(point["wave_power_in_W"])
+        ax.text(position, 101.0, text, ha="center", fontsize="small")
+    ax.set_xticks(positions, [level.text(point[record.level]) for point in points])
     ax.set_ylim(0.0, 108.0)
-    across, up = quantity(record.level).axis, quantity("power_share").axis
-    return finished(ax, across, up, f"{record.scene.title}: power of the wave", columns=3, grid=False)
+    return finished(ax, level.axis, share.axis, f"{record.scene.title}: power of the wave", columns=3, grid=False)

@@ -13,7 +13,7 @@ import numpy as np
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 
-# Okabe and Ito's palette: told apart by the colour-blind and in grey
+# Palette of Okabe and Ito, which can be distinguished with colour blindness and in grey
 COLOURS = {"stick": "#999999", "slip": "#0072B2", "intermittent": "#D55E00", "line": "#000000", "second": "#009E73"}
 PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of curves
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
@@ -55,6 +55,7 @@ def new_figure(width: float, height: float, *, rows: int = 1, columns: int = 1, 
 def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) -> None:
     """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
     figure, ax = new_figure(*size, dpi=DPI)
+    figure.set_layout_engine("tight", pad=0.3)  # one pass of the layout, half the time of a constrained one
     draw(ax)
     # Laid out once: with any layout engine, also "none", savefig draws everything once more before it writes the file.
     figure.get_layout_engine().execute(figure)
@@ -105,10 +106,12 @@ def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bo
 
 
 def titled(ax, title: str) -> None:
-    """Write a title, in as many lines as the figure's width asks for."""
+    """Write a title, wrapped to the figure's width."""
     columns = int(TITLE_COLUMNS * ax.figure.get_figwidth())
     lines = [textwrap.fill(line, columns) for line in title.splitlines()]
-    ax.set_title("\n".join(lines), fontsize="medium", parse_math=False)
+    # matplotlib finds the height only where an axis lies above: it measures all ticks for it, three times a picture
+    height = None if any(child.get_in_layout() for child in ax.child_axes) else 1.0
+    ax.set_title("\n".join(lines), fontsize="medium", parse_math=False, y=height)
 
 
 def curve(ax, x, y, style: str, colour: str, label: str | None = None, *, size: float = 3.0) -> None:
@@ -123,23 +126,23 @@ def arrow(ax, tail, head, colour: str, *, width: float = 1.6) -> None:
 
 
 def own(ax, x, y, label: str) -> None:
-    """Draw the points at which the scene itself stands, as stars."""
+    """Draw the points of the scene's own values, as stars."""
     star = {"color": "#CC79A7", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.4}
     ax.plot(x, y, "*", linestyle="none", label=label, **star)
 
 
 def shaded(ax, start: float, stop: float, label: str | None = None, *, colour: str = "stick") -> None:
-    """Shade what lies between two places of the horizontal axis: a transducer, a band."""
+    """Shade an interval of the horizontal axis, such as a transducer or a band."""
     ax.axvspan(start, stop, color=COLOURS[colour], alpha=0.25, linewidth=0, label=label)
 
 
-def lines(ax, panel, across: str, rows, up: str, *, columns: int = 4):
+def lines(ax, panel, across: str, curves, up: str, *, columns: int = 4):
     """Draw columns of a study's panel over a quantity, complex ones by their size, and finish the Axes.
 
-    ``rows`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
+    ``curves`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
     """
     along, height = quantity(across), quantity(up)
-    for key, style, colour, name in rows:
+    for key, style, colour, name in curves:
         y = np.asarray(panel.data[key]) * height.scale
         curve(ax, panel.data[across] * along.scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
     return finished(ax, along.axis, height.axis, panel.title, columns=columns)

@@ -15,7 +15,7 @@ from typing import Any
 
 from studies.refusal import SceneError, nearest
 
-# by the ending of a key, the first that fits: SI units of keys that the table does not hold
+# SI units of keys that the table does not hold, by the ending of a key, of which the first that fits counts
 ENDINGS = {
     "_rad_per_m": "rad/m", "_rad": "rad",
     "_m_per_N": "m/N", "_A_per_N": "A/N", "_V_per_N": "V/N",
@@ -80,15 +80,42 @@ class Quantity:
         """
         return f"{self.label} ({self.shown})" if self.shown else self.label
 
+    @property
+    def column(self) -> str:
+        """Name of its column: the last part of the key."""
+        return self.key.rpartition(".")[2]
+
     def text(self, value: Any) -> str:
-        """Return a value as it is printed.
+        """Return a value as it is printed, without its unit.
 
         Examples
         --------
-        >>> quantity("velocity_m_per_s").text(-0.0123456789)
-        '-12.346'
+        >>> quantity("velocity_m_per_s").text(-0.0123456789), quantity("admittance_S").text(0.002 - 0.01j)
+        ('-12.346', '2 - 10i')
         """
-        return str(value) if not self.format else f"{value * self.scale:{self.format}}"
+        if isinstance(value, complex):
+            return f"{self.text(value.real)} {'-' if value.imag < 0 else '+'} {self.text(abs(value.imag))}i"
+        return f"{value * self.scale:{self.format}}" if self.format else str(value)
+
+    def with_unit(self, value: Any) -> str:
+        """Return a value with its unit.
+
+        Examples
+        --------
+        >>> quantity("normal_amplitude_m").with_unit(2e-9), quantity("power_share").with_unit(0.25)
+        ('2 nm', '25 %')
+        """
+        return f"{self.text(value)} {self.shown}".rstrip()
+
+    def interval(self, low: float, high: float) -> str:
+        """Return an interval of values with its unit.
+
+        Examples
+        --------
+        >>> quantity("voltage_V").interval(5.0, 60.0)
+        '5 to 60 V'
+        """
+        return f"{self.text(low)} to {self.with_unit(high)}"
 
 
 @cache
@@ -103,9 +130,9 @@ def quantities() -> dict[str, Quantity]:
 def _by_column() -> dict[str, Quantity]:
     """Return those that have a label, by the last part of their path."""
     columns: dict[str, Quantity] = {}
-    for path, each in quantities().items():
+    for each in quantities().values():
         if each.label:
-            columns.setdefault(path.rpartition(".")[2], each)
+            columns.setdefault(each.column, each)
     return columns
 
 
@@ -145,7 +172,7 @@ def described(key: str) -> dict[str, str]:
 
 
 def with_quantities(document: str) -> str:
-    """Return a document whose tables of quantities say what this one does; a row of an unknown key stays."""
+    """Return a document with its rows of quantities written anew; a row of an unknown key stays."""
 
     def row(match: re.Match) -> str:
         each = quantities().get(match[1])

@@ -1,10 +1,11 @@
-"""A vibrometer's scan beside the computed field: how far apart in size, phase, ripple and place of the beam."""
+"""A vibrometer's scan beside the computed field: their difference in size, phase, ripple and position of the beam."""
 
 import numpy as np
 
 from studies.lab.scan import Scan
+from studies.record.quantities import quantity
 
-PER_WAVELENGTH = 6  # points from which the ripple along a line is looked at
+PER_WAVELENGTH = 6  # points of a line from which its standing-wave ratio is computed
 
 
 def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, source: float) -> dict:
@@ -25,7 +26,6 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
     own = predicted if scan.is_complex else np.abs(predicted)
     weight = float(np.sum(np.abs(own) ** 2)) or 1e-300
     factor = complex(np.sum(np.conj(own) * values)) / weight
-    left = values - factor * own
     points = {
         "x_m": scan.x, "y_m": scan.y, "measured_m_per_V": values, "predicted_m_per_V": predicted,
     }  # fmt: skip
@@ -35,8 +35,8 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
         "file": scan.name, "quantity": f"scan of {scan.component} over {scan.kind}", "compared": len(values),
         "scan": points,
         "measured_over_predicted": abs(factor),
-        "rms_deviation_relative": float(np.sqrt(np.mean(np.abs(values - own) ** 2) / np.mean(np.abs(own) ** 2))),
-        "rms_deviation_of_shape": float(np.sqrt(np.mean(np.abs(left) ** 2) / np.mean(np.abs(values) ** 2))),
+        "rms_deviation_relative": _rms(values - own) / _rms(own),
+        "rms_deviation_of_shape": _rms(values - factor * own) / _rms(values),
     }  # fmt: skip
     if scan.is_complex:
         block["phase_of_measured_rad"] = float(np.angle(factor))
@@ -53,12 +53,16 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
     return block
 
 
+def _rms(values) -> float:
+    return float(np.sqrt(np.mean(np.abs(values) ** 2)))
+
+
 def _pair(measured, predicted):
     return ("measured", measured), ("predicted", predicted)
 
 
 def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> dict:
-    """Return the standing-wave ratio of a line along x that resolves it, and how the phase runs away."""
+    """Return the standing-wave ratios of a line along x that resolves them, and the ratio of the wave velocities."""
     if scan.kind != "x" or len(values) < 3:
         return {}
     columns, order = {}, np.argsort(scan.x)
@@ -72,11 +76,10 @@ def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> d
             ]
             columns[f"{name}_standing_wave_ratio"] = float(np.median(ratios))
     if scan.is_complex:
-        way = abs(scan.x - source)[order]
-        turned = np.unwrap(np.angle(values[order] * np.conj(predicted[order])))
-        weights = np.abs(predicted[order])
-        slope = float(np.polyfit(way, turned, 1, w=weights)[0])
-        # phase -k way: a slope s is a wavenumber k - s
+        distance = abs(scan.x - source)[order]
+        phase = np.unwrap(np.angle(values[order] * np.conj(predicted[order])))
+        slope = float(np.polyfit(distance, phase, 1, w=np.abs(predicted[order]))[0])
+        # the predicted phase is -k times the distance: a slope s of the difference is a measured wavenumber k - s
         wavenumber = 2.0 * np.pi / wavelength
         columns["measured_wave_velocity_over_predicted"] = wavenumber / (wavenumber - slope)
     return columns
@@ -88,16 +91,15 @@ def _center(y, values) -> float:
 
 
 def scan_comparison(block: dict):
-    """Yield what a run prints of a scan's comparison, as rows of a name and a line."""
-    yield (
-        "measured",
-        f"{block['compared']} points of {block['file']}, a {block['quantity']}, compared at their places",
-    )
+    """Yield name and text of the lines that a run prints of a scan's comparison."""
+    points = f"{block['compared']} points of {block['file']}"
+    yield "measured", f"{points}, a {block['quantity']}, compared at their positions"
     phase = block.get("phase_of_measured_rad")
     turned = "" if phase is None else f", phase {np.degrees(phase):+.3g} deg"
     yield "", f"measured / predicted {block['measured_over_predicted']:.4g}{turned}"
-    whole, shape = block["rms_deviation_relative"], block["rms_deviation_of_shape"]
-    yield "", f"deviation {100 * whole:.3g} % rms; {100 * shape:.3g} % after a fit of size and phase"
+    share = quantity("rms_deviation_relative")
+    whole, shape = (share.with_unit(block[f"rms_deviation_{kind}"]) for kind in ("relative", "of_shape"))
+    yield "", f"deviation {whole} rms; {shape} after a fit of size and phase"
     if "measured_standing_wave_ratio" in block:
         ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
         yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios)
@@ -105,10 +107,12 @@ def scan_comparison(block: dict):
         away = block["measured_wave_velocity_over_predicted"] - 1.0
         yield "", f"wave velocity {100 * away:+.3g} % of the predicted, by the phase along x"
     if "beam_center_measured_m" in block:
-        places = (block[f"beam_center_{name}_m"] * 1e3 for name in ("measured", "predicted"))
-        yield "", "middle of the beam at y = {:.4g} mm measured, {:.4g} mm predicted".format(*places)
+        centers = (quantity("y_m").with_unit(block[f"beam_center_{name}_m"]) for name in ("measured", "predicted"))
+        yield "", "middle of the beam at y = {} measured, {} predicted".format(*centers)
     if "measured_maximum_at_Hz" in block:
-        at = (block[f"{name}_maximum_at_Hz"] / 1e6 for name in ("measured", "predicted"))
-        yield "", "largest at {:.6g} MHz measured, {:.6g} MHz predicted".format(*at)
+        maxima = (
+            quantity("frequency_Hz").with_unit(block[f"{name}_maximum_at_Hz"]) for name in ("measured", "predicted")
+        )
+        yield "", "largest at {} measured, {} predicted".format(*maxima)
     if "chi_square_per_point" in block:
         yield "", f"chi^2 per number {block['chi_square_per_point']:.3g}"

@@ -26,6 +26,7 @@ SHARES = {
     "to the left": "radiated_left_W_per_V2",
     "to the right": "radiated_right_W_per_V2",
 }  # share of the available power as printed: its key in run.json after "power_"
+LIMITS = ("threshold_voltage_V", "threshold_amplitude_m", "release_voltage_V", "release_amplitude_m")
 ROWS_SHOWN = 30  # of the table in a notebook
 
 
@@ -42,26 +43,26 @@ def answer(record: "Record") -> str:
         head, points = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
-    rows: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
-    rows += comparison(record.measured)
-    wanted = f"asked for {record.tolerance:.1e}"
+    entries: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
+    entries += comparison(record.measured)
+    bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
-        known = record.wave.get("relative_error")
-        wave = "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
-        rows.append(("relative error", f"none: no point moves{wave}, {wanted}"))
+        error = record.wave.get("relative_error")
+        wave = "" if error is None else f"; the relative error of the wave under the slider is {error:.1e}"
+        entries.append(("relative error", f"none: no point moves{wave}, {bound}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
         model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
-        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {wanted}{model}"))
+        entries.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {bound}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
-    rows += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
+    entries += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
     if record.left_out:
-        rows.append(("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too"))
-    return "\n".join([*lines, *labelled(rows)])
+        entries.append(("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too"))
+    return "\n".join([*lines, *labelled(entries)])
 
 
-def labelled(rows, width: int = 16) -> list[str]:
-    """Return rows of a name and a line, or lines, as text: the names at the left.
+def labelled(entries, width: int = 16) -> list[str]:
+    """Return entries of a name and a line, or several lines, as lines of text with the names at the left.
 
     Examples
     --------
@@ -70,7 +71,7 @@ def labelled(rows, width: int = 16) -> list[str]:
     """
     return [
         f"{name * (k == 0):<{width}}{line}".rstrip()
-        for name, lines in rows
+        for name, lines in entries
         for k, line in enumerate((lines,) if isinstance(lines, str) else lines)
     ]
 
@@ -109,7 +110,7 @@ def table(rows: list[list[str]]) -> list[str]:
 
 
 def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of a run's points; what no point has is no column."""
+    """Return the heads and the rows of a run's points; a quantity that no point has is left out."""
     shown = [quantity(key) for key in COLUMNS if any(key in point for point in record.points)]
     keys = [each.key.rpartition(".")[2] for each in shown]
     rows = [
@@ -134,40 +135,40 @@ def notebook_table(record: "Record", caption: str) -> str:
 
 
 def _wave(record: "Record"):
-    """Yield the rows of the wave: free, or under the slider with the electrical side."""
+    """Yield name and text of the wave: free, or under the slider with the electrical side."""
     wave, electrical = record.wave, record.electrical
     if not record.points:
-        yield "velocity", f"{wave['phase_velocity_m_per_s']:.8g} m/s"
-        yield "surface ratio", f"{wave['surface_ratio']:.6g} (|u_x/u_z|)"
-        yield "attenuation", f"{wave['attenuation_per_m']:.4g} 1/m"
+        for key in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m"):
+            yield quantity(key).head, _stated(wave, key)
     if not electrical:
         return
-    size, velocity, ratio = (wave[key] for key in ("normal_m_per_V", "phase_velocity_m_per_s", "standing_wave_ratio"))
-    place = f"{abs(size) * 1e9:.4g} nm per V at the slider's place"
-    yield "wave", f"{place}, {velocity:.6g} m/s, standing-wave ratio {ratio:.3g}"
+    size = abs(wave["normal_m_per_V"])
+    amplitude = f"{quantity('normal_m_per_V').with_unit(size)} at the slider's position"
+    ratio = f"standing-wave ratio {wave['standing_wave_ratio']:.3g}"
+    yield "wave", f"{amplitude}, {_stated(wave, 'phase_velocity_m_per_s')}, {ratio}"
     if "section_normal_m_per_V" in wave:
-        change = abs(wave["section_normal_m_per_V"]) / abs(size) - 1
-        yield "diffraction", f"the plane section would give {percent(change)} at the slider's place"
-    admittance = electrical["admittance_S"]
-    yield "admittance", f"{admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS"
+        change = abs(wave["section_normal_m_per_V"]) / size - 1
+        yield "diffraction", f"the plane section would give {percent(change)} at the slider's position"
+    yield "admittance", _stated(electrical, "admittance_S")
     yield from _source(electrical, record.scene.drive)
 
 
 def _source(electrical: dict, drive):
-    """Yield the network's elements and where the available power goes, for a source with an impedance."""
+    """Yield name and text of the matching network, the shares of the available power, and the recovered power."""
     if drive.match != "none":
         parts = [str(each) for each in drive.match]
         yield "match", ", ".join(parts) + " (from the source to the transducer)"
     available = electrical.get("power_available_W_per_V2")
     if available is not None:
-        shares = (f"{name} {100 * electrical[f'power_{key}'] / available:.3g} %" for name, key in SHARES.items())
+        share = quantity("power_share")
+        shares = (f"{name} {share.with_unit(electrical[f'power_{key}'] / available)}" for name, key in SHARES.items())
         yield "power", f"of the available: {', '.join(shares)}"
         yield "electrodes", f"{abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source"
     ratio = electrical.get("recovery_ratio")
     if ratio is not None:
         load = complex(drive.recovery.load)
-        kept = f"{100 * ratio:.3g} % of the power into the transducers"
-        yield "recovered", f"{kept}, in {load.real:.4g} {load.imag:+.4g}i ohm"
+        recovered = f"{quantity('power_share').with_unit(ratio)} of the power into the transducers"
+        yield "recovered", f"{recovered}, in {load.real:.4g} {load.imag:+.4g}i ohm"
     if "power_net_W_per_V2" in electrical:
         less = electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"]
         gives = f"the source gives 1/{less:.4g} of the power into the transducers"
@@ -175,13 +176,13 @@ def _source(electrical: dict, drive):
 
 
 def _uncertainty(block: dict):
-    """Yield how the bands were made, and what each tolerance makes of the velocity at the highest level."""
+    """Yield name and text of the method of the bands, and of the effect of each tolerance at the highest level."""
     if not block:
         return
-    made = "linear, tolerances added in quadrature"
+    method = "linear, tolerances added in quadrature"
     if "samples" in block:
-        made = f"percentiles of {block['samples']} samples (Latin hypercube)"
-    yield "uncertainty", f"bands of 95 %: {made}"
+        method = f"percentiles of {block['samples']} samples (Latin hypercube)"
+    yield "uncertainty", f"bands of 95 %: {method}"
     for key, count in block.get("bent", {}).items():
         at = f" at {count} points" if count else ""
         yield (
@@ -189,15 +190,13 @@ def _uncertainty(block: dict):
             f"the answer is nonlinear within the tolerance of {key}{at}: the band includes its middle and its ends;",
         )
         yield "", 'uncertain.method = "sampled" is more accurate'
-    widths = block.get("velocity_half_width_m_per_s", {})
+    widths, velocity = block.get("velocity_half_width_m_per_s", {}), quantity("velocity_m_per_s")
     for key, size in block["tolerances"].items():
-        effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
+        effect = f": +- {velocity.with_unit(widths[key])} at the highest level" if key in widths else ""
         yield "", f"{key} +- {size:.4g}{effect}"
-    for name in ("threshold", "release"):
-        for key, factor, unit in ((f"{name}_voltage_V", 1.0, "V"), (f"{name}_amplitude_m", 1e9, "nm")):
-            if key in block:
-                low, high = (end * factor for end in block[key])
-                yield "", f"{name} {low:.4g} to {high:.4g} {unit}"
+    for limit in map(quantity, LIMITS):
+        if limit.column in block:
+            yield "", f"{limit.head} {limit.interval(*block[limit.column])}"
 
 
 def percent(change: float) -> str:
@@ -225,7 +224,7 @@ def sentences(record: "Record") -> tuple[str, ...]:
 
 
 def comparison(block: dict):
-    """Yield what a run prints of a comparison, as rows of a name and a line."""
+    """Yield name and text of the lines that a run prints of a comparison with measurements."""
     if not block:
         return
     if "scan" in block:
@@ -238,15 +237,15 @@ def comparison(block: dict):
         if "measured_over_predicted" not in block:
             yield "", "no motion is predicted"
             return
-        yield "", f"deviation {100 * block['rms_deviation_relative']:.3g} % rms of the largest predicted"
-        ratio = f"measured / predicted {block['measured_over_predicted']:.4g}"
-        yield "", f"{ratio}, begins at {block['time_offset_s']:.4g} s"
+        yield "", f"deviation {_stated(block, 'rms_deviation_relative')} rms of the largest predicted"
+        start = quantity("time_s").with_unit(block["time_offset_s"])
+        yield "", f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {start}"
         return
-    rms, mean = (block[f"{kind}_deviation_m_per_s"] * 1e3 for kind in ("rms", "mean"))
-    relative = block.get("rms_deviation_relative")
-    share = "" if relative is None else f" ({100 * relative:.2g} % of the largest predicted)"
     yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared"
-    yield "", f"deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s"
+    rms, mean = (_stated(block, f"{kind}_deviation_m_per_s") for kind in ("rms", "mean"))
+    relative = "rms_deviation_relative"
+    share = f" ({_stated(block, relative)} of the largest predicted)" if relative in block else ""
+    yield "", f"deviation {rms} rms{share}, mean {mean}"
     if "measured_over_predicted" in block:
         ratio = abs(block["measured_over_predicted"])
         doubt = "; is the file in m/s?" if any(0.3 < ratio / power < 3 for power in (1e-3, 1e3)) else ""
@@ -258,13 +257,15 @@ def comparison(block: dict):
         yield "", "measured without a sign: the predicted direction is assumed"
 
 
+def _stated(block: dict, key: str) -> str:
+    return quantity(key).with_unit(block[key])
+
+
 def _limits(summary: dict):
-    """Yield threshold and release."""
-    for name in ("threshold", "release"):
+    """Yield name and text of threshold and release."""
+    for name, motion in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
+        levels = [_stated(summary, key) for key in LIMITS if key in summary and quantity(key).head == name]
         if name == "threshold" and summary.get("threshold_amplitude_m") == 0.0:
             yield name, "none: the load exceeds friction and moves the slider without a wave"
-        elif f"{name}_amplitude_m" in summary:
-            voltage = summary.get(f"{name}_voltage_V")
-            at = "" if voltage is None else f"{voltage:.4g} V, "
-            meaning = {"threshold": "starts to move", "release": "leaves the surface in every cycle"}[name]
-            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm: the slider {meaning}"
+        elif levels:
+            yield name, f"{', '.join(levels)}: the slider {motion}"

@@ -42,21 +42,22 @@ def speed(sheet: Datasheet, ax):
 
 def load_lines(sheet: Datasheet, ax):
     """Draw speed against load at some levels of the drive."""
+    up = quantity("velocity_m_per_s")
     factor, label = load_axis(max(sheet.balls * line.load[-1] for line in sheet.lines.values()))
     for name, line, colour in family(sheet.lines):
-        curve(ax, sheet.balls * line.load * factor, line.velocity * 1e3, ".-", colour, name)
+        curve(ax, sheet.balls * line.load * factor, line.velocity * up.scale, ".-", colour, name)
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
-    return finished(ax, label, quantity("velocity_m_per_s").axis, "speed against load")
+    return finished(ax, label, up.axis, "speed against load")
 
 
 def start_and_stop(sheet: Datasheet, ax):
     """Draw the velocity of the slider during start and stop."""
-    motion = sheet.start_stop
-    curve(ax, motion.time * 1e3, motion.velocity * 1e3, "-", "slip", "slider")
-    settled_velocity = SETTLED * motion.velocity_at_burst_end * 1e3
-    ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
+    motion, time, up = sheet.start_stop, quantity("time_s"), quantity("velocity_m_per_s")
+    curve(ax, motion.time * time.scale, motion.velocity * up.scale, "-", "slip", "slider")
+    settled_velocity = SETTLED * motion.velocity_at_burst_end * up.scale
+    ax.axvline(motion.duration * time.scale, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
     label = f"{SETTLED:.0%} of the speed"
     ax.axhline(settled_velocity, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
     title = f"start and stop at {sheet.driven.scene.named(sheet.rated)}"
-    return finished(ax, quantity("time_s").axis, quantity("velocity_m_per_s").axis, title)
+    return finished(ax, time.axis, up.axis, title)

@@ -8,6 +8,7 @@ stdin and writes the pickled exception, or None, to stdout.
 
 import os
 import pickle
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -37,8 +38,10 @@ class Drawing:
         return self
 
     def __exit__(self, *raised):
-        """End the process."""
+        """End the process, and the copy of itself that draws beside it."""
         if self.process is not None:
+            if self.process.poll() is None and hasattr(os, "killpg"):
+                os.killpg(self.process.pid, signal.SIGKILL)
             self.process.kill()
             self.process.communicate()
 
@@ -65,16 +68,32 @@ def serve() -> None:
     matplotlib.artist.kwdoc = lambda artist: ""
     import matplotlib.figure
 
-    from studies.record.run_pictures import draw_run
-
     request = sys.stdin.buffer.read()
     if not request:  # the run ended without pictures, so that no answer is expected
         return
     failure = None
     try:
-        draw_run(*pickle.loads(request))
+        _draw(*pickle.loads(request))
     except Exception as error:
         failure = error
     sys.stdout.buffer.write(pickle.dumps(failure))
     sys.stdout.buffer.flush()
     os._exit(0)  # skip the clean-up of the plotting library, for which the run would wait 0.1 s
+
+
+def _draw(record: Record, folder: Path) -> None:
+    """Draw every second picture in a copy of this process, on another core; what the copy cannot draw is drawn here."""
+    from studies.record.run_pictures import draw_run, pictures
+
+    names = list(pictures(record))
+    halves = names[::2], names[1::2]
+    copy = os.fork() if sys.platform == "linux" and halves[1] else None  # other systems' libraries forbid it
+    if copy == 0:
+        try:
+            draw_run(record, folder, halves[1])
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    draw_run(record, folder, halves[0])
+    if copy is None or os.waitpid(copy, 0)[1] != 0:
+        draw_run(record, folder, halves[1])

@@ -11,6 +11,7 @@ import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
 from studies.chain.solver_errors import answered
 from studies.record.plots import COLOURS, arrow, saved
+from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
 from studies.refusal import SceneError
 from studies.results.content import plain
@@ -86,7 +87,7 @@ def half_space_answer(answer: dict) -> str:
         lines.append(("coupling K2", f"{100 * answer['coupling_K2']:.4g} %"))
     lines.append(("surface ratio", f"{answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})"))
     profile = answer["depth_profile"]
-    rows = [["depth (wavelengths)", "|u_x|", "|u_y|", "|u_z|"]]
+    rows = [[quantity("depth_wavelengths").axis, "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):
         sizes = [f"{abs(complex(*profile[f'u_{axis}'][row])):.5f}" for axis in "xyz"]
         rows.append([f"{profile['depth_wavelengths'][row]:g}", *sizes])
@@ -96,12 +97,13 @@ def half_space_answer(answer: dict) -> str:
 def tables_text(crystal: dict) -> list[str]:
     """Return the tensors and axes as lines of text, Voigt order 11 22 33 23 13 12."""
     lines = []
-    for head, key, sides, columns, unit in (
-        ("stiffness c (GPa), rotated", "stiffness_Pa", VOIGT, VOIGT, 1e-9),
-        ("coupling e (C/m^2), rotated", "coupling_C_per_m2", "xyz", VOIGT, 1.0),
-        ("permittivity (relative to vacuum, clamped), rotated", "permittivity_relative", "xyz", "xyz", 1.0),
+    for key, sides, columns in (
+        ("stiffness_Pa", VOIGT, VOIGT),
+        ("coupling_C_per_m2", "xyz", VOIGT),
+        ("permittivity_relative", "xyz", "xyz"),
     ):
-        lines += [head, *_table(crystal[key], sides, columns, unit), ""]
+        tensor = quantity(f"crystal.{key}")
+        lines += [f"{tensor.axis}, rotated", *_table(crystal[key], sides, columns, tensor), ""]
     cut, names = crystal["axes_in_crystal"], {"x": "x, propagation", "y": "y", "z": "z, outward normal"}
     rows = [[name, *(f"{part + 0.0:.5f}" for part in _clean(cut[axis]))] for axis, name in names.items()]
     return [*lines, "axes of the cut along the crystal's", *table([["", "X", "Y", "Z"], *rows])]
@@ -148,12 +150,12 @@ def save_axes(answer: dict, file: str | Path) -> None:
         raise SceneError("--plot", f"cannot write {str(file)!r}: {error.strerror or error}") from None
 
 
-def _table(rows, heads, columns, unit: float) -> list[str]:
+def _table(rows, heads, columns, tensor: Quantity) -> list[str]:
     largest = max(abs(value) for row in rows for value in row)
     cells = [["", *columns]]
     for head, row in zip(heads, rows, strict=True):
         entries = [value if abs(value) > NOISE * largest else 0.0 for value in row]
-        cells.append([head, *(f"{value * unit:.5g}" for value in entries)])
+        cells.append([head, *map(tensor.text, entries)])
     return table(cells)
 
 

@@ -14,28 +14,30 @@ def draw_surface_map(beam, scene: Scene, ax):
     from matplotlib.patches import Polygon, Rectangle
 
     orange = COLOURS["intermittent"]
+    across, up, shade = quantity("x_m"), quantity("y_m"), quantity("normal_m_per_V")
     x, y, motion = surface_map(beam, scene.stator)
-    amplitude = abs(motion[2]).T * 1e9
-    colours = ax.pcolormesh(x * 1e3, y * 1e3, amplitude, cmap="viridis", shading="gouraud", rasterized=True)
-    ax.figure.colorbar(colours, ax=ax, label="|u_z| (nm/V)")
+    options = {"cmap": "viridis", "shading": "gouraud", "rasterized": True}
+    colours = ax.pcolormesh(x * across.scale, y * up.scale, abs(motion[2]).T * shade.scale, **options)
+    ax.figure.colorbar(colours, ax=ax, label=f"|{shade.head}| ({shade.shown})")
     for each in fem_model.transducers(scene):
-        ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
+        ax.add_patch(Polygon(each.corners * across.scale, fill=False, edgecolor="white", linewidth=1.2))
     touching = ""
     if scene.slider is not None and scene.slider.pillars is not None:
         layout, touching = pillars.layout(scene.slider), "; orange: the pillars' area"
-        (left, along), (low, across) = ((each.min(), np.ptp(each)) for each in (layout.x, layout.y))
+        (left, length), (low, width) = ((each.min(), np.ptp(each)) for each in (layout.x, layout.y))
         x_center, y_center = scene.slider.center
-        corner = 1e3 * (x_center + left), 1e3 * (y_center + low)
-        ax.add_patch(Rectangle(corner, 1e3 * along, 1e3 * across, fill=False, edgecolor=orange, linewidth=1.2))
+        corner = (x_center + left) * across.scale, (y_center + low) * up.scale
+        size = length * across.scale, width * up.scale
+        ax.add_patch(Rectangle(corner, *size, fill=False, edgecolor=orange, linewidth=1.2))
     elif scene.slider is not None:
         touching = "; points: the slider's contacts"
-        at = 1e3 * np.array(scene.slider.places)
+        at = np.array(scene.slider.contact_positions) * across.scale
         ax.plot(*at.T, "o", color=orange, markeredgecolor="white", markersize=6)
     for side in (-1, 1):
-        ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
+        ax.axhline(side * y[-1] * up.scale, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if scene.stator.length < 12 * scene.stator.width else "auto")
     title = f"{scene.title}\nbeam: |u_z|, peak, per volt; white: apertures{touching}"
-    return finished(ax, quantity("x_m").axis, quantity("y_m").axis, title, columns=0, grid=False)
+    return finished(ax, across.axis, up.axis, title, columns=0, grid=False)
 
 
 def pixels(stator) -> tuple[int, int]:

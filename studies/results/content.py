@@ -1,6 +1,6 @@
-"""What the files of a result hold: values in terms of JSON, and the versions behind them.
+"""The content of a result's files: values in terms of JSON, and versions of the program and its packages.
 
-Complex numbers become ``[re, im]``; a number that is not finite never leaves: it is refused here, by its path.
+Complex numbers become ``[re, im]``; a number that is not finite is refused, with its path.
 """
 
 import json
@@ -42,7 +42,7 @@ def write_json(file: Path, whole: dict) -> None:
 
 @cache
 def provenance() -> dict:
-    """Return the versions behind a result."""
+    """Return the versions of the program, of Python and of the packages."""
     import platform
     from importlib.metadata import PackageNotFoundError, version
 

@@ -1,4 +1,4 @@
-"""A directory of results: a command writes its files into a hidden work folder, and ``commit`` moves them into place.
+"""A directory of results: a command writes into a hidden work folder, and ``commit`` moves the files to their names.
 
 One rename of the work folder decides a commit.  The moves that follow are completed after an interrupt, or by the next
 command that opens the directory if the process dies before.  The manifest lists every file that the program wrote, with
@@ -28,7 +28,7 @@ NAMES_SHOWN = 6  # in a message
 
 @dataclass(frozen=True, kw_only=True)
 class Origin:
-    """What a result belongs to."""
+    """The run, study or export that a result belongs to."""
 
     kind: str  # "run", "study" or "export"
     name: str  # of the scene or the study
@@ -57,20 +57,20 @@ def read_manifest(folder: Path) -> dict:
 class ResultDirectory:
     """A directory that is being written."""
 
-    folder: Path  # where to write; exists and is empty
-    target: Path  # where the files shall be
+    folder: Path  # to write into; exists and is empty
+    target: Path  # of the files after a commit
     origin: Origin
     # sentences for the user: what was replaced, renamed and left alone
     notes: list[str] = field(default_factory=list)
     _written: dict[str, str] = field(default_factory=dict)  # name: SHA-256, by earlier commits
 
     def commit(self) -> None:
-        """Move all files of the work folder into place; the first commit replaces the former result."""
+        """Move all files of the work folder to the target; the first commit replaces the former result."""
         first, former = not self._written, read_manifest(self.target)
         self._written |= {name: _digest(self.folder / name) for name in _files_below(self.folder)}
         about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written}
         (self.folder / MANIFEST).write_text(json.dumps(about, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        for name in self._written:  # whatever needs space or a permission comes before the decision
+        for name in self._written:  # before the rename that decides, because it needs space and permission
             (self.target / name).parent.mkdir(parents=True, exist_ok=True)
         self.folder.rename(self.target / READY)
         replaced, renamed = _complete(self.target)
@@ -79,7 +79,7 @@ class ResultDirectory:
             of = "" if _origin(former) == _origin(about) else f" of {_named(former)}"
             self.notes.append(f"replaced the former result in {self.target}: {_listed(replaced)}{of}")
         if renamed:
-            pairs = [f"{name} is now {kept}" for name, kept in renamed.items()]
+            pairs = [f"{name} is now {new_name}" for name, new_name in renamed.items()]
             self.notes.append(f"kept in {self.target}, as sawmotor did not write them: {_listed(pairs)}")
         known = {name.split("/")[0] for name in (*self._written, *renamed.values())} | HIDDEN
         others = sorted(each.name for each in self.target.iterdir() if each.name not in known)
@@ -89,7 +89,7 @@ class ResultDirectory:
 
 @contextmanager
 def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = True) -> Iterator[ResultDirectory]:
-    """Lend a directory to write into; only what is committed stays.
+    """Provide a directory to write into; only committed files stay.
 
     ``named_by_user`` is False for a default directory: there a result of another origin is refused (SceneError), not
     replaced.
@@ -100,7 +100,7 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
 
     target = Path(path).absolute()
     made = [parent for parent in (target, *target.parents) if not parent.exists()]
-    lock, lent = None, False
+    lock, ready = None, False
     try:
         _refuse_others(target, origin, named_by_user=named_by_user)
         target = target.resolve()
@@ -110,7 +110,7 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
         _complete(target)
         shutil.rmtree(target / WORK, ignore_errors=True)
         (target / WORK).mkdir()
-        lent = True
+        ready = True
         yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
     except Timeout:
         raise RunError(
@@ -118,7 +118,7 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
         ) from None
     except OSError as error:
         sentence = f"the result directory {str(path)!r} cannot be written: {error.strerror or error}"
-        raise (RunError(sentence) if lent else SceneError("", sentence)) from None
+        raise (RunError(sentence) if ready else SceneError("", sentence)) from None
     finally:
         if lock is not None and lock.is_locked:
             with suppress(OSError):
@@ -132,7 +132,7 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
 
 
 def _complete(target: Path) -> tuple[list[str], dict[str, str]]:
-    """Move what a commit has decided on into place; return the names it replaced, and new names of others' files."""
+    """Move the files of a decided commit to their names; return replaced names, and the new names of a user's files."""
     ready, former, new = target / READY, read_manifest(target), read_manifest(target / READY)
     if not new:
         return [], {}
@@ -140,13 +140,13 @@ def _complete(target: Path) -> tuple[list[str], dict[str, str]]:
     stale = [name for name in former.get("files", {}) if name not in new["files"]]
     replaced, renamed = [], {}
     for name in sorted({*waiting, *stale}, key=lambda each: (each not in MARKS, each)):
-        place = target / name
-        if place.is_file() and not place.is_symlink() and _digest(place) == former.get("files", {}).get(name):
+        path = target / name
+        if path.is_file() and not path.is_symlink() and _digest(path) == former.get("files", {}).get(name):
             replaced.append(name)
             if name in stale or name in MARKS:
-                place.unlink()
-        elif lexists(place) and name in waiting:
-            renamed[name] = place.rename(_free_name(place)).name
+                path.unlink()
+        elif lexists(path) and name in waiting:
+            renamed[name] = path.rename(_free_name(path)).name
     for name in [*sorted(waiting, key=MARKS.__contains__), MANIFEST]:
         (ready / name).replace(target / name)
     for folder in {folder for name in stale for folder in list(Path(name).parents)[:-1]}:
@@ -157,24 +157,24 @@ def _complete(target: Path) -> tuple[list[str], dict[str, str]]:
 
 
 def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None:
-    """Refuse a directory that holds no result, and as a default one that holds another's."""
+    """Refuse a directory that holds no result; as a default directory also one that holds another result."""
     if not target.exists():
         return
     if not target.is_dir():
         raise SceneError("", f"the result directory {str(target)!r} cannot be written: a file of that name exists")
-    held = {each.name for each in target.iterdir()}
-    then = read_manifest(target / READY) or read_manifest(target)
-    kinds = [kind for mark, kind in MARKS.items() if mark in held]
-    if held - HIDDEN and not kinds and not then:
+    names = {each.name for each in target.iterdir()}
+    former = read_manifest(target / READY) or read_manifest(target)
+    kinds = [kind for mark, kind in MARKS.items() if mark in names]
+    if names - HIDDEN and not kinds and not former:
         raise SceneError(
             "", f"the result directory {str(target)!r} holds files that are not a result of sawmotor; name another"
         )
     if named_by_user:
         return
-    if then and _origin(then) != origin.described(target):
+    if former and _origin(former) != origin.described(target):
         choice = f"--out {os.path.relpath(target)} replaces it, another --out keeps both"
-        raise SceneError("--out", f"is needed: {str(target)!r} holds {_named(then)}; {choice}")
-    if not then and kinds and origin.kind not in kinds:
+        raise SceneError("--out", f"is needed: {str(target)!r} holds {_named(former)}; {choice}")
+    if not former and kinds and origin.kind not in kinds:
         raise SceneError("--out", f"is needed: {str(target)!r} holds the result of a {kinds[0]}")
 
 
@@ -196,12 +196,12 @@ def _files_below(folder: Path) -> list[str]:
     return sorted(each.relative_to(folder).as_posix() for each in folder.rglob("*") if not each.is_dir())
 
 
-def _free_name(place: Path) -> Path:
-    """Return a name that is free beside a file: velocity.former.csv, velocity.former-2.csv, ..."""
-    number, other = 1, place.with_name(f"{place.stem}.former{place.suffix}")
+def _free_name(path: Path) -> Path:
+    """Return an unused name beside a file: velocity.former.csv, velocity.former-2.csv, ..."""
+    number, other = 1, path.with_name(f"{path.stem}.former{path.suffix}")
     while lexists(other):
         number += 1
-        other = place.with_name(f"{place.stem}.former-{number}{place.suffix}")
+        other = path.with_name(f"{path.stem}.former-{number}{path.suffix}")
     return other
 
 

@@ -10,11 +10,13 @@ from typing import Annotated, Any, ClassVar
 
 from studies.refusal import shown
 from studies.scene.block import Block, Within
-from studies.scene.numbers import NUMBER, Listed, Quantity, Row, as_pair, impedance, matrix, place
+from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, impedance, matrix, surface_position
 from studies.scene.rule import FLAG, TEXT, Count, Named, choice, signs
 
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
-ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | Row((NUMBER,) * 3, "three angles [phi, theta, psi] in degrees")
+ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | FixedList(
+    (NUMBER,) * 3, "three angles [phi, theta, psi] in degrees"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +149,7 @@ class Transducer(Block):
     name: Annotated[str, TEXT, "Name of the transducer, to which [drive] refers."]
     center: Annotated[
         float | tuple[float, float],
-        place(),
+        surface_position(),
         "Position of the middle of the fingers: x from the left end of the stator, or [x, y] with y from its middle"
         " line.",
     ]
@@ -201,8 +203,8 @@ class Transducer(Block):
             yield "pattern", f"must leave at least one finger, got {shown(self.pattern)}"
 
     @property
-    def place(self) -> tuple[float, float]:
-        """Its middle (x, y) on the stator, m."""
+    def center_xy(self) -> tuple[float, float]:
+        """Position (x, y) of its middle on the stator, m."""
         return as_pair(self.center)
 
     @property
@@ -214,22 +216,22 @@ class Transducer(Block):
 
     @property
     def half_length(self) -> float:
-        """Half the length of its row of fingers, m."""
+        """Half its length along its direction of propagation, m."""
         return self.finger_pairs * self.wavelength / 2
 
     @property
     def turned(self) -> bool:
-        """Whether its waves run along another line than the stator's middle."""
-        return self.angle % 360 != 0 or self.place[1] != 0
+        """Whether it is rotated or lies beside the middle line of the stator."""
+        return self.angle % 360 != 0 or self.center_xy[1] != 0
 
     @property
     def fingers(self) -> int:
-        """Places of fingers, those left out included."""
+        """Number of fingers, those left out included."""
         return self.finger_pairs * (4 if self.split else 2)
 
     @property
-    def has_two_combs(self) -> bool:
-        """Whether a voltage can stand between its combs."""
+    def has_two_electrodes(self) -> bool:
+        """Whether it has fingers of both electrodes, so that it can have a voltage."""
         return self.pattern is None or {"+", "-"} <= set(self.pattern)
 
 
@@ -251,7 +253,7 @@ class Piece(Block):
     position: Annotated[
         tuple[float, ...],
         Listed(Quantity("m", negative=True), ranged=True),
-        "Place of the file's x = 0, from the left end of the stator; several places are a list or a range.",
+        "Position of the file's x = 0, from the left end of the stator; several positions are a list or a range.",
     ]
     materials: Annotated[
         tuple | None,

@@ -1,13 +1,18 @@
-"""What the blocks of a scene must not say together: each check yields key and rule of what it refuses."""
+"""Consistency of the blocks of a scene: each check yields the key and the rule of what it refuses."""
 
 import math
 from collections.abc import Iterator
 
 from studies.refusal import nearest, shown
 
-ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
+MIN_COSINE = 0.7  # of the angle between x and the wave of at least one driven transducer
+CROSSED = "where a transducer is turned or stands beside the middle line"  # condition of a rule, as printed
 NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"
 Refused = Iterator[tuple[str, str]]
+
+
+def _mm(length: float) -> str:
+    return f"{length * 1e3:g} mm"
 
 
 def check_uncertain(scene) -> Refused:
@@ -16,12 +21,11 @@ def check_uncertain(scene) -> Refused:
         yield "uncertain", "needs a [slider]: its bands are those of the velocity"
 
 
-def check_given_wave(scene) -> Refused:
-    """Ask for a stator or a given wave; with a wave, refuse what needs a stator."""
+def check_prescribed_wave(scene) -> Refused:
+    """Require a stator or a prescribed wave; with a wave, refuse what needs a stator."""
     if scene.wave is None:
         if scene.stator is None:
-            rule = "is missing: a scene needs a [stator] with a [drive], or a [wave] with a [slider]"
-            yield "stator", rule
+            yield "stator", "is missing: a scene needs a [stator] with a [drive], or a [wave] with a [slider]"
         return
     blocks = ("stator", "transducer", "piece", "drive")
     computed = [f"[{key}]" for key in blocks if getattr(scene, key) not in (None, ())]
@@ -36,23 +40,23 @@ def check_given_wave(scene) -> Refused:
     if slider.ball is not None:
         yield "slider.ball", "must not be given with [wave]: there is no stator; give both moduli in Pa"
     if slider.pillars is not None:
-        yield from _pillars_on_given_wave(scene.wave, slider)
+        yield from _pillars_on_prescribed_wave(scene.wave, slider)
     elif not isinstance(slider.contacts, int):
         yield "slider.contacts", "must be a number with [wave]: offsets need a wavelength, of a [stator]"
 
 
-def _pillars_on_given_wave(wave, slider) -> Refused:
-    """Ask for the wavelength of pillars at different places, and for Gamma where they load the wave."""
+def _pillars_on_prescribed_wave(wave, slider) -> Refused:
+    """Require the wavelength of pillars at different positions, and Gamma where they load the wave."""
     one_row = slider.pillars.file is None and slider.pillars.counts[0] == 1
     if wave.wavelength is None and (slider.loading or not one_row):
-        yield ("wave.wavelength", "is required and missing: [slider.pillars] stand at different places along the wave")
+        yield "wave.wavelength", "is required and missing: [slider.pillars] stand at different positions along x"
     if slider.loading and wave.compliance is None:
         rule = "is required and missing where slider.loading is true: Gamma of the surface, such as 2.5e-12 1/Pa"
         yield "wave.compliance", rule
 
 
 def check_drive(scene) -> Refused:
-    """Ask for what drives the transducers, and for nothing more."""
+    """Require what drives the transducers, and nothing more."""
     drive, names = scene.drive, [each.name for each in scene.transducer]
     if scene.wave is not None or scene.stator is None:
         return
@@ -62,16 +66,16 @@ def check_drive(scene) -> Refused:
     level = "voltage" if drive.power is None else "power"
     source = "transducer" if drive.sources is None else "sources"
     if not names:
-        given = (("match", drive.match != "none"), (source, drive.driven), (level, getattr(drive, level) is not None))
-        for key, stands in given:
-            if stands:
+        keys = {"match": drive.match != "none", source: drive.driven, level: getattr(drive, level) is not None}
+        for key, present in keys.items():
+            if present:
                 yield f"drive.{key}", NOT_DRIVEN
         if drive.frequency == "center":
             yield "drive.frequency", 'must be a number in Hz without a transducer, got "center"'
         return
-    for key, wanted in ((source, f"one of {', '.join(map(shown, names))}"), (level, "peak values in V")):
+    for key, allowed in ((source, f"one of {', '.join(map(shown, names))}"), (level, "peak values in V")):
         if getattr(drive, key) is None:
-            yield f"drive.{key}", f"is required and missing: the scene has transducers; give {wanted}"
+            yield f"drive.{key}", f"is required and missing: the scene has transducers; give {allowed}"
     for name in drive.driven:
         if name not in names:
             rule = f"must name one of the transducers, got {shown(name)}"
@@ -83,7 +87,7 @@ def check_drive(scene) -> Refused:
 
 
 def check_recovery(scene) -> Refused:
-    """Ask for a receiver that is not driven and has no load of its own."""
+    """Require a receiver that is not driven and has no load of its own."""
     if scene.drive is None or scene.drive.recovery is None or scene.stator is None:
         return
     recovery, names = scene.drive.recovery, [each.name for each in scene.transducer]
@@ -99,53 +103,52 @@ def check_recovery(scene) -> Refused:
 
 
 def check_transducers(scene) -> Refused:
-    """Keep transducers of different names on the stator; where their fingers reach, ``fem`` checks."""
+    """Require different names and positions on the stator; ``fem`` checks where the fingers end."""
     if scene.wave is not None or scene.stator is None:
         return
     names, stator = [each.name for each in scene.transducer], scene.stator
     for index, each in enumerate(scene.transducer):
-        at, x = f"transducer.{index}", each.place[0]
+        at, x = f"transducer.{index}", each.center_xy[0]
         if each.name in names[:index]:
             yield f"{at}.name", f"must differ from the others, got {shown(each.name)} twice"
         if each.aperture > stator.width:
-            rule = f"must be at most stator.width, {stator.width * 1e3:g} mm, got {each.aperture * 1e3:g} mm"
-            yield f"{at}.aperture", rule
+            yield f"{at}.aperture", f"must be at most stator.width, {_mm(stator.width)}, got {_mm(each.aperture)}"
         if not 0 < x < stator.length:
-            yield (f"{at}.center", f"must be on the stator, 0 to {stator.length * 1e3:g} mm, got {x * 1e3:g} mm")
+            yield f"{at}.center", f"must be on the stator, 0 to {_mm(stator.length)}, got {_mm(x)}"
 
 
 def check_turned(scene) -> Refused:
-    """Refuse turned transducers where their waves do not spread."""
+    """Refuse rotated or off-axis transducers where their beams cannot be computed."""
     if scene.stator is None or not scene.crossed:
         return
-    what, stator = "where a transducer is turned or stands beside the middle line", scene.stator
+    stator = scene.stator
     for key in ("ends", "sides"):
         if getattr(stator, key) != "absorbing":
-            yield f"stator.{key}", f"must be absorbing {what}, got {shown(getattr(stator, key))}"
+            yield f"stator.{key}", f"must be absorbing {CROSSED}, got {shown(getattr(stator, key))}"
     if stator.diffraction is False:
-        yield "stator.diffraction", f"must be true or absent {what}: a plane section has no y"
+        yield "stator.diffraction", f"must be true or absent {CROSSED}: a plane section has no y"
 
 
-def check_combs(scene) -> Refused:
-    """Ask for fingers of both combs where a voltage stands between them."""
+def check_electrodes(scene) -> Refused:
+    """Require fingers of both electrodes where a transducer has a voltage."""
     if scene.drive is None:
         return
     driven, recovery = scene.drive.driven, scene.drive.recovery
     for index, each in enumerate(scene.transducer):
         receives = recovery is not None and each.name == recovery.receiver
-        if not each.has_two_combs and (each.name in driven or receives or scene.crossed):
-            where = "where a transducer is turned or stands beside the middle line"
+        if not each.has_two_electrodes and (each.name in driven or receives or scene.crossed):
+            where = CROSSED
             if each.name in driven or receives:
                 where = f"on the {'driven' if each.name in driven else 'receiving'} transducer"
-            yield (f"transducer.{index}.pattern", f"must have + and - fingers {where}, got {shown(each.pattern)}")
+            yield f"transducer.{index}.pattern", f"must have + and - fingers {where}, got {shown(each.pattern)}"
 
 
 def check_direction(scene) -> Refused:
-    """Refuse sources that would move the slider across."""
+    """Refuse sources that would move the slider along y."""
     if scene.slider is None or scene.drive is None or not scene.crossed:
         return
     driven = [each for each in scene.transducer if scene.drive.driven.get(each.name)]
-    if driven and all(abs(math.cos(math.radians(each.angle))) < ALONG for each in driven):
+    if driven and all(abs(math.cos(math.radians(each.angle))) < MIN_COSINE for each in driven):
         names = ", ".join(f"{each.name!r} at {each.angle:g} deg" for each in driven)
         rule = "must drive a transducer within 45 deg of x: the contact is one-dimensional, and the slider would"
         key = "transducer" if scene.drive.sources is None else "sources"
@@ -153,7 +156,7 @@ def check_direction(scene) -> Refused:
 
 
 def check_slider(scene) -> Refused:
-    """Keep the contacts on a stator that is driven."""
+    """Require contacts on a stator that is driven."""
     slider, stator = scene.slider, scene.stator
     if scene.wave is not None or slider is None or stator is None:
         return
@@ -162,15 +165,15 @@ def check_slider(scene) -> Refused:
     if slider.position is None:
         yield "slider.position", "is required and missing: where on the [stator] the slider stands, in m"
         return
-    places = [x for x, _ in slider.places]
-    for place in sorted({min(places), max(places)}):
-        if not 0 <= place <= stator.length:
-            rule = f"must keep the contacts on the stator, 0 to {stator.length * 1e3:g} mm"
-            yield ("slider.position", f"{rule}, got {slider.center[0] * 1e3:g} mm, a contact at {place * 1e3:g} mm")
-    beside, half = max((y for _, y in slider.places), key=abs), stator.width / 2
+    positions = [x for x, _ in slider.contact_positions]
+    for x in sorted({min(positions), max(positions)}):
+        if not 0 <= x <= stator.length:
+            rule = f"must keep the contacts on the stator, 0 to {_mm(stator.length)}"
+            yield "slider.position", f"{rule}, got {_mm(slider.center[0])}, a contact at {_mm(x)}"
+    beside, half = max((y for _, y in slider.contact_positions), key=abs), stator.width / 2
     if abs(beside) > half:
-        rule = f"must keep the contacts on the stator, y from -{half * 1e3:g} to {half * 1e3:g} mm"
-        yield "slider.position", f"{rule}, got a contact at y = {beside * 1e3:g} mm"
+        rule = f"must keep the contacts on the stator, y from {-half * 1e3:g} to {_mm(half)}"
+        yield "slider.position", f"{rule}, got a contact at y = {_mm(beside)}"
 
 
 def check_pieces(scene) -> Refused:
@@ -181,24 +184,24 @@ def check_pieces(scene) -> Refused:
         yield "piece", "must be absent without a [stator]: it is a part of its section"
         return
     if scene.crossed:
-        yield "piece", "must be absent where a transducer is turned or stands beside the middle line"
+        yield "piece", f"must be absent {CROSSED}"
     if scene.stator.diffraction:
         rule = "must be false or absent with a [[piece]]: the field in three dimensions of a mesh is not computed"
         yield "stator.diffraction", rule
     for index, each in enumerate(scene.piece):
         if len(set(each.position)) < len(each.position):
-            yield f"piece.{index}.position", f"must name different places, got {shown(list(each.position))}"
+            yield f"piece.{index}.position", f"must name different positions, got {shown(list(each.position))}"
 
 
 CHECKS = (
     check_uncertain,
-    check_given_wave,
+    check_prescribed_wave,
     check_drive,
     check_recovery,
     check_transducers,
-    check_combs,
+    check_electrodes,
     check_turned,
     check_direction,
     check_slider,
     check_pieces,
-)  # in the order in which their refusals are told
+)  # in the order in which their refusals are printed

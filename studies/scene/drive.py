@@ -1,4 +1,4 @@
-"""The blocks of a scene that set frequency, levels and burst: the drive with its circuit, or a given surface motion.
+"""The blocks of a scene that set frequency, levels and burst: the drive and its circuit, or a prescribed motion.
 
 Everything is in SI units once read.  Amplitudes and voltages are peak values.
 """
@@ -43,7 +43,7 @@ class Element(Block):
 
     @property
     def name(self) -> str:
-        """Its place and kind, such as series_L."""
+        """Its position in the ladder and its kind, such as series_L."""
         return next(name for name in keys_of(Element) if getattr(self, name) is not None)
 
     def __str__(self) -> Any:
@@ -52,7 +52,7 @@ class Element(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Recovery(Block):
-    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase."""
+    """A receiving transducer whose load takes the power, or feeds it back to the source in phase."""
 
     block: ClassVar[str] = "drive.recovery"
     receiver: Annotated[str, TEXT, "Name of the transducer that receives; the load replaces its termination."]
@@ -163,7 +163,7 @@ class Drive(Block):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.sources is not None:  # they count; the first that is on is the one that reports are about
+        if self.sources is not None:  # reports are about the first source that is not 0
             first = next(name for name, amplitude in self.sources if amplitude)
             object.__setattr__(self, "transducer", first)
 
@@ -176,7 +176,7 @@ class Drive(Block):
 
     @property
     def levels(self) -> tuple[float, ...]:
-        """Peak voltages of the source in V, those of the powers where these are given; empty without either."""
+        """Peak voltages of the source in V, which follow from drive.power where it is set; empty without either."""
         if self.power is None:
             return self.voltage or ()
         return tuple((self._squared_voltage_per_watt * power) ** 0.5 for power in self.power)
@@ -197,7 +197,7 @@ class Drive(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Wave(Block):
-    """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
+    """A prescribed surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
 
     block: ClassVar[str] = "wave"
     frequency: Annotated[float, Quantity("Hz"), "Frequency of the surface motion."]

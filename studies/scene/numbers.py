@@ -1,4 +1,4 @@
-"""The rules of numbers: quantities with their unit, tables, places, impedances, phasors and lists of levels."""
+"""The rules of numbers: quantities with their unit, tables, positions, impedances, phasors and lists of levels."""
 
 import cmath
 import math
@@ -11,7 +11,7 @@ from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.ranges import read_range
 from studies.scene.rule import Rule, choice, entries_of, read_each
 
-# In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
+# In SI units: no quantity of a motor is larger, or smaller than its inverse; products of a few stay finite.
 MAX_SIZE = 1e30
 DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
 PHASED = re.compile(rf"\s*({DIGITS})\s+at\s+([+-]?{DIGITS})\s*(deg|rad)\s*")
@@ -88,7 +88,7 @@ def units(unit: str) -> str:
 
 
 @dataclass(frozen=True)
-class Row(Rule):
+class FixedList(Rule):
     """A list of a fixed length, each entry with a rule of its own."""
 
     parts: tuple[Rule, ...]
@@ -113,25 +113,25 @@ class Row(Rule):
 
 def matrix(rows: int, columns: int) -> Rule:
     """Return the rule of a table of numbers of a given shape."""
-    row = Row((NUMBER,) * columns, f"a row of {columns} numbers")
-    return Row((row,) * rows, f"a {rows}x{columns} table of numbers")
+    row = FixedList((NUMBER,) * columns, f"a row of {columns} numbers")
+    return FixedList((row,) * rows, f"a {rows}x{columns} table of numbers")
 
 
-def place(*, negative: bool = False) -> Rule:
-    """Return the rule of a place on the surface: x, or [x, y]; [x, 0] is x."""
+def surface_position(*, negative: bool = False) -> Rule:
+    """Return the rule of a position on the surface: x, or [x, y]; [x, 0] is x."""
     along, across = Quantity("m", negative=negative), Quantity("m", negative=True)
-    return along | Row((along, across), "[x, y]", lambda x, y: (x, y) if y else x)
+    return along | FixedList((along, across), "[x, y]", lambda x, y: (x, y) if y else x)
 
 
-def as_pair(place: float | tuple[float, float]) -> tuple[float, float]:
-    """Return (x, y) of what `place` reads."""
-    return place if isinstance(place, tuple) else (place, 0.0)
+def as_pair(position: float | tuple[float, float]) -> tuple[float, float]:
+    """Return (x, y) of what `surface_position` reads."""
+    return position if isinstance(position, tuple) else (position, 0.0)
 
 
 def impedance(*words: str) -> Rule:
     """Return the rule of a passive impedance: a resistance, [resistance, reactance], or one of the words."""
     parts = (Quantity("ohm", zero=True), Quantity("ohm", negative=True))
-    pair = Row(parts, "[resistance, reactance] in ohm", _complex)
+    pair = FixedList(parts, "[resistance, reactance] in ohm", _complex)
     return parts[0] | choice(*words) | pair if words else parts[0] | pair
 
 
@@ -158,12 +158,12 @@ class Phased(Rule):
         return {"type": "string", "pattern": f"^{PHASED.pattern}$"}
 
 
-AMPLITUDE = NUMBER | Phased() | Row((NUMBER, NUMBER), "[real, imaginary part]", _complex)
+AMPLITUDE = NUMBER | Phased() | FixedList((NUMBER, NUMBER), "[real, imaginary part]", _complex)
 
 
 @dataclass(frozen=True)
 class Listed(Rule):
-    """One value or a list that is not empty; ``ranged`` allows ``"START:STOP:N"``, ``distinct`` only a list."""
+    """One value or a list that is not empty; ``ranged`` also allows ``"START:STOP:N"``, ``distinct`` only a list."""
 
     each: Rule
     distinct: bool = False
@@ -177,7 +177,7 @@ class Listed(Rule):
 
     def read(self, path, value):
         if self.ranged and isinstance(value, str) and ":" in value:
-            value = read_range(path, value, self.unit).values
+            value = read_range(path, value, self.unit)
         entries = None if isinstance(value, complex) else entries_of(value)
         if entries is None:
             return (self._alone(path, value),)

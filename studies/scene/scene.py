@@ -20,9 +20,9 @@ from studies.scene.uncertain import Uncertain, split_tolerances
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(Block):
-    """A stator with its transducers and drive, or a given wave, and perhaps a slider.
+    """A stator with its transducers and drive, or a prescribed wave, and perhaps a slider.
 
-    A block that is absent is None; its type says Any instead, for what needs a block refuses the scene before it asks.
+    A block that is absent is None. Its type is written Any, because code that needs a block has refused scenes without.
     """
 
     block: ClassVar[str] = ""
@@ -33,11 +33,11 @@ class Scene(Block):
         Blocks(Transducer),
         "The transducers on the surface of the stator. Absent: the result is the free wave of the section.",
     ] = ()
-    piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section given as meshes."] = ()
+    piece: Annotated[tuple[Piece, ...], Blocks(Piece), "Parts of the stator's section, each a mesh."] = ()
     drive: Annotated[Drive | Any, Within(Drive), "The source; required with a stator."] = None
-    wave: Annotated[Wave | Any, Within(Wave), "A given surface motion, instead of stator, transducers and drive."] = (
-        None
-    )
+    wave: Annotated[
+        Wave | Any, Within(Wave), "A prescribed surface motion, instead of stator, transducers and drive."
+    ] = None
     slider: Annotated[Slider | Any, Within(Slider), "The slider. Absent: the result is the wave."] = None
     uncertain: Annotated[
         tuple | None,
@@ -108,18 +108,18 @@ class Scene(Block):
 
     @property
     def on_pillars(self) -> bool:
-        """Whether there is a slider, and it stands on pillars."""
+        """Whether there is a slider on pillars."""
         return self.slider is not None and self.slider.pillars is not None
 
     @property
     def driven_obliquely(self) -> bool:
-        """Whether no driven transducer sends along x."""
+        """Whether no driven transducer radiates along x."""
         driven = [each for each in self.transducer if self.drive.driven.get(each.name)]
         return bool(driven) and all(each.angle % 180 for each in driven)
 
     @property
     def source(self) -> Drive | Wave | Any:
-        """The block that sets frequency, levels and burst: the drive, or the given wave."""
+        """The block that sets frequency, levels and burst: the drive, or the prescribed wave."""
         return self.drive if self.wave is None else self.wave
 
     @property
@@ -142,31 +142,32 @@ class Scene(Block):
         return f"{level:.4g} V" if self.wave is None else f"{level * 1e9:.4g} nm"
 
     def with_source(self, **keys: Any) -> Self:
-        """Return the scene with some keys of its `source` replaced by values in SI units, not read again."""
-        changed: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
-        return replace(self, **changed)
+        """Return the scene with keys of its `source` replaced by values in SI units, which are not checked."""
+        source: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
+        return replace(self, **source)
 
     def at_level(self, level: float) -> Self:
-        """Return the scene at one voltage in V, whose power is not given, or at one amplitude in m; no [uncertain]."""
-        own: dict[str, Any] = {"voltage": (level,), "power": None}
-        scene = self.with_source(**own if self.wave is None else {"normal_amplitude": (level,)})
-        return replace(scene, uncertain=None)
+        """Return the scene at one voltage in V or amplitude in m, without drive.power and [uncertain]."""
+        keys: dict[str, Any] = {"normal_amplitude": (level,)}
+        if self.wave is None:
+            keys = {"voltage": (level,), "power": None}
+        return replace(self.with_source(**keys), uncertain=None)
 
     @property
     def levels(self) -> tuple[float, ...]:
-        """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
+        """Peak voltages in V, or prescribed normal amplitudes in m; empty for a free wave."""
         return self.drive.levels if self.wave is None else self.wave.normal_amplitude
 
     @property
-    def contact_places(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the contacts on the stator, m; without a slider, the middle of the stator."""
-        return ((self.stator.length / 2, 0.0),) if self.slider is None else self.slider.places
+    def contact_positions(self) -> tuple[tuple[float, float], ...]:
+        """Positions (x, y) of the contacts on the stator, m; without a slider, the middle of the stator."""
+        return ((self.stator.length / 2, 0.0),) if self.slider is None else self.slider.contact_positions
 
     @property
-    def places(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) in m at which the motion is computed: the slider's centre, then the contacts."""
+    def positions(self) -> tuple[tuple[float, float], ...]:
+        """Positions (x, y) in m at which the motion is computed: the slider's centre, then the contacts."""
         first = () if self.slider is None else (self.slider.center,)
-        return tuple(dict.fromkeys((*first, *self.contact_places)))
+        return tuple(dict.fromkeys((*first, *self.contact_positions)))
 
     @property
     def driven_transducer(self) -> Transducer:
@@ -175,7 +176,7 @@ class Scene(Block):
 
     @property
     def frequency(self) -> float:
-        """Of the drive or the given wave, in Hz; "center" must have been resolved."""
+        """Frequency of the drive or the prescribed wave, Hz; "center" must have been resolved."""
         frequency = self.source.frequency
         if isinstance(frequency, str):
             self.refuse("drive.frequency", f"must be a number in Hz here, got {frequency!r}")

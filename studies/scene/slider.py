@@ -5,11 +5,11 @@ from typing import Annotated, Any, ClassVar
 
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.friction import Friction, LawFile, LawText
-from studies.scene.numbers import Listed, Quantity, Row, as_pair, place
+from studies.scene.numbers import FixedList, Listed, Quantity, as_pair, surface_position
 from studies.scene.pillars import Pillars
 from studies.scene.rule import FLAG, TEXT, Count, choice
 
-PLACE = Row((Quantity("m", negative=True),) * 2, "[x, y] in m")
+OFFSET = FixedList((Quantity("m", negative=True),) * 2, "[x, y] in m")
 ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
 
 
@@ -39,16 +39,16 @@ class Damping(Block):
 class Slider(Block):
     """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
 
-    Keys that what touches the stator decides, such as ``radius`` and ``pillars``, are None where they are absent; as
-    of the blocks of a scene, their types say Any instead.
+    Keys that depend on the kind of contact, such as ``radius`` and ``pillars``, are None where they are absent; their
+    types are written Any, as those of the blocks of a scene.
     """
 
     block: ClassVar[str] = "slider"
     position: Annotated[
         float | tuple[float, float] | Any,
-        place(),
+        surface_position(),
         "Position of the slider's centre: x from the left end of the stator, or [x, y] with y from the middle line."
-        " Required with a stator; absent with a given wave.",
+        " Required with a stator; absent with [wave].",
     ] = None
     shape: Annotated[
         str,
@@ -59,7 +59,7 @@ class Slider(Block):
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
         int | tuple[float | tuple[float, float], ...] | None,
-        Count(10_000) | Listed(place(negative=True), distinct=True),
+        Count(10_000) | Listed(surface_position(negative=True), distinct=True),
         "Positions of the balls relative to the slider's centre: a list of x or [x, y]; or the number of balls, all"
         " at the centre. Required without pillars.",
     ] = None
@@ -93,9 +93,7 @@ class Slider(Block):
         float | Any, Quantity("Pa"), "G* of the two bodies, 1/G* = sum of (2 - nu)/G; required unless ball is given."
     ] = None
     ball: Annotated[
-        str | None,
-        TEXT,
-        'Material of the balls, such as "steel", from which both moduli follow; not with a given wave.',
+        str | None, TEXT, 'Material of the balls, such as "steel", from which both moduli follow; not with [wave].'
     ] = None
     law: Annotated[
         str | LawText,
@@ -115,7 +113,7 @@ class Slider(Block):
         str,
         choice("auto", "exact", "stepped", "averaged"),
         "Integration of the slider's motion. exact: from event to event; stepped: fixed time steps; averaged: over "
-        "cycles of the wave; auto: chosen by error and cost.",
+        "cycles of the wave; auto: selected by error and cost.",
     ] = "auto"
     travel: Annotated[
         bool | None,
@@ -133,7 +131,7 @@ class Slider(Block):
         "Rotations of a slider on pillars. held: none; pitch: about y; free: about x and y.",
     ] = "held"
     preload_at: Annotated[
-        tuple[float, float], PLACE, "Point of action of the preload on a slider on pillars, [x, y] from its centre."
+        tuple[float, float], OFFSET, "Point of action of the preload on a slider on pillars, [x, y] from its centre."
     ] = (0.0, 0.0)
     load_height: Annotated[
         float, Quantity("m", zero=True), "Height above the surface at which the load acts on a slider on pillars."
@@ -176,10 +174,8 @@ class Slider(Block):
         if self.backing == "soft" and self.loading == "harmonics":
             yield "loading", 'must be true or false where slider.backing is "soft"'
         if self.backing == "soft" and self.tilt != "held":
-            yield (
-                "tilt",
-                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
-            )
+            rule = 'must be "held" where slider.backing is "soft", which has no plane to tilt'
+            yield "tilt", f'{rule}, got "{self.tilt}"'
 
     def check_punch(self) -> Any:
         if self.shape == "punch" and self.law == "hysteretic":
@@ -203,9 +199,9 @@ class Slider(Block):
             return
         number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
         if number == 0:
-            yield "heights", "needs slider.contacts as a list of places, one per height"
+            yield "heights", "needs slider.contacts as a list of positions, one per height"
         elif number != len(self.heights):
-            yield ("heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}")
+            yield "heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}"
 
     def check_moduli(self) -> Any:
         for key in ("effective_modulus", "tangential_modulus"):
@@ -232,8 +228,8 @@ class Slider(Block):
 
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
-        if self.contacts is None:  # pillars: the wave is taken at the centre, and marched from row to row
+        """Positions (x, y) of the contacts from the slider's centre, m; a mere number of contacts is at the centre."""
+        if self.contacts is None:  # pillars: the wave is computed at the centre and propagated from there
             return ((0.0, 0.0),)
         if isinstance(self.contacts, int):
             return ((0.0, 0.0),) * self.contacts
@@ -241,7 +237,7 @@ class Slider(Block):
 
     @property
     def share(self) -> int:
-        """Number of contacts that each computed one stands for: of a mere number of them, which move alike, all."""
+        """Number of contacts that each computed contact represents: all, if only their number is specified."""
         return self.contacts if isinstance(self.contacts, int) else 1
 
     @property
@@ -251,11 +247,11 @@ class Slider(Block):
 
     @property
     def center(self) -> tuple[float, float]:
-        """Place (x, y) of the slider's centre on the stator, m."""
+        """Position (x, y) of the slider's centre on the stator, m."""
         return as_pair(self.position)
 
     @property
-    def places(self) -> tuple[tuple[float, float], ...]:
-        """Different places (x, y) of the contacts on the stator, m."""
+    def contact_positions(self) -> tuple[tuple[float, float], ...]:
+        """Different positions (x, y) of the contacts on the stator, m."""
         x, y = self.center
         return tuple((x + along, y + across) for along, across in dict.fromkeys(self.offsets))

@@ -46,7 +46,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     """
     row_scene = whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "place")
-    row_scene, place = fem_model.first_row(row_scene, row_scene.places[0])
+    row_scene, place = fem_model.first_section(row_scene, row_scene.positions[0])
     transducers, driven = fem_model.transducers(row_scene), fem_model.driven(row_scene)
     section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
     try:
@@ -65,19 +65,20 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     known = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
     slowness, distance = _slowness(beam, wave), abs(place - driven.center)
 
-    def panel(name, title, label, at, motion, line_at, line, lateral) -> Panel:
-        surface, away = np.exp(known(line)), line - driven.center
+    def panel(name, title, key, at, motion, line_at, line, lateral) -> Panel:
+        surface, away, along = np.exp(known(line)), line - driven.center, quantity(key)
         return Panel(name=name, title=title, data={
-            "axis": label, "at": at * 1e3, "beam_m_per_V": abs(motion[2]), "line_at": line_at * 1e3,
+            "axis": along.axis, "at": at * along.scale, "beam_m_per_V": abs(motion[2]),
+            "line_at": line_at * along.scale,
             "section_m_per_V": abs(wave.motion(line)[1]),
             "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
         })  # fmt: skip
 
     panels = [
-        panel("along", f"On the axis of {driven.name!r}", "from the transducer's centre (mm)", x - driven.center, axis,
+        panel("along", f"On the axis of {driven.name!r}", "center_distance_m", x - driven.center, axis,
               fine_x - driven.center, fine_x, np.zeros(FINE)),
-        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", quantity("y_m").axis,
-              y, across, fine_y, np.full(FINE, place), fine_y),
+        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y_m", y, across,
+              fine_y, np.full(FINE, place), fine_y),
     ]  # fmt: skip
     section, mean = abs(wave.motion(place)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
     expected = float(slowness.spectrum(driven.aperture, np.array([distance]), np.zeros(1))[0])
@@ -108,13 +109,13 @@ def _slowness(beam, wave) -> fem.Slowness:
 @of_record
 def figure(record: Panel, ax):
     """Draw the beam as points, the angular spectrum as a line, and the section dashed."""
-    data = record.data
+    data, up = record.data, quantity("normal_m_per_V")
     if "scan" in data:
         return draw_scan(data, ax)
     for name, style, colour, label in (
         ("section", "--", "stick", "plane section"),
         ("spectrum", "-", "line", "angular spectrum"),
     ):
-        curve(ax, data["line_at"], data[f"{name}_m_per_V"] * 1e9, style, colour, label)
-    curve(ax, data["at"], data["beam_m_per_V"] * 1e9, "o", "slip", "finite aperture", size=2.0)
-    return finished(ax, data["axis"], quantity("normal_m_per_V").axis, record.title, columns=2)
+        curve(ax, data["line_at"], data[f"{name}_m_per_V"] * up.scale, style, colour, label)
+    curve(ax, data["at"], data["beam_m_per_V"] * up.scale, "o", "slip", "finite aperture", size=2.0)
+    return finished(ax, data["axis"], up.axis, record.title, columns=2)

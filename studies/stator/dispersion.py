@@ -63,15 +63,15 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
 @of_record
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points, the half-space's wave as a line."""
-    data = record.data
-    at, wavenumbers = data["frequency_Hz"] / 1e6, data["wavenumber_rad_per_m"] / 1e3
+    data, across, up = record.data, quantity("frequency_Hz"), quantity("wavenumber_rad_per_m")
+    at, wavenumbers = data["frequency_Hz"] * across.scale, data["wavenumber_rad_per_m"] * up.scale
     near = data["surface_share"] > 0.25
     curve(ax, at, wavenumbers, ".", "stick", "modes of the section")
     curve(ax, at[near], wavenumbers[near], ".", "slip", "near the surface", size=5.0)
-    theory = data["line_Hz"] / 1e6, data["line_rad_per_m"] / 1e3
+    theory = data["line_Hz"] * across.scale, data["line_rad_per_m"] * up.scale
     curve(ax, *theory, "-", "line", "Rayleigh wave of the half-space (theory)")
     ax.set_ylim(bottom=0)
-    return finished(ax, quantity("frequency_Hz").axis, quantity("wavenumber_rad_per_m").axis, record.title)
+    return finished(ax, across.axis, up.axis, record.title)
 
 
 def _propagating(stator, frequencies):

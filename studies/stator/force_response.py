@@ -21,6 +21,7 @@ import fem
 from studies.chain import fem_model, passband
 from studies.chain.solver_errors import answered
 from studies.record.plots import PALETTE, curve, lines
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.report.explanation import band_seconds, plan
 from studies.scene import Scene
@@ -121,13 +122,13 @@ class _ForceProblem:
 
     @classmethod
     def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
-        place = scene.places[0] if scene.slider is None else scene.slider.center
+        place = scene.positions[0] if scene.slider is None else scene.slider.center
         stator = fem_model.whole_stator(scene)
         wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
         if not reason and stator.ends != "absorbing":
             reason = "the beam of a force needs stator.ends = 'absorbing'"
-        narrowest = min(each.aperture for each in fem_model.section_row(scene))
+        narrowest = min(each.aperture for each in fem_model.section_transducers(scene))
         if reason and width is not None:
             scene.refuse("stator", f"must allow a beam for a strip of a given width: {reason}")
         own = width or (narrowest if reason else wavelength / 2)
@@ -167,7 +168,7 @@ class _ForceProblem:
         try:
             with answered(f"at {frequency / 1e6:.6g} MHz"):
                 return solve(
-                    fem_model.whole_stator(scene), fem_model.section_row(scene), frequency=float(frequency),
+                    fem_model.whole_stator(scene), fem_model.section_transducers(scene), frequency=float(frequency),
                     tolerance=self.tolerance, drive=fem_model.drive(scene), **options,
                 )  # fmt: skip
         except fem.InputError as error:
@@ -218,8 +219,8 @@ def _band(problem: _ForceProblem, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
     scene = problem.scene
     return fem.frequency_band(
-        fem_model.whole_stator(scene), fem_model.section_row(scene), lowest=float(at.min()), highest=float(at.max()),
-        drive=fem_model.drive(scene), tolerance=problem.tolerance, places=(problem.place[0],),
+        fem_model.whole_stator(scene), fem_model.section_transducers(scene), lowest=float(at.min()),
+        highest=float(at.max()), drive=fem_model.drive(scene), tolerance=problem.tolerance, places=(problem.place[0],),
     )  # fmt: skip
 
 
@@ -234,7 +235,7 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
         LOGGER.info("stator: the response to a volt")
         driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.place[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
-        own = next(each.aperture for each in fem_model.section_row(scene) if each.name == name)
+        own = next(each.aperture for each in fem_model.section_transducers(scene) if each.name == name)
         for component, answer in answers.items():
             moved = driven.motion(problem.place[0])["xz".index(component)] * own / problem.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]
@@ -247,12 +248,12 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
 def figure(record: Panel, ax):
     """Draw u_z along the stator, or the currents over frequency."""
     if "x_m" in record.data:
-        x = record.data["x_m"]
+        x, along = record.data["x_m"], quantity("x_m")
         gap = int(np.argmax(np.diff(x))) + 1  # one wavelength either side of the force
         for (component, name), colour in zip(FORCES.items(), PALETTE, strict=False):
-            motion = abs(record.data[f"{name}_m_per_N"]) * 1e9
+            motion = abs(record.data[f"{name}_m_per_N"]) * quantity("normal_m_per_N").scale
             for part, label in ((slice(0, gap), f"force along {component}"), (slice(gap, None), None)):
-                curve(ax, x[part] * 1e3, motion[part], "-", colour, label)
+                curve(ax, x[part] * along.scale, motion[part], "-", colour, label)
         return lines(ax, record, "x_m", (), "normal_m_per_N")
     (unit,) = {key.split("_")[-3] for key in record.data if key.endswith("_per_N")}
     keys = [key for key in record.data if key.endswith("_per_N")]

@@ -18,6 +18,7 @@ from studies.chain import fem_model, passband
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
 from studies.record.plots import curve, lines, shaded
+from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
 from studies.scene import Scene
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
@@ -43,15 +44,15 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     """
     resolved = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
-    place, at = resolved.places[0][0], passband.frequencies(resolved, count, 161)
+    place, at = resolved.positions[0][0], passband.frequencies(resolved, count, 161)
     driven = resolved.driven_transducer
-    prepared = response(resolved, at[0], at[-1], places=(place,), tolerance=tolerance)
+    prepared = response(resolved, at[0], at[-1], positions=(place,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, fem_model.drive(resolved))
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
-    way = abs(place - driven.place[0])
+    way = abs(place - driven.center_xy[0])
     free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
     delay = passband.group_delay(at, surface, late)
@@ -115,7 +116,12 @@ def figure(record: Panel, ax):
     if "scan" in data:
         return draw_scan(data, ax)
     if "group_delay_s" in data:
-        ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
+        ax.axhline(
+            data["way_s"] * quantity("group_delay_s").scale,
+            color="black",
+            linewidth=1,
+            label="way over velocity (theory)",
+        )
         late = (("group_delay_s", "o", "slip", "surface mode"),)
         return lines(ax, record, "frequency_Hz", late, "group_delay_s")
     rows = (
@@ -123,14 +129,15 @@ def figure(record: Panel, ax):
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
         ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
     )
-    low, high = data["half_power_Hz"] / 1e6
+    across, up = quantity("frequency_Hz"), quantity("normal_m_per_V")
+    low, high = data["half_power_Hz"] * across.scale
     shaded(ax, low, high, "half of the power")
     sizes = [abs(data[key]).max() for key, *_ in rows]
     if "finite_aperture_m_per_V" in data:
         sizes.append(data["finite_aperture_m_per_V"])
-        at, label = data["drive_frequency_Hz"] / 1e6, "finite aperture, at the drive's frequency"
-        curve(ax, [at], [sizes[-1] * 1e9], "D", "intermittent", label, size=6.0)
-    ax.set_ylim(0, 1.05e9 * max(sizes))
+        at, label = data["drive_frequency_Hz"] * across.scale, "finite aperture, at the drive's frequency"
+        curve(ax, [at], [sizes[-1] * up.scale], "D", "intermittent", label, size=6.0)
+    ax.set_ylim(0, 1.05 * up.scale * max(sizes))
     return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
 
 

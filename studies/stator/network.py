@@ -66,7 +66,7 @@ def run(
     at = passband.band_frequencies(resolved, band, count)
     lab_file = None
     if measured is not None:  # what is wrong with the file is said before anything is solved
-        number = sum(each.has_two_combs for each in resolved.transducer)
+        number = sum(each.has_two_electrodes for each in resolved.transducer)
         lab_file = _measured(Path(measured), resolved, number, reference)
     names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance)
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
@@ -78,7 +78,7 @@ def run(
         for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
     ]
     if len(names) > 1:
-        first, second = (each.place[0] for each in resolved.transducer if each.name in names[:2])
+        first, second = (each.center_xy[0] for each in resolved.transducer if each.name in names[:2])
         velocity = fem_model.surface_velocity(resolved.stator)
         way = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], way)
@@ -146,27 +146,28 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    data, across = record.data, quantity("frequency_Hz").axis
+    data, across = record.data, quantity("frequency_Hz")
     if record.name == "smith":
         return _smith(record, ax)
     if "group_delay_s" in data:
         rows = (("group_delay_s", "-", "slip", None),)
         if "measured_group_delay_s" in data:
-            at = data["measured_frequency_Hz"] / 1e6
-            curve(ax, at, data["measured_group_delay_s"] * 1e6, "o", "stick", "measured", size=2.5)
+            at, delay = data["measured_frequency_Hz"] * across.scale, data["measured_group_delay_s"]
+            curve(ax, at, delay * quantity("group_delay_s").scale, "o", "stick", "measured", size=2.5)
         title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
         record = Panel(name=record.name, title=title, data=data)
         return lines(ax, record, "frequency_Hz", rows, "group_delay_s")
     if "spice" in data:
+        up = quantity("admittance_S")
         for key, part, style in (
             ("admittance_S", "field", "o"),
             ("one_branch_S", "one branch", "--"),
             ("several_branches_S", f"{BRANCHES} branches", "-"),
         ):
-            at, values = data["frequency_Hz"] / 1e6, data[key] * 1e3
+            at, values = data["frequency_Hz"] * across.scale, data[key] * up.scale
             curve(ax, at, values.real, style, "slip", f"Re, {part}", size=2.0)
             curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
-        return finished(ax, across, quantity("admittance_S").axis, record.title, columns=3)
+        return finished(ax, across.axis, up.axis, record.title, columns=3)
     for prefix, style, at, remark in _sources(data):
         for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
@@ -174,7 +175,7 @@ def figure(record: Panel, ax):
             # equal transducers reflect alike: the second reflection is dashed over the first
             broken = {"dashes": (5, 4)} if style == "-" and i == j > 0 else {}
             ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}", **broken)
-    return finished(ax, across, "magnitude (dB)", record.title)
+    return finished(ax, across.axis, quantity("magnitude").axis, record.title)
 
 
 def _smith(record: Panel, ax):
@@ -202,10 +203,11 @@ def _smith(record: Panel, ax):
 
 
 def _sources(data: dict):
-    """Return prefix, line style, frequencies (MHz) and remark of the prediction and of a measurement."""
-    yield "", "-", data["frequency_Hz"] / 1e6, ""
+    """Yield prefix, line style, frequencies in the axis's unit and remark of the prediction and of a measurement."""
+    scale = quantity("frequency_Hz").scale
+    yield "", "-", data["frequency_Hz"] * scale, ""
     if "measured_frequency_Hz" in data:
-        yield "measured_", ".", data["measured_frequency_Hz"] / 1e6, f" ({data['measured_file']})"
+        yield "measured_", ".", data["measured_frequency_Hz"] * scale, f" ({data['measured_file']})"
 
 
 def _circuit_panel(name: str, at, seen, models) -> Panel:

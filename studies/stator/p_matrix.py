@@ -42,7 +42,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     """
     resolved = passband.driven_scene(scene)
     stator = stator_beside_pieces(resolved)
-    row = tuple(sorted(fem_model.section_row(resolved), key=lambda each: each.center))
+    row = tuple(sorted(fem_model.section_transducers(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
@@ -118,16 +118,17 @@ def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, cascade and stator, or what a piece sends back."""
-    data, at = record.data, record.data["frequency_Hz"] / 1e6
+    data, at = record.data, record.data["frequency_Hz"] * quantity("frequency_Hz").scale
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
         return lines(ax, record, "frequency_Hz", rows, "admittance_S")
     if "transmission" in data:
         rows = (("reflection", "-", "line", "|P11|"), ("transmission", "--", "slip", "|P21|"))
         return lines(ax, record, "frequency_Hz", rows, "reflection")
-    curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
-    sent = data["excitation_squared_S"] * 1e3
-    curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")
+    up = quantity("admittance_S")
+    curve(ax, at, data["admittance_S"].real * up.scale, "o", "slip", f"Re P33 ({up.shown})")
+    sent = data["excitation_squared_S"] * up.scale
+    curve(ax, at, sent, "-", "slip", f"|P13|\u00b2 + |P23|\u00b2 ({up.shown}): the surface wave's part")
     reflection = ax.twinx()
     for key, style, name in (
         ("reflection_shorted", "--", "|P11|, electrodes shorted"),

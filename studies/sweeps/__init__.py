@@ -1,7 +1,7 @@
-"""Many points of one scene: designed, computed wherever there are workers, kept as they come, resumed where they stop.
+"""Sweeps: many points of one scene, computed by several workers, stored as they come, resumed after an interruption.
 
 ``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
-with some keys changed; its row is what a run of that scene would find.  What several points share is computed
+with some keys changed; its row holds what a run of that scene would answer.  What several points share is computed
 once in each worker: the stator for each frequency and geometry, then the contact for batches of points
 (``changed_contacts``).
 A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
@@ -24,7 +24,7 @@ from studies.sweeps.driver import Driver
 from studies.sweeps.plan import Design, designed
 from studies.sweeps.result import Sweep
 from studies.sweeps.store import Store
-from studies.sweeps.workers import workers as chosen_workers
+from studies.sweeps.workers import workers as start_workers
 
 __all__ = ["Sweep", "sweep"]
 
@@ -57,27 +57,27 @@ def sweep(
     workers : int or str
         Processes, 1 for this one; or the address of a Dask scheduler, such as ``"tcp://127.0.0.1:8786"``.
     progress : callable, optional
-        Called with (points, of them kept, of those failed, seconds of work).
+        Called with (points, of them stored, of those failed, seconds of work).
 
     Raises
     ------
     SceneError
-        For what is wrong whatever the point, a store of another sweep, or one that cannot be written.
+        For a fault of all points, a store of another sweep, or one that cannot be written.
     RunError
-        If another driver is at work, the disk is full, or the sweep was interrupted.
+        If another driver uses the store, the disk is full, or the sweep was interrupted.
     """
     start_time = perf_counter()
     tolerance = Quantity(below=1.0).read("tolerance", tolerance)
     design = designed(_table(scene), over, tolerance=tolerance, also=tuple(also))
     _refuse_hopeless(design)
     with closing(Store(None if out is None else Path(out), design)) as store:
-        with closing(chosen_workers(workers)) as pool:
+        with closing(start_workers(workers)) as pool:
             try:
                 Driver(design, store, pool, progress or (lambda *_: None)).run()
             except KeyboardInterrupt:
-                kept = sum(store.counts().values())
+                stored = sum(store.counts().values())
                 where = "" if out is None else " and the same command goes on from there"
-                raise InterruptedRunError(f"interrupted: {kept} of {len(design)} points are kept{where}") from None
+                raise InterruptedRunError(f"interrupted: {stored} of {len(design)} points are kept{where}") from None
         return Sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
             seconds=perf_counter() - start_time, columns=store.columns, axes=design.axes,
@@ -92,16 +92,16 @@ def _table(scene: Any) -> dict:
     try:
         return Scene.from_table("", table).to_table()
     except SceneError:
-        return table  # it may lack what an axis gives
+        return table  # it may lack a key that is on an axis
 
 
 def _refuse_hopeless(design: Design) -> None:
-    """Refuse a sweep whose first, middle and last point break one and the same rule of no axis."""
+    """Refuse a sweep whose first, middle and last point break the same rule of a key that is on no axis."""
     question, refusals = design.question, []
     scenes = ChangedScenes(question.table)
-    for own in design.values(np.array([0, len(design) // 2, len(design) - 1])):
+    for values in design.values(np.array([0, len(design) // 2, len(design) - 1])):
         try:
-            scenes.scene(dict(zip(question.keys, own, strict=True)))
+            scenes.scene(dict(zip(question.keys, values, strict=True)))
             return
         except SceneError as error:
             refusals.append(error)

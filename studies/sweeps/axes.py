@@ -4,7 +4,7 @@
 ``5 mN,10 mN`` a list (``[...]`` a TOML list of values).  A CSV file of points is one axis of several keys.  Axes are
 multiplied.
 
-Values are converted to SI here and judged at their point: one that breaks a rule of the scene costs its own
+Values are converted to SI here and checked at their points: one that breaks a rule of the scene costs its own
 points alone.
 """
 
@@ -23,7 +23,7 @@ from studies.scene.rule import Count
 
 @dataclass(frozen=True)
 class Axis:
-    """Keys that move together."""
+    """Keys whose values change together."""
 
     keys: tuple[str, ...]  # dotted, as in a scene
     columns: tuple[list, ...]  # the values of each key, equally many
@@ -70,7 +70,7 @@ def point_axis(source) -> Axis:
 
 
 def level_key(table: dict) -> str | None:
-    """Return the key that says how hard a scene is driven; None for a free wave."""
+    """Return the key of a scene's levels; None for a free wave."""
     if "wave" in table:
         return "wave.normal_amplitude"
     level = "power" if "power" in table.get("drive", {}) else "voltage"
@@ -81,7 +81,7 @@ def _ranged(key, rule, text):
     unit = unit_of(rule)
     if unit is None:
         raise SceneError(f"over {key}", f"takes words: give a list with commas, got {shown(text)}")
-    steps = read_range(f"over {key}", text, unit).values
+    steps = read_range(f"over {key}", text, unit)
     if isinstance(rule.number, Count):
         if any(abs(step - round(step)) > 1e-9 for step in steps):
             raise SceneError(f"over {key}", f"must fall on whole numbers, got {shown(text)}")
@@ -96,7 +96,7 @@ def _listed(key, rule, values):
 
 
 def _entry(rule, value):
-    """Return a value in SI units where it has one; what has none is left for its point to refuse."""
+    """Return a value in SI units; one that cannot be converted stays, and is refused at its point."""
     if isinstance(value, (list, tuple)):
         return tuple(_entry(rule.each or rule, each) for each in value)
     unit, rule = unit_of(rule), rule.number
@@ -107,7 +107,7 @@ def _entry(rule, value):
     try:
         return si_value("", value, unit)
     except SceneError:
-        # infinities and NaN have no place in a table; as text they are refused by name
+        # infinities and NaN have no JSON or SQLite value; as text they are refused by name
         return value if not isinstance(value, float) or math.isfinite(value) else repr(value)
 
 

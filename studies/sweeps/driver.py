@@ -1,4 +1,4 @@
-"""The driver of a sweep: batches of points given out to workers, their rows kept as they come.
+"""The driver of a sweep: submits batches of points to workers and stores their rows as they come.
 
 A row depends on its own point alone, to the last bit: neither on the other points of its batch, nor on the worker, nor
 on the number of threads.  Points of one stator follow one another, so that a worker solves it once for many of them.
@@ -23,8 +23,8 @@ from studies.sweeps.plan import Design, Question
 from studies.sweeps.store import Store
 from studies.sweeps.workers import Workers
 
-BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
-BAND_STATORS = 64  # frequencies of a band in one batch; of stators that are solved one by one a batch has one
+BATCH_SECONDS, MAX_BATCH_POINTS = 0.5, 8192
+BAND_STATORS = 64  # frequencies of a band in one batch; a batch has one stator where each is solved alone
 MAX_ATTEMPTS = 3  # workers that may die with a batch of one point
 
 
@@ -38,20 +38,19 @@ class _Batch:
 class Driver:
     """Submits the points of one sweep to workers and stores their rows.
 
-    ``progress`` is called with (points, of them kept, of those failed, seconds of work).
+    ``progress`` is called with (points, of them stored, of those failed, seconds of work).
     """
 
     def __init__(self, design: Design, store: Store, workers: Workers, progress: Callable):
         self.design, self.store, self.workers, self.progress = design, store, workers, progress
-        self.size = 4  # points in the next batch
+        self.batch_points = 4  # of the next batch
 
     def run(self) -> None:
         """Compute the points that the store does not hold."""
-        done, counts, question = self.store.done(len(self.design)), self.store.counts(), self.design.question
-        cost, kept = self.store.cost(), int(done.sum())
-        failed = kept - counts.get(Status.OK, 0)
-        order = self.design.order()
-        self.progress(len(self.design), kept, failed, cost)
+        done, question, order = self.store.done(len(self.design)), self.design.question, self.design.order()
+        cost, stored = self.store.cost(), int(done.sum())
+        failed = stored - self.store.counts().get(Status.OK, 0)
+        self.progress(len(self.design), stored, failed, cost)
         for finished in self._finished(self._batches(order[~done[order]])):
             rows, batches = [], []
             for batch, answer in finished:
@@ -60,33 +59,32 @@ class Driver:
                     blank = (None,) * (len(question.outcomes) - 1)
                     rows.append((batch.points[0], *batch.values[0], *blank, reason))
                     continue
-                own = dict(zip(batch.points, batch.values, strict=True))
-                answered, seconds, of_stators = answer
-                rows += [(point, *own[point], *outcomes) for point, *outcomes in answered]
-                batches.append((len(answered), seconds))
-                self._adapt(len(answered), seconds - of_stators, of_stators)
+                values = dict(zip(batch.points, batch.values, strict=True))
+                outcomes_of_points, seconds, stator_seconds = answer
+                rows += [(point, *values[point], *outcomes) for point, *outcomes in outcomes_of_points]
+                batches.append((len(outcomes_of_points), seconds))
+                self._adapt(len(outcomes_of_points), seconds - stator_seconds, stator_seconds)
             self.store.keep(rows, batches)
-            kept += len(rows)
+            stored += len(rows)
             failed += sum(row[-1] != Status.OK for row in rows)
             cost += sum(seconds for _, seconds in batches)
-            self.progress(len(self.design), kept, failed, cost)
+            self.progress(len(self.design), stored, failed, cost)
 
-    def _adapt(self, points: int, seconds: float, of_stators: float) -> None:
-        """Choose the next batch so that its contacts take BATCH_SECONDS, or as long as its stators did."""
-        fitting = points * max(BATCH_SECONDS, of_stators) / max(seconds, 1e-6)
-        self.size = int(min(max(fitting, self.size / 4, 1), 8 * self.size, LARGEST_BATCH))
+    def _adapt(self, points: int, seconds: float, stator_seconds: float) -> None:
+        """Size the next batch so that its contacts take BATCH_SECONDS, or as long as the stators of this one did."""
+        fitting = points * max(BATCH_SECONDS, stator_seconds) / max(seconds, 1e-6)
+        self.batch_points = int(min(max(fitting, self.batch_points / 4, 1), 8 * self.batch_points, MAX_BATCH_POINTS))
 
     def _batches(self, points) -> Iterator[_Batch]:
         question, first = self.design.question, 0
         stator_columns = [question.keys.index(key) for key in question.stator_keys]
         while first < len(points):
             left = len(points) - first
-            # the last batches end together
-            fair = left if self.workers.slots == 1 else -(-left // (2 * self.workers.size))
-            some, stators, count = points[first : first + max(1, min(self.size, fair))], set(), 0
+            fair = -(-left // self.workers.slots)  # so that the last batches end together
+            some, stators, count = points[first : first + max(1, min(self.batch_points, fair))], set(), 0
             values = self.design.values(some)
-            for own in values:
-                stators.add(str([own[k] for k in stator_columns]))
+            for each in values:
+                stators.add(str([each[k] for k in stator_columns]))
                 if len(stators) > (BAND_STATORS if question.frequencies else 1):
                     break
                 count += 1
@@ -103,8 +101,8 @@ class Driver:
                 batch = again.popleft() if again else next(batches, None)
                 if batch is None:
                     break
-                work = question, batch.points, batch.values, workers.threads
-                running[workers.submit(solved_points, *work)] = batch
+                future = workers.submit(solved_points, question, batch.points, batch.values, workers.threads)
+                running[future] = batch
             if not running:
                 return
             answers, lost = [], []
@@ -136,7 +134,7 @@ class Driver:
 def solved_points(
     question: Question, points: list[int], values: list[tuple], threads: int | None
 ) -> tuple[list[tuple], float, float]:
-    """Return the rows of a batch, each a point and its outcomes, the seconds it took, and those of its stators.
+    """Return point and outcomes of each point of a batch, the seconds it took, and those of its stators.
 
     ``threads``: of the compiled loop, None for all processors.
     """
@@ -147,10 +145,10 @@ def solved_points(
 
         set_workers(threads)
         os.environ["SAWMOTOR_THREADS"] = str(threads)
-    many = [dict(zip(question.keys, own, strict=True)) for own in values]
-    answers = predictor.answers(many, question.also)
+    changes = [dict(zip(question.keys, each, strict=True)) for each in values]
+    answers = predictor.answers(changes, question.also)
     rows = [
-        (point, *(_kept(answer.get(name)) for name in question.outcomes))
+        (point, *(_finite(answer.get(name)) for name in question.outcomes))
         for point, answer in zip(points, answers, strict=True)
     ]
     return rows, time.perf_counter() - start_time, predictor.seconds - before
@@ -158,11 +156,11 @@ def solved_points(
 
 @lru_cache(2)
 def _predictor(question: Question) -> Predictor:
-    """Return the predictor of a question, the same for all batches that a process is given."""
-    shared = Shared(places=question.places, limits=question.frequencies, slider=question.has_slider)
+    """Return the predictor of a question, one for all batches of a process."""
+    shared = Shared(positions=question.positions, limits=question.frequencies, slider=question.has_slider)
     return Predictor(question.table, tolerance=question.tolerance, shared=shared, coarse=question.coarse)
 
 
-def _kept(value):
-    """Return a value for the store: None where it is not finite."""
+def _finite(value):
+    """Return a value of the store: None for a number that is not finite."""
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,7 +1,7 @@
-"""The design of a sweep: axes multiplied, every point with a number, and the question asked at each.
+"""The design of a sweep: the product of its axes, the numbers of its points, and the question at each point.
 
 Points are numbered with the last axis running fastest.  Without an axis of voltage or amplitude the scene's own
-list of them is the last axis.  A design is never spelled out: a million points cost 8 MB and the memory of their axes.
+list of them is the last axis.  The points are not stored: a million of them take 8 MB and the memory of their axes.
 """
 
 import hashlib
@@ -17,14 +17,14 @@ import numpy as np
 
 from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
-from studies.chain.solved_stator import PLACE_KEYS, of_stator
+from studies.chain.solved_stator import POSITION_KEYS, of_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.sweeps.axes import Axis, axis, level_key, point_axis
 
 MAX_POINTS = 10_000_000
-PLACES = 4096  # of contacts up to which one answer of the stator serves all
-FEWEST = 6  # frequencies from which a band is cheaper than one solution each
+MAX_POSITIONS = 4096  # combinations of slider positions at which one solution of the stator is evaluated
+MIN_BAND_FREQUENCIES = 6  # from which a band is cheaper than one solution each
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,11 +34,11 @@ class Question:
     document: str  # TOML document of the scene, as JSON
     keys: tuple[str, ...]  # of the point's values
     tolerance: float
-    also: tuple[str, ...] = ()  # more than the velocity: of ``ALSO``
-    # Of all contacts of all points, x and y in m; empty where each point has its own
-    places: tuple[tuple[float, float], ...] = ()
+    also: tuple[str, ...] = ()  # further outcomes, of ``ALSO``
+    # (x, y) in m of all contacts of all points; empty where the stator is solved for each point's own
+    positions: tuple[tuple[float, float], ...] = ()
     frequencies: tuple[float, ...] = ()  # lowest and highest in Hz, where there are enough of them for a band
-    # Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again
+    # True takes the stator's coarsest discretisation: for a search, whose best points are computed again
     coarse: bool = False
 
     @cached_property
@@ -48,21 +48,21 @@ class Question:
 
     @property
     def kind(self) -> str:
-        """Kind of wave: "given" by the scene, "driven" by a transducer, or "free", a surface wave alone."""
+        """Kind of wave: "prescribed" by the scene, "driven" by a transducer, or "free", a surface wave alone."""
         if "wave" in self.table:
-            return "given"
+            return "prescribed"
         return "driven" if self.table.get("transducer") else "free"
 
     @property
     def has_slider(self) -> bool:
-        """Whether a velocity is asked for."""
-        slides = any(key.startswith("slider.") for key in self.keys)
-        return self.kind != "free" and ("slider" in self.table or slides)
+        """Whether the points have a slider, and so a velocity."""
+        changed = any(key.startswith("slider.") for key in self.keys)
+        return self.kind != "free" and ("slider" in self.table or changed)
 
     @property
     def stator_keys(self) -> tuple[str, ...]:
         """The keys whose every value needs a stator of its own."""
-        own = (key for key in self.keys if of_stator(key) or (key in PLACE_KEYS and not self.places))
+        own = (key for key in self.keys if of_stator(key) or (key in POSITION_KEYS and not self.positions))
         return tuple(own) if self.kind == "driven" else ()
 
     @property
@@ -72,12 +72,12 @@ class Question:
         if self.kind == "driven":
             names += ELECTRICAL
         if self.has_slider:
-            burst = "burst" in self.table.get("wave" if self.kind == "given" else "drive", {})
+            burst = "burst" in self.table.get("wave" if self.kind == "prescribed" else "drive", {})
             burst = burst or any(key.endswith(".burst") for key in self.keys)
             names += ["velocity_m_per_s", *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
             for word, columns in ALSO.items():
                 names += columns if word in self.also else []
-            if self.kind == "given" and "motor_efficiency" in names:
+            if self.kind == "prescribed" and "motor_efficiency" in names:
                 names.remove("motor_efficiency")
         return (*names, "relative_error", "status")
 
@@ -102,28 +102,27 @@ class Design:
         return count
 
     def values(self, points) -> list[tuple]:
-        """Return the values of the keys at points, given by an array of their numbers."""
+        """Return the values of the keys at the points of an array of point numbers."""
         if not self.axes:
             return [()] * len(points)
         columns = []
         at = np.unravel_index(points, tuple(len(each) for each in self.axes))
-        for each, rows in zip(self.axes, at, strict=True):
-            places = rows.tolist()
-            columns += [[column[place] for place in places] for column in each.columns]
+        for each, indices in zip(self.axes, at, strict=True):
+            columns += [[column[index] for index in indices.tolist()] for column in each.columns]
         return list(zip(*columns, strict=True))
 
     def order(self):
-        """Return the numbers of all points, those of one stator after one another."""
-        ranks, rows = [], []
+        """Return the numbers of all points, ordered so that the points of one stator are consecutive."""
+        ranks, orders = [], []
         for each in self.axes:
             own = {k: key for k, key in enumerate(each.keys) if key in self.question.stator_keys}
             # geometries are slowest, then frequencies, of which many make a band
             ranks.append(0 if not own else 1 if "drive.frequency" in own.values() else 2)
-            texts = [[str(each.columns[k][row]) for k in own] for row in range(len(each))]
-            rows.append(sorted(range(len(each)), key=texts.__getitem__))
+            texts = [[str(each.columns[k][index]) for k in own] for index in range(len(each))]
+            orders.append(sorted(range(len(each)), key=texts.__getitem__))
         numbers = np.arange(len(self)).reshape([len(each) for each in self.axes])
         slowest = sorted(range(len(ranks)), key=lambda k: -ranks[k])
-        return numbers[np.ix_(*rows)].transpose(slowest).ravel() if self.axes else numbers.ravel()
+        return numbers[np.ix_(*orders)].transpose(slowest).ravel() if self.axes else numbers.ravel()
 
     @property
     def identity(self) -> dict[str, str]:
@@ -141,7 +140,7 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     Raises
     ------
     SceneError
-        For what is wrong whatever the point.
+        For a fault of all points.
     """
     for word in also:
         if word not in ALSO:
@@ -172,26 +171,26 @@ def _question(table, axes, tolerance, also) -> Question:
     if question.kind != "driven":
         return question
     frequencies = {each for each in columns.get("drive.frequency", ()) if isinstance(each, float) and each > 0}
-    # the transducers stay what they are while the frequency moves
-    kept = not any(isinstance(each.get("period", "auto"), str) for each in table["transducer"])
-    band = kept and not any(key.endswith(".period") for key in keys) and len(frequencies) >= FEWEST
+    # a band has one geometry: no period may follow from the frequency
+    fixed = not any(isinstance(each.get("period", "auto"), str) for each in table["transducer"])
+    band = fixed and not any(key.endswith(".period") for key in keys) and len(frequencies) >= MIN_BAND_FREQUENCIES
     limits = (min(frequencies), max(frequencies)) if band else ()
-    return replace(question, places=_places(table, columns), frequencies=limits)
+    return replace(question, positions=_positions(table, columns), frequencies=limits)
 
 
-def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
-    """Return the places (x, y) of all contacts, m; none where they are too many, or where there is no slider."""
-    moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
-    if math.prod(map(len, moved.values())) > PLACES:
+def _positions(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
+    """Return the positions (x, y) of all contacts, m; none where they are too many, or where there is no slider."""
+    moved = {key: dict.fromkeys(columns[key]) for key in POSITION_KEYS if key in columns}
+    if math.prod(map(len, moved.values())) > MAX_POSITIONS:
         return ()
     scenes = ChangedScenes(table)
-    places: dict[tuple[float, float], None] = {}
+    positions: dict[tuple[float, float], None] = {}
     first = {key: column[0] for key, column in columns.items()}
-    for row in product(*moved.values()):
-        with suppress(SceneError):  # said at its point
-            slider = scenes.scene(first | dict(zip(moved, row, strict=True))).slider
-            places |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
-    return tuple(places)
+    for values in product(*moved.values()):
+        with suppress(SceneError):  # refused at its point
+            slider = scenes.scene(first | dict(zip(moved, values, strict=True))).slider
+            positions |= dict.fromkeys(() if slider is None else (slider.center, *slider.contact_positions))
+    return tuple(positions)
 
 
 def _files(part):

@@ -1,4 +1,4 @@
-"""What a sweep left: counts and columns of its rows, as text, data frame and xarray."""
+"""The result of a sweep: counts and columns of its rows, as text, data frame and xarray."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -27,7 +27,7 @@ SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficien
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Sweep:
-    """What a sweep left.
+    """The result of a sweep.
 
     Attributes
     ----------
@@ -36,13 +36,13 @@ class Sweep:
     points : int
         Of the design, each with its row.
     counts : dict
-        How many rows of each kind: ok, refused, no answer, above tolerance, lost.
+        Number of rows of each `studies.record.status.Status`.
     cost : float
-        Seconds of work, in this process or in workers, earlier drivers' included.
+        Seconds of work of all workers, those of earlier drivers included.
     seconds : float
-        Of this driver.
+        Wall time of this driver.
     columns : callable
-        Returns the rows in the order of their points, as columns by name; what a row has not is None.
+        Returns the columns by name, in the order of the points; a missing value is None.
     axes : tuple of studies.sweeps.axes.Axis
         Keys and values.
     """
@@ -101,8 +101,8 @@ class Sweep:
         axes = [f"{' and '.join(each.keys)} ({len(each)})" for each in self.axes]
         parts = [" x ".join(axes) or "one point", ", ".join(f"{number} {kind}" for kind, number in self.counts.items())]
         if "velocity_m_per_s" in self.summary["ranges"]:
-            shown, (low, high) = quantity("velocity_m_per_s"), self.summary["ranges"]["velocity_m_per_s"]
-            parts.append(f"velocity {shown.text(low)} to {shown.text(high)} {shown.shown}")
+            low, high = self.summary["ranges"]["velocity_m_per_s"]
+            parts.append(f"velocity {quantity('velocity_m_per_s').interval(low, high)}")
         return f"Sweep({'; '.join(parts)})"
 
     def to_dataframe(self) -> "pd.DataFrame":
@@ -116,7 +116,7 @@ class Sweep:
         return needed("pandas", "to_dataframe").DataFrame(self.columns()).set_index("point")
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
+        """Return the rows as an xarray Dataset, a dimension for each axis; a missing number is NaN.
 
         Raises
         ------

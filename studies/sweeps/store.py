@@ -1,13 +1,13 @@
-"""Where a sweep's points are kept: one SQLite file, in which what was reported survives whatever happens.
+"""The store of a sweep: one SQLite file, in which every point that was reported survives any failure.
 
 SQLite, rather than Parquet or Zarr, because each commit is durable by itself (a write-ahead log, flushed to the disk
-before the commit returns), a reader may look on while the sweep runs, a row may hold a text where another holds
+before the commit returns), it can be read while the sweep runs, a row may hold a text where another holds
 numbers, and Python, R, Julia and every shell read it, such as ``pandas.read_sql("select * from points", connection)``.
-Only the driver writes; workers never see the file, so that it may lie on any local disk.
+Only the driver opens the file, so that it may lie on any local disk.
 
-Tables: ``points`` (a row each: values of the keys, outcomes), ``sweep`` (what was asked, with which versions),
-``batches`` (what the work cost).  A second driver is refused by a lock that
-the operating system takes back when a process dies, however it dies.
+Tables: ``points`` (a row each: values of the keys, outcomes), ``sweep`` (the question, the versions),
+``batches`` (points and seconds of each).  A second driver is refused by a lock that the operating system releases
+whenever a process ends.
 """
 
 import json
@@ -61,7 +61,7 @@ class Store:
             return dict(zip(_names(rows), map(list, zip(*rows, strict=True)), strict=True))
 
     def rows(self, first: int, end: int) -> Iterator[dict]:
-        """Yield the rows of the points from a first one up to an end, which is not included, as values by name."""
+        """Yield the rows of the points from ``first`` up to and without ``end``, as values by name."""
         rows = self.connection.execute(
             "select * from points where point >= ? and point < ? order by point", (first, end)
         )
@@ -69,29 +69,29 @@ class Store:
         yield from (dict(zip(names, row, strict=True)) for row in rows.fetchall())
 
     def close(self) -> None:
-        """Close the file and give the lock back; what is in memory stays."""
+        """Close the file and release the lock; a store in memory stays."""
         if self._lock is not None:
             self.connection.close()
             self._lock.release()
 
     def done(self, count: int):
-        """Return which of the first `count` points have a row that is not to be tried again, an array of bool."""
-        stands = np.zeros(count, bool)
+        """Return which of the first `count` points have a row and were not lost with a worker, an array of bool."""
+        done = np.zeros(count, bool)
         rows = self.connection.execute(
             "select point from points where status not like ? and point < ?", (f"{Status.LOST.value}:%", count)
         )
         while some := rows.fetchmany(100_000):
-            stands[np.array(some)[:, 0]] = True
-        return stands
+            done[np.array(some)[:, 0]] = True
+        return done
 
     def keep(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
-        """Write rows (point, values, outcomes) and what they cost (points, seconds); durable on return."""
+        """Write rows (point, values, outcomes) and batches (points, seconds); durable on return."""
         with self._explained(), self.connection:
             self.connection.executemany(self._insert, ([_stored(each) for each in row] for row in rows))
             self.connection.executemany("insert into batches (points, seconds) values (?, ?)", batches)
 
     def counts(self) -> dict[str, int]:
-        """Return how many points there are of each kind: ok, refused, no answer, above tolerance, lost."""
+        """Return the number of points of each `Status`."""
         rows = self.connection.execute(
             "select case when instr(status, ':') then substr(status, 1, instr(status, ':') - 1) else status end,"
             " count(*) from points group by 1 order by 2 desc"
@@ -103,16 +103,15 @@ class Store:
         return self.connection.execute("select coalesce(sum(seconds), 0.0) from batches").fetchone()[0]
 
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
-        """Compare the sweep with the one that the file holds, or write it down."""
+        """Write the question of the sweep; refuse a file that holds another sweep."""
         versions = {f"version of {name}": version for name, version in provenance().items()}
         identity = identity | versions
         for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
-            held = json.loads(text)
-            names = [name for name in held | identity if held.get(name) != identity.get(name)]
+            stored = json.loads(text)
+            names = [name for name in stored | identity if stored.get(name) != identity.get(name)]
             if names:
                 what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
-                rule = f"{str(self.folder)!r} holds another sweep: {what}; name another directory"
-                raise SceneError("out", rule)
+                raise SceneError("out", f"{str(self.folder)!r} holds another sweep: {what}; name another directory")
         question = design.question
         about: dict[str, Any] = {
             "identity": identity, "scene": question.table, "keys": question.keys, "tolerance": question.tolerance,
@@ -129,7 +128,7 @@ class Store:
 
     @contextmanager
     def _explained(self):
-        """Turn a failure of the disk into a sentence."""
+        """Raise a RunError in one sentence for a failure of the disk."""
         try:
             yield
         except (sqlite3.OperationalError, sqlite3.DatabaseError, OSError) as error:
@@ -140,7 +139,7 @@ class Store:
 
 
 def _lock(folder: Path) -> FileLock:
-    """Return the lock of the folder, held until it is released or its process ends."""
+    """Return the acquired lock of a folder, which ends with its process at the latest."""
     try:
         if folder.exists() and not folder.is_dir():
             raise SceneError("out", f"{str(folder)!r} is a file; name another directory")

@@ -1,8 +1,8 @@
 """Executors of a sweep: this process, processes on this machine, or the workers of a Dask scheduler.
 
-All three are executors of concurrent.futures (Dask's by ``Client.get_executor``); which batch runs where is theirs to
-decide.  One thread per worker: the stator's matrices are small, and processes share a machine better than threads
-of a BLAS do.  A worker that vanishes costs its batches, which are given out again.
+All three are executors of concurrent.futures (Dask's by ``Client.get_executor``); they decide which batch runs
+where.  One thread per worker: the stator's matrices are small, and processes share a machine better than threads
+of a BLAS do.  The batches of a worker that vanishes are submitted again.
 """
 
 import logging
@@ -20,20 +20,15 @@ ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # a
 
 
 class Workers:
-    """The calling process: a batch is done when it is submitted, on all processors where kernels share their work."""
+    """The calling process: a batch is computed when it is submitted, by kernels on all processors."""
 
     threads: int | None = None  # of each, None for all processors
-    lost: tuple = (BrokenExecutor,)  # what says that a worker vanished
-
-    @property
-    def size(self) -> int:
-        """Number of workers."""
-        return 1
+    lost: tuple = (BrokenExecutor,)  # exceptions of a worker that vanished
 
     @property
     def slots(self) -> int:
-        """Batches to give out at a time."""
-        return self.size if self.threads is None else 2 * self.size
+        """Batches to submit at a time."""
+        return 1
 
     def submit(self, work, *arguments) -> Future:
         """Do the work now; an interrupt goes straight to the caller."""
@@ -56,14 +51,14 @@ class Processes(Workers):
 
     threads = 1
 
-    def __init__(self, size: int):
-        self._size = size
+    def __init__(self, number: int):
+        self._number = number
         self._start()
 
     @property
-    def size(self) -> int:
-        """Number of processes."""
-        return self._size
+    def slots(self) -> int:
+        """Batches to submit at a time: two for each process, so that none waits for the driver."""
+        return 2 * self._number
 
     def submit(self, work, *arguments) -> Future:
         """Give a batch to the next process that is free."""
@@ -88,7 +83,7 @@ class Processes(Workers):
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
-        self._pool = ProcessPoolExecutor(self.size, mp_context=context, initializer=_settle)
+        self._pool = ProcessPoolExecutor(self._number, mp_context=context, initializer=_settle)
 
     def close(self) -> None:
         """End the processes without waiting for their batches."""
@@ -112,7 +107,7 @@ class OnDask(Workers):
         except ImportError:
             raise SceneError("scheduler", "needs Dask: pip install distributed") from None
         self.lost = (KilledWorker,)
-        for name in list(logging.root.manager.loggerDict):  # what goes wrong is said here, in a sentence
+        for name in list(logging.root.manager.loggerDict):  # errors are reported here, in one sentence
             if name.split(".")[0] == "distributed":
                 logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         try:
@@ -125,9 +120,9 @@ class OnDask(Workers):
         self._executor: Executor = self._client.get_executor(pure=False)
 
     @property
-    def size(self) -> int:
-        """The workers that there are now."""
-        return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+    def slots(self) -> int:
+        """Batches to submit at a time, by the workers that the scheduler has now."""
+        return 2 * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
 
     def submit(self, work, *arguments) -> Future:
         """Give a batch to the scheduler, which looks after its workers itself."""
@@ -142,7 +137,7 @@ class OnDask(Workers):
 
 
 def workers(number: int | str) -> Workers:
-    """Return the workers that a sweep asks for: so many processes, or those of a Dask scheduler's address."""
+    """Return the workers of a sweep: a number of processes, or those of the Dask scheduler at an address."""
     if isinstance(number, str):
         return OnDask(number)
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
@@ -152,15 +147,15 @@ def workers(number: int | str) -> Workers:
 
 @contextmanager
 def _starting():
-    """Hold back Ctrl-C and allow one thread while processes start, which inherit both.
+    """Block SIGINT and set one BLAS thread while processes start, which inherit both.
 
-    So none is interrupted before `_settle` makes it ignore the signal.  A BLAS reads its number of threads when it is
-    loaded, and numpy is loaded before `_settle` runs.
+    No process is then interrupted before `_settle` makes it ignore the signal.  A BLAS reads its number of threads when
+    it is loaded, and numpy is loaded before `_settle` runs.
     """
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ |= dict.fromkeys(ONE_THREAD, "1")
-    held = hasattr(signal, "pthread_sigmask")  # not on Windows
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if held else set()
+    can_block = hasattr(signal, "pthread_sigmask")  # not on Windows
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if can_block else set()
     try:
         yield
     finally:
@@ -169,12 +164,12 @@ def _starting():
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
-        if held:
+        if can_block:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _settle() -> None:
-    """Make a process a worker: it ignores the terminal's interrupt, and ends when its driver is gone."""
+    """Make this process a worker: it ignores SIGINT, and ends when its driver has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     driver = multiprocessing.parent_process()
 

@@ -23,6 +23,7 @@ from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
+from studies.record.quantities import Quantity, quantity
 from studies.refusal import SceneError
 from studies.report.page import rendered
 from studies.view import movie
@@ -33,17 +34,21 @@ LOGGER = logging.getLogger(__name__)
 CYCLES, INSTANTS = 2, 240  # cycles, and instants per cycle
 FRAMES, RATE = 48, 12.0  # pictures of a movie, and pictures per second
 DPI = 110
-NM = 1e9
 REGIMES = {"separated": "#FFFFFF", "stick": "#BBBBBB", "slip": "#56B4E9", "creep": "#F0E442", "partial": "#009E73"}
-# axis label, factor from SI units, and (column, colour, legend name) of each curve
+# quantity, and column, colour and legend name of each curve
 TRACES = (
-    ("z (nm)", NM, (("approach_m", "line", None),)),
-    ("x (nm)", NM, (("deformation_m", "line", None),)),
-    ("P (mN)", 1e3, (("normal_force_N", "line", None),)),
-    ("Q (mN)", 1e3, (("tangential_force_N", "intermittent", None),)),
-    ("v (mm/s)", 1e3, (("surface_velocity_m_per_s", "slip", "surface"), ("slider_velocity_m_per_s", "line", "slider"))),
+    ("approach_m", (("approach_m", "line", None),)),
+    ("deformation_m", (("deformation_m", "line", None),)),
+    ("normal_force_N", (("normal_force_N", "line", None),)),
+    ("tangential_force_N", (("tangential_force_N", "intermittent", None),)),
+    (
+        "velocity_m_per_s",
+        (
+            ("surface_velocity_m_per_s", "slip", "v of the surface"),
+            ("slider_velocity_m_per_s", "line", "v of the slider"),
+        ),
+    ),
 )
-MEANING = "z: approach of ball and surface, x: tangential deformation,\nP: normal force, Q: friction force, v: velocity"
 DRAWN = (
     "snapshots, not to scale: ball in the regime's colour, surface with marks that move with it, the path of a surface "
     "point (blue), arrows of P (black) and Q (orange)"
@@ -94,17 +99,17 @@ def contact_moments(record: Record, *, level: float | None):
         LOGGER.info("solving the stator")
         motion = motion_again(record)
         if motion.beam is None:
-            motion = surface_motion(motion.wave, scene.stator, scene.slider.places)
+            motion = surface_motion(motion.wave, scene.stator, scene.slider.contact_positions)
         record = replace(record, surface_motion=motion)
     LOGGER.info("following the contact")
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(level)
     with answered():
-        speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity * 1e3
+        speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity
         history = contact.contact_history(
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
         )
-    motion_text = f"slider at {speed:.4g} mm/s" if speed else "slider held at rest"
+    motion_text = f"slider at {_drawn('velocity_m_per_s').with_unit(speed)}" if speed else "slider held at rest"
     return moments(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
 
 
@@ -169,12 +174,12 @@ class SlowMotion:
         ax.clear()
         _draw(ax, table, index)
         ax.tick_params(labelsize="x-small")
-        ax.set_xlabel("x of the surface (nm); the ball's radius is not to scale", fontsize="small")
-        ax.set_ylabel("z (nm)", fontsize="small")
-        P, Q = (table[f"{name}_force_N"][index] * 1e3 for name in ("normal", "tangential"))
-        ax.set_title(f"{table['regime'][index]}: P = {P:.3g} mN, Q = {Q:.3g} mN", fontsize="small")
+        ax.set_xlabel(f"{_drawn('u_x_m').axis}; the ball's radius is not to scale", fontsize="small")
+        ax.set_ylabel(_drawn("u_z_m").axis, fontsize="small")
+        P, Q = (_drawn(key).with_unit(table[key][index]) for key in ("normal_force_N", "tangential_force_N"))
+        ax.set_title(f"{table['regime'][index]}: P = {P}, Q = {Q}", fontsize="small")
         for cursor in self._cursors:
-            cursor.set_xdata([table["time_s"][index] * 1e9] * 2)
+            cursor.set_xdata([table["time_s"][index] * _drawn("time_s").scale] * 2)
 
     def image(self, index: int) -> np.ndarray:
         """Return the picture of the instant with this index, shape (height, width, 3)."""
@@ -193,10 +198,10 @@ def strip(table: dict, *, title: str):
         _draw(ax, table, index)
         ax.set(xticks=[], yticks=[])
         ax.set_title(f"{letter}: {table['regime'][index]}", fontsize="small")
-        place = table["time_s"][index] * 1e9
+        time = table["time_s"][index] * _drawn("time_s").scale
         for each in axes:
-            each.axvline(place, color="black", linestyle=":", linewidth=0.8)
-        axes[0].text(place, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small")
+            each.axvline(time, color="black", linestyle=":", linewidth=0.8)
+        axes[0].text(time, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small")
     top.supxlabel(DRAWN, fontsize="small")
     figure.suptitle(title, fontsize="medium")
     return figure
@@ -204,18 +209,21 @@ def strip(table: dict, *, title: str):
 
 def traces(figure, table: dict) -> list:
     """Draw z, x, P, Q and the velocities over time, with the regime as background; return the Axes."""
-    axes, time, regime = figure.subplots(len(TRACES), 1, sharex=True), table["time_s"] * 1e9, table["regime"]
+    axes, regime, drawn = figure.subplots(len(TRACES), 1, sharex=True), table["regime"], _drawn("time_s")
+    time = table["time_s"] * drawn.scale
     ends = [0, *np.flatnonzero(regime[1:] != regime[:-1]) + 1, len(time) - 1]
-    for ax, (label, factor, curves) in zip(axes, TRACES, strict=True):
+    quantities = [_drawn(key) for key, _ in TRACES]
+    for ax, each, (_, curves) in zip(axes, quantities, TRACES, strict=True):
         for start, stop in pairwise(ends):
             ax.axvspan(time[start], time[stop], color=REGIMES[str(regime[start])], alpha=0.45, linewidth=0)
         for key, colour, name in curves:
-            curve(ax, time, table[key] * factor, "-", colour, name and f"v of the {name}")
+            curve(ax, time, table[key] * each.scale, "-", colour, name)
         ax.axhline(0, color="black", linewidth=0.5)
-        ax.set_ylabel(label, fontsize="small")
+        ax.set_ylabel(each.heading, fontsize="small")
         ax.tick_params(labelsize="small")
         ax.set_xlim(time[0], time[-1])
-    axes[-1].set_xlabel(f"time (ns)\n{MEANING}", fontsize="x-small")
+    meanings = [f"{each.head}: {each.label}" for each in quantities]
+    axes[-1].set_xlabel(f"{drawn.axis}\n{', '.join(meanings[:2])},\n{', '.join(meanings[2:])}", fontsize="x-small")
     handles = [
         Patch(facecolor=REGIMES[name], label=name, alpha=0.6, edgecolor="#666666") for name in REGIMES if name in regime
     ]
@@ -225,9 +233,14 @@ def traces(figure, table: dict) -> list:
     return list(axes)
 
 
+def _drawn(key: str) -> Quantity:
+    """Return a quantity of the contact's history."""
+    return quantity(f"history.{key}")
+
+
 def _draw(ax, table: dict, index: int) -> None:
     """Draw the ball, the surface, the orbit and the forces at one instant."""
-    u_x, u_z, approach = (table[key] * NM for key in ("u_x_m", "u_z_m", "approach_m"))
+    u_x, u_z, approach = (table[key] * _drawn(key).scale for key in ("u_x_m", "u_z_m", "approach_m"))
     x, z = u_x[index], u_z[index]
     scale = max(np.hypot(u_x, u_z).max(), 0.4 * approach.max())
     lowest, half_width, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale

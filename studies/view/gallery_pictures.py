@@ -15,7 +15,7 @@ import fem
 from fem import reference_matrices
 from studies.chain import fem_model
 from studies.record.plots import COLOURS, arrow, curve, finished, legend_below, new_figure, saved, shaded, titled
-from studies.record.quantities import quantity
+from studies.record.quantities import Quantity, quantity
 from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
@@ -26,7 +26,6 @@ from studies.view.views import span_views, views
 
 LOGGER = logging.getLogger(__name__)
 
-NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)
 ORBITS = 12
 MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
@@ -42,22 +41,23 @@ def draw_all(gallery, folder: Path) -> None:
     """Draw the pictures of a gallery into a directory."""
     run, record = gallery.wave_field, gallery.record
     title = record.scene.title
-    places = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
+    positions = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
     energies = run.with_energies
     passing = energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * run.aperture
     power = record.electrical["power_W_per_V2"]
-    ledger, balance = ledger_rows(gallery.ledger)
+    ledger, balance = ledger_entries(gallery.ledger)
     for picture, figure in (
-        ("orbits", orbits(places, *np.array([run.surface(x) for x in places]).T, title=title)),
+        ("orbits", orbits(positions, *np.array([run.surface(x) for x in positions]).T, title=title)),
         ("amplitude", amplitude(record, wavelength=run.wavelength, focus=run.focus)),
         ("depth", _depth(run)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
-        ("power", bars(power_rows(record.electrical), "mW per V^2", "power (mW per V^2 of the source, peak)",
+        ("power", bars(powers(record.electrical), quantity("transducer_power_W_per_V2"),
                        f"{title}\npower of the driven transducer")),
         ("power_flow", power_along(run.field.x, passing, covered=run.spans, fed=power, title=title)),
-        ("ledger", bars(ledger, "pJ", "energy per cycle (pJ); blue: from the wave, orange: taken up",
-                        f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
+        ("ledger", bars(ledger, quantity("cycle_energy_J"),
+                        f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}",
+                        remark="; blue: from the wave, orange: taken up")),
     ):  # fmt: skip
         LOGGER.info(f"drawing {picture}")
         figure.savefig(folder / f"{picture}.png", dpi=DPI)
@@ -74,17 +74,18 @@ def draw_all(gallery, folder: Path) -> None:
         _films(gallery, folder)
 
 
-def orbits(places, tangential, normal, *, title: str):
+def orbits(positions, tangential, normal, *, title: str):
     """Draw the orbits of surface points at positions in m, from complex u_x and u_z in m per V."""
-    columns = min(6, len(places))
-    rows = -(-len(places) // columns)
+    columns = min(6, len(positions))
+    rows = -(-len(positions) // columns)
     size, shared = ((1.35 * columns + 0.6, 1.55 * rows + 0.7), {"sharex": True, "sharey": True, "squeeze": False})
     figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
     is_anticlockwise = anticlockwise(tangential, normal)
-    components = NM * np.array([tangential, normal])
+    across, up, along = quantity("field.u_x"), quantity("field.u_z"), quantity("x_m")
+    components = up.scale * np.array([tangential, normal])
     limit = 1.15 * abs(components).max()
     for number, ax in enumerate(axes.flat):
-        if number >= len(places):
+        if number >= len(positions):
             ax.set_visible(False)
             continue
         motion, colour = components[:, number, None], "slip" if is_anticlockwise[number] else "intermittent"
@@ -95,12 +96,12 @@ def orbits(places, tangential, normal, *, title: str):
         tail, head = (motion * np.exp(1j * (crest + np.array([-0.35, 0.35])))).real.T
         arrow(ax, tail, head, COLOURS[colour], width=1.0)
         ax.plot([0], [0], "+", color=COLOURS["line"], markersize=5)
-        ax.set_title(f"x = {places[number] * MM:.4g} mm", fontsize="small")
+        ax.set_title(f"x = {along.with_unit(positions[number])}", fontsize="small")
         ax.set(aspect="equal", xlim=(-limit, limit), ylim=(-limit, limit))
         ax.tick_params(labelsize="x-small")
         ax.grid(alpha=0.3)
-    figure.supxlabel("u_x (nm per V); arrow: motion at the crest", fontsize="small")
-    figure.supylabel("u_z (nm per V)", fontsize="small")
+    figure.supxlabel(f"{across.axis}; arrow: motion at the crest", fontsize="small")
+    figure.supylabel(up.axis, fontsize="small")
     colours = f"{is_anticlockwise.sum()} anticlockwise (blue), {(~is_anticlockwise).sum()} clockwise (orange)"
     figure.suptitle(f"{title}\nsurface orbits, {colours}", fontsize="medium")
     return figure
@@ -123,13 +124,13 @@ def anticlockwise(tangential, normal) -> np.ndarray:
 def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     """Draw |u_x| and |u_z| along the surface, and within 4 wavelengths of ``focus`` = (name, position in m)."""
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
-    name, place = focus
-    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
+    name, middle = focus
+    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - middle) <= wavelength])
     surface(record, whole)
     surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
-    near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
+    near.set_xlim(*((middle + np.array([-4, 4]) * wavelength) * quantity("x_m").scale))
     ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
     titled(near, f"within 4 wavelengths of the {name}: {ripple}")
     return figure
@@ -145,69 +146,71 @@ def depth_profile(line_depth, analytic, computed, *, title: str):
             curve(ax, depth, values, mark, "stick" if number else colour, f"{name}, {what}", size=3.5)
             ax.lines[-1].set_zorder(2 - number)
     ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
-    finished(ax, "depth (wavelengths)", "amplitude over |u_z| at the surface", title, columns=2)
+    finished(ax, quantity("depth_wavelengths").axis, quantity("relative_displacement").axis, title, columns=2)
     return figure
 
 
 def start_and_stop(trajectories, *, acceleration: float, title: str):
     """Draw the velocity in bursts, an enlarged view of the stop, and the largest acceleration (m/s^2) by friction."""
     figure, (whole, end) = new_figure(7.6, 6.0, rows=2)
+    time, after_burst, up = (quantity(key) for key in ("time_s", "time_after_burst_s", "velocity_m_per_s"))
     colours = matplotlib.colormaps["cividis"](np.linspace(0.0, 0.85, len(trajectories)))
     for (name, motion), colour in zip(trajectories, colours, strict=True):
         after = motion.time >= motion.duration - 1e-12
-        whole.plot(motion.time * 1e3, motion.velocity * 1e3, color=colour, linewidth=1.3, label=name)
-        end.plot((motion.time[after] - motion.duration) * 1e3, motion.velocity[after] * 1e3, color=colour)
+        whole.plot(motion.time * time.scale, motion.velocity * up.scale, color=colour, linewidth=1.3, label=name)
+        later = motion.time[after] - motion.duration
+        end.plot(later * after_burst.scale, motion.velocity[after] * up.scale, color=colour)
     fastest = max((motion for _, motion in trajectories), key=lambda each: abs(each.velocity_at_burst_end))
     last = fastest.velocity_at_burst_end
-    sign, label, velocity_label = np.sign(last) or 1.0, "mu preload / m (theory)", quantity("velocity_m_per_s").axis
+    sign, label = np.sign(last) or 1.0, "mu preload / m (theory)"
     fall, rise = (np.array([0.0, speed / acceleration]) for speed in (abs(last), abs(fastest.velocity).max()))
-    curve(end, fall * 1e3, (last - sign * acceleration * fall) * 1e3, ":", "line", label)
-    curve(whole, rise * 1e3, sign * acceleration * rise * 1e3, ":", "line", label)
-    whole.axvline(fastest.duration * 1e3, color=COLOURS["stick"], linewidth=1, label="end of the burst")
-    finished(whole, quantity("time_s").axis, velocity_label, f"{title}\nstart and stop", columns=0)
-    finished(end, "time after the burst (ms)", velocity_label, "", columns=0)
+    curve(end, fall * after_burst.scale, (last - sign * acceleration * fall) * up.scale, ":", "line", label)
+    curve(whole, rise * time.scale, sign * acceleration * rise * up.scale, ":", "line", label)
+    whole.axvline(fastest.duration * time.scale, color=COLOURS["stick"], linewidth=1, label="end of the burst")
+    finished(whole, time.axis, up.axis, f"{title}\nstart and stop", columns=0)
+    finished(end, after_burst.axis, up.axis, "", columns=0)
     legend_below(end, whole.get_legend_handles_labels()[0], columns=5)
     return figure
 
 
-def power_rows(electrical: dict) -> list[tuple[str, float, str]]:
-    """Return (name, power in mW per V^2, colour) for the source, the radiated and the dissipated power."""
+def powers(electrical: dict) -> list[tuple[str, float, str]]:
+    """Return (name, power in W per V^2, colour) for the source, the radiated and the dissipated power."""
     return [
-        (name, electrical[f"power_{key}W_per_V2"] * 1e3, COLOURS[colour])
+        (name, electrical[f"power_{key}W_per_V2"], COLOURS[colour])
         for name, key, colour in (
-            ("given by the source", "", "slip"),
+            ("delivered by the source", "", "slip"),
             ("sent out beyond the transducers", "radiated_", "second"),
             ("lost in the solid", "dissipated_", "intermittent"),
         )
     ]
 
 
-def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
-    """Return (name, energy in pJ, colour) for one cycle of the contact, and a text on the residual of the balance."""
+def ledger_entries(ledger) -> tuple[list[tuple[str, float, str]], str]:
+    """Return (name, energy in J, colour) for one cycle of the contact, and a text on the residual of the balance."""
     energies = {key: getattr(ledger, key) for key in LEDGER}
     largest = max(map(abs, energies.values())) or 1.0
-    rows = [
-        (name, energies[key] * 1e12, COLOURS["slip" if key in SUPPLIED else "intermittent"])
+    entries = [
+        (name, energies[key], COLOURS["slip" if key in SUPPLIED else "intermittent"])
         for key, name in LEDGER.items()
         if key in SUPPLIED or abs(energies[key]) > 1e-6 * largest
     ]
     missed = sum(energies[key] * (1 if key in SUPPLIED else -1) for key in LEDGER)
-    return rows, f"balance to {abs(missed) / largest:.0e} of the largest"
+    return entries, f"balance to {abs(missed) / largest:.0e} of the largest"
 
 
-def bars(rows, unit: str, x_label: str, title: str):
-    """Draw a bar chart of rows (name, value, colour)."""
-    figure, ax = new_figure(7.2, 1.2 + 0.33 * len(rows))
-    names, values, colours = zip(*rows, strict=True)
-    positions = np.arange(len(rows))[::-1]
-    bar_container = ax.barh(positions, values, color=colours, height=0.62)
-    ax.bar_label(bar_container, [f"{value:.3g} {unit}" for value in values], padding=3, fontsize="small")
-    ax.set_yticks(positions, names)
+def bars(entries, drawn: Quantity, title: str, *, remark: str = ""):
+    """Draw a bar chart of entries (name, value in SI units, colour); ``remark`` follows the label of the axis."""
+    figure, ax = new_figure(7.2, 1.2 + 0.33 * len(entries))
+    names, sizes, colours = zip(*entries, strict=True)
+    heights, values = np.arange(len(entries))[::-1], [size * drawn.scale for size in sizes]
+    bar_container = ax.barh(heights, values, color=colours, height=0.62)
+    ax.bar_label(bar_container, [*map(drawn.with_unit, sizes)], padding=3, fontsize="small")
+    ax.set_yticks(heights, names)
     low, high = min([0.0, *values]), max([0.0, *values])
     extent = (high - low) or 1.0
     ax.axvline(0, color=COLOURS["line"], linewidth=0.8)
     ax.set_xlim(low - (0.45 * extent if low < 0 else 0), high + 0.45 * extent)
-    finished(ax, x_label, "", title, columns=0)
+    finished(ax, drawn.axis + remark, "", title, columns=0)
     return figure
 
 
@@ -218,14 +221,15 @@ def power_along(x, power, *, covered, fed: float, title: str):
     bidirectional transducer radiates equally to both. ``covered``: spans in m of the transducers along x.
     """
     figure, ax = new_figure(7.2, 3.4)
-    curve(ax, x * MM, power * 1e3, "-", "slip", "through the section, mean of a cycle")
-    for share, label in ((0.5e3, "half of what the source gives"), (-0.5e3, None)):
-        ax.axhline(share * fed, color=COLOURS["line"], linestyle=":", linewidth=1, label=label)
+    along, up = quantity("x_m"), quantity("power_flow_W_per_V2")
+    curve(ax, x * along.scale, power * up.scale, "-", "slip", "through the section, mean of a cycle")
+    for share, label in ((0.5, "half of what the source gives"), (-0.5, None)):
+        ax.axhline(share * fed * up.scale, color=COLOURS["line"], linestyle=":", linewidth=1, label=label)
     for span in covered:
-        shaded(ax, *np.multiply(span, MM))
+        shaded(ax, *np.multiply(span, along.scale))
     ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
     title = f"{title}\npower flow (grey: transducers)"
-    finished(ax, quantity("x_m").axis, "power along +x (mW per V^2)", title)
+    finished(ax, along.axis, up.axis, title)
     return figure
 
 
@@ -240,9 +244,9 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(run):
     """Draw the depth profiles of the free wave and of the driven stator, compared with that of the half-space."""
-    stator, scene, (name, place) = fem_model.stator(run.scene.stator), run.scene, run.focus
+    stator, scene, (name, middle) = fem_model.stator(run.scene.stator), run.scene, run.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
-    line = run.field.displacement[np.searchsorted(run.field.x, place - 1e-9)]
+    line = run.field.displacement[np.searchsorted(run.field.x, middle - 1e-9)]
 
     def parts(u):
         return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}

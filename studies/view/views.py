@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.view import overlays
 from studies.view.run_field import RunField
 
-MM = 1e3
+MM = quantity("x_m").scale  # from m to the unit of lengths in pictures
 CLOSE = 7.0  # half-length of an enlarged view, in wavelengths
 NARROWEST = 0.05  # smallest length of a view, in wavelengths
 LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # margins of a view in pixels, for labels and colour bar
@@ -54,16 +55,16 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
         focus, slider = run.focus[1], run.scene.slider
         half = (0.5 if span == "wavelength" else CLOSE) * run.wavelength
         if span == "slider" and slider is not None:  # include all balls
-            farthest = max(abs(run.in_section(place) - focus) for place in slider.places)
+            farthest = max(abs(run.in_section(each) - focus) for each in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
     if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
-        rule = f"must lie on the stator, 0:{run.length * 1e3:g} mm"
-        raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
+        rule = f"must lie on the stator, 0:{run.length * MM:g} mm"
+        raise SceneError("--span", f"{rule}, got {span[0] * MM:g}:{span[1] * MM:g} mm")
     min_length = NARROWEST * run.wavelength
     if span[1] - span[0] < min_length:
-        rule = f"must be at least {min_length * 1e3:.3g} mm long, a twentieth of a wavelength"
-        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
+        rule = f"must be at least {min_length * MM:.3g} mm long, a twentieth of a wavelength"
+        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * MM:.3g} mm")
     return span
 
 
@@ -76,7 +77,7 @@ def views(run: RunField) -> tuple[View, ...]:
     """Return the default views: the whole section, the driven transducer and the slider."""
     if run.free:
         return span_views(run, (0.0, run.length))
-    driven, half_length = run.in_section(run.scene.driven_transducer.place), CLOSE * run.wavelength
+    driven, half_length = run.in_section(run.scene.driven_transducer.center_xy), CLOSE * run.wavelength
     start, stop = limits(run, "slider")
     whole = View(name="the whole section", start=0.0, stop=run.length, weight=0.17)
     name = f"driven transducer {run.scene.driven_transducer.name!r}"
@@ -99,16 +100,22 @@ def span_views(run: RunField, span: tuple[float, float] | None) -> tuple[View, .
     return whole, View(name=name, start=start, stop=stop, weight=0.7)
 
 
-def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tuple[Frame, ...]:
+def right_edge(width: int) -> float:
+    """Return the right edge of the frames in a picture of this width, both in pixels."""
+    return max(width - RIGHT, LEFT + 0.3 * width)
+
+
+def frames(run: RunField, views, *, size: tuple[int, int], framed: bool, head: int = 0) -> tuple[Frame, ...]:
     """Return the frames of the views from top to bottom. A frame is at most as high as its weight or its content.
 
-    Without views, return the frame of the solid. A view that is not ``framed`` fills the picture.
+    Without views, return the frame of the solid. A view that is not ``framed`` fills the picture. ``head``: pixels at
+    the top of the picture that stay free for a caption of several lines.
     """
-    width, upper = size
+    width, upper = size[0], size[1] - head
     if not framed:
         pixel = (views[0].stop - views[0].start) / width if views else 0.0
         return (Frame((0, 0, width, upper), *views, *([pixel, 0.35 * upper * pixel] if views else ())),)
-    right, result = max(width - RIGHT, LEFT + 0.3 * width), []
+    right, result = right_edge(width), []
     if not views:
         return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
     weights, margin_scale = sum(view.weight for view in views), min(1.0, upper / (NARROW * len(views)))
@@ -119,7 +126,7 @@ def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tupl
     for view in views:
         pixel, available = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
         visible = pixel * max(available - above - below, 0.3 * available)
-        has_ball = any(view.start <= ball.place <= view.stop for ball in overlays.balls(run))
+        has_ball = any(view.start <= ball.x <= view.stop for ball in overlays.balls(run))
         headroom = 0.15 * min(visible, 2 * run.wavelength)
         top = max(min(2.1 * run.radius, BALL_SHARE * visible) if has_ball else headroom, 1.3 * highest)
         high = upper - above

@@ -111,7 +111,7 @@ def test_a_point_that_has_no_answer_says_why_and_holds_no_number():
 
 def test_a_given_wave_drives_towards_plus_x():
     wave = Wave(frequency="1 MHz", normal_amplitude="1 nm", tangential_ratio=0.7)
-    (orbit,) = bridge.given_orbits(wave)
+    (orbit,) = bridge.prescribed_orbits(wave)
     assert orbit.scaled(1e-9).crest_velocity > 0
 
 

@@ -153,7 +153,7 @@ def test_three_balls_push_three_times_as_hard_as_one_with_a_third_of_everything(
 def test_the_orbit_under_the_ball_is_the_motion_of_the_wave(small_run):
     """Both components with their phases: a quarter of a period between them is the difference between + and -."""
     wave, slider = small_run.surface_wave, small_run.scene.slider
-    (orbit,) = SolvedStator.of(SurfaceMotion(wave=wave), slider.places).orbits(slider.places)
+    (orbit,) = SolvedStator.of(SurfaceMotion(wave=wave), slider.contact_positions).orbits(slider.contact_positions)
     u_x, u_z = wave.motion(slider.position)
     assert orbit.tangential == pytest.approx(complex(u_x), rel=1e-12)
     assert orbit.normal == pytest.approx(complex(u_z), rel=1e-12)
@@ -176,6 +176,6 @@ def test_the_crest_of_a_rayleigh_wave_moves_against_it(small_run):
 
 def test_the_crest_of_a_given_wave_moves_to_plus_x():
     wave = Scene.load("twente-contact").wave
-    (orbit,) = bridge.given_orbits(wave)
+    (orbit,) = bridge.prescribed_orbits(wave)
     speed = 2 * math.pi * wave.frequency * wave.tangential_ratio
     assert velocity_at_the_crest(orbit) == pytest.approx(speed, rel=1e-12)

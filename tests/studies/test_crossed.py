@@ -77,10 +77,10 @@ def test_places_and_angles_that_change_nothing(small):
 
 def test_a_turned_transducer_within_45_deg_of_x_drives(chip):
     turned = resolve.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
-    alone, place = fem_model.first_row(turned, turned.slider.center)
+    alone, place = fem_model.first_section(turned, turned.slider.center)
     (front,) = alone.transducer
     assert not alone.crossed
-    assert place - front.place[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))
+    assert place - front.center_xy[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))
 
 
 @pytest.mark.slow

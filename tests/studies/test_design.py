@@ -35,32 +35,33 @@ def test_the_optimum_is_that_of_a_brute_force_grid():
     ).columns()  # fmt: skip
     velocity, pressure = (np.array(grid["velocity_m_per_s"], float), np.array(grid["contact_pressure_Pa"], float))
     best = int(np.argmax(np.where(pressure <= 140e6, velocity, -1.0)))
-    found = design(
+    result = design(
         Scene.load("twente-contact"),
         ["velocity"],
         VARIABLES,
         [read_constraint(LIMIT)],
         options=Options(evaluations=120),
     )
-    assert len(found.rows) <= side**2 / 20
-    assert found.optimum["contact_pressure_Pa"] <= 140e6
+    assert len(result.points) <= side**2 / 20
+    assert result.optimum["contact_pressure_Pa"] <= 140e6
     for variable in VARIABLES:
         spacing = np.log(variable.high / variable.low) / (side - 1)
-        assert abs(np.log(found.optimum[variable.key] / grid[variable.key][best])) < 1.01 * spacing, variable.key
-    assert found.optimum["velocity_m_per_s"] > 0.999 * velocity[best]
+        assert abs(np.log(result.optimum[variable.key] / grid[variable.key][best])) < 1.01 * spacing, variable.key
+    assert result.optimum["velocity_m_per_s"] > 0.999 * velocity[best]
 
 
 def test_the_front_holds_both_ends_and_nothing_that_is_beaten():
     goals = ["velocity", "thrust"]
-    found = design(
+    result = design(
         Scene.load("twente-contact"), goals, VARIABLES, [read_constraint(LIMIT)], options=Options(evaluations=40)
     )
-    columns = np.array([[row["velocity_m_per_s"], row["thrust_N"]] for row in found.front])
-    allowed = [row for row in found.rows if row["contact_pressure_Pa"] <= 140e6]
-    assert columns[:, 0].max() == max(row["velocity_m_per_s"] for row in allowed)
-    assert columns[:, 1].max() == max(row["thrust_N"] for row in allowed)
-    for row in allowed:
-        beats = (row["velocity_m_per_s"] > columns[:, 0]) & (row["thrust_N"] > columns[:, 1])
+    assert result.rows is result.points  # the former name
+    columns = np.array([[point["velocity_m_per_s"], point["thrust_N"]] for point in result.front])
+    allowed = [point for point in result.points if point["contact_pressure_Pa"] <= 140e6]
+    assert columns[:, 0].max() == max(point["velocity_m_per_s"] for point in allowed)
+    assert columns[:, 1].max() == max(point["thrust_N"] for point in allowed)
+    for point in allowed:
+        beats = (point["velocity_m_per_s"] > columns[:, 0]) & (point["thrust_N"] > columns[:, 1])
         assert not beats.any()
     assert np.all(np.diff(columns[:, 0]) < 0)
     assert np.all(np.diff(columns[:, 1]) > 0)
@@ -111,17 +112,17 @@ def test_with_a_stator_the_best_points_of_a_coarse_search_are_evaluated_at_the_t
     )  # fmt: skip
     variables = [read_variable("stator.thickness=0.9 mm:1.3 mm"), read_variable("slider.preload=0.4 mN:2 mN")]
     options = Options(evaluations=24, out=tmp_path, tolerance=1e-2)
-    found = design(short, ["velocity"], variables, [], options=options)
-    assert found.optimum["status"] == "ok"
-    assert found.optimum["relative_error"] < 1e-2
-    coarse = [row for row in found.rows if row["relative_error"] > 1e-2]
-    assert 10 <= len(coarse) < len(found.rows) - REPEATED
+    result = design(short, ["velocity"], variables, [], options=options)
+    assert result.optimum["status"] == "ok"
+    assert result.optimum["relative_error"] < 1e-2
+    coarse = [point for point in result.points if point["relative_error"] > 1e-2]
+    assert 10 <= len(coarse) < len(result.points) - REPEATED
     keys = [each.key for each in variables]
-    same = sweep(short, {key: [found.optimum[key]] for key in keys}, tolerance=1e-2).columns()
-    assert same["velocity_m_per_s"][0] == pytest.approx(found.optimum["velocity_m_per_s"], rel=1e-12)
-    best = max(abs(row["velocity_m_per_s"]) for row in found.rows if row["status"] == "ok")
-    assert abs(found.optimum["velocity_m_per_s"]) == best
-    assert design(short, ["velocity"], variables, [], options=options).to_dict() == found.to_dict()
+    same = sweep(short, {key: [result.optimum[key]] for key in keys}, tolerance=1e-2).columns()
+    assert same["velocity_m_per_s"][0] == pytest.approx(result.optimum["velocity_m_per_s"], rel=1e-12)
+    best = max(abs(point["velocity_m_per_s"]) for point in result.points if point["status"] == "ok")
+    assert abs(result.optimum["velocity_m_per_s"]) == best
+    assert design(short, ["velocity"], variables, [], options=options).to_dict() == result.to_dict()
 
 
 def test_constraints_that_nothing_keeps_are_named():

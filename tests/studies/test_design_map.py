@@ -35,7 +35,7 @@ def test_a_value_of_the_map_is_that_of_the_contact(record):
     data = {panel.name: panel.data for panel in record.panels}
     i, j = 2, 5
     slider = replace(bridge.contact_slider(scene.slider), radius=data["velocity"]["y"][i])
-    orbits = bridge.scaled(bridge.given_orbits(scene.wave), data["velocity"]["x"][j])
+    orbits = bridge.scaled(bridge.prescribed_orbits(scene.wave), data["velocity"]["x"][j])
     assert data["velocity"]["value"][i][j] == pytest.approx(steady(slider, orbits, tolerance=1e-3).velocity, rel=1e-6)
     assert data["velocity"]["threshold_factor"][i][j] == pytest.approx(threshold_factor(slider, orbits), rel=1e-12)
     thrust = data["thrust"]["value"][i][j]

@@ -46,7 +46,7 @@ def test_without_diffraction_the_answer_is_that_of_the_section(plane):
 def test_each_ball_has_the_orbit_of_its_own_place(spread):
     beam = fem.surface_beam(spread.surface_wave)
     x, y = np.array([8.7e-3, 8.8e-3, 9.3e-3]), np.array([5e-3, -2e-3, 1e-3])
-    assert np.allclose(spread.scene.slider.places, np.stack([x, y], axis=1), rtol=1e-12)
+    assert np.allclose(spread.scene.slider.contact_positions, np.stack([x, y], axis=1), rtol=1e-12)
     orbits = bridge.DrivenContact.of_run(spread).orbits
     u_x, u_y, u_z = beam.motion(x, y)
     assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6)
@@ -183,7 +183,7 @@ def test_the_beam_is_drawn_from_above(spread, tmp_path):
     _, _, motion = surface_map(beam, spread.scene.stator)
     assert np.allclose(np.ravel(ax.collections[0].get_array()), abs(motion[2]).T.ravel() * 1e9, rtol=1e-12)
     points = sorted(map(tuple, ax.lines[0].get_xydata() / 1e3))
-    assert np.allclose(points, sorted(spread.scene.slider.places))
+    assert np.allclose(points, sorted(spread.scene.slider.contact_positions))
     spread.save(tmp_path / "run")
     files = tmp_path / "beam.png", tmp_path / "beam.html"
     wanted = ["--screenshot", str(files[0]), "--html", str(files[1])]

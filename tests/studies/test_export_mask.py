@@ -70,7 +70,7 @@ def test_the_polygons_give_the_transducers_to_the_grid(name, folder):
         assert abs(high - low - block.aperture) <= grid * 1.01
         # place: the middle of the overlap
         middle = 0.5 * (left[0] + left[-1] + width.mean()) * along + 0.5 * (low + high) * across
-        assert np.abs(middle - block.place).max() <= grid * 1.01
+        assert np.abs(middle - block.center_xy).max() <= grid * 1.01
         # angle: the long sides of the first finger
         sides = np.diff(np.vstack([fingers[0], fingers[0][:1]]), axis=0)
         longest = sides[np.argmax(np.linalg.norm(sides, axis=1))]

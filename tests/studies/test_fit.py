@@ -27,7 +27,7 @@ LEVELS = tuple(np.linspace(1.0, 4.0, 7))
 class Model:
     """A predictor whose answer is a formula of its numbers and the level."""
 
-    given_wave, one_by_one, table = True, False, {}
+    prescribed_wave, one_by_one, table = True, False, {}
 
     def __init__(self, formula, **own):
         self.formula, self.own = formula, own
@@ -35,8 +35,8 @@ class Model:
     def begin(self, stage, total=0):
         """Say nothing."""
 
-    def predict(self, asked):
-        return [self.formula(np.array(m.levels), **(self.own | numbers)) for m, numbers in asked]
+    def predict(self, questions):
+        return [self.formula(np.array(m.levels), **(self.own | numbers)) for m, numbers in questions]
 
     def value(self, key):
         return self.own.get(key)
@@ -47,7 +47,7 @@ class Model:
 
 def explored(model, parameters, monkeypatch, **own):
     """Return the fit of a formula to its own values; no next measurements."""
-    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *given: [])
+    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *_: [])
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
     problem = Problem(predictor=model, parameters=parameters, measurements=(data,))
@@ -87,7 +87,7 @@ def test_intervals_without_deviations_are_student_s(monkeypatch):
     scatter = 0.02 * np.array([1.0, -2.0, 0.5, 1.5, -1.0, 0.7, -0.4])
     model = Model(lambda x, b, e=1.0: b * x + e * scatter, b=2.0)
     fitted = Model(lambda x, b: b * x, b=2.0)
-    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *given: [])
+    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *_: [])
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), 2.0)), deviations=(1.0,) * 7)  # fmt: skip
     free = (Parameter(key="b", low=0.5, high=8.0),)
@@ -118,7 +118,7 @@ def test_a_product_leaves_its_factors_undetermined_however_narrow_their_ranges(m
 
 def test_factors_of_a_product_stay_nearest_to_the_scene_s_own_whatever_the_misfit(monkeypatch):
     """Points some deviations off the line: the fitted product is shared out in the ratio of the scene's values."""
-    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *given: [])
+    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *_: [])
     scatter = 0.02 * np.array([1.0, -2.0, 0.5, 1.5, -1.0, 0.7, -0.4])
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(2.0 * np.array(LEVELS) + scatter), deviations=(0.01,) * 7)  # fmt: skip
@@ -164,9 +164,9 @@ def test_no_finite_interval_where_nothing_is_told():
 def curve():
     """A velocity curve of the seed's slider, without noise."""
     levels = tuple(np.linspace(1.5e-9, 2e-8, 8))
-    asked = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels)
-    values = MeasurementPredictor(Scene.load("twente-contact")).predict([(asked, {})])[0]
-    return replace(asked, values=tuple(values), deviations=tuple(0.01 * values))
+    planned = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels)
+    values = MeasurementPredictor(Scene.load("twente-contact")).predict([(planned, {})])[0]
+    return replace(planned, values=tuple(values), deviations=tuple(0.01 * values))
 
 
 def test_the_contact_s_scaling_law_is_found_and_mass_has_no_effect(curve):
@@ -218,8 +218,8 @@ def test_a_stator_s_amplitude_and_speeds_without_a_sign(tmp_path, capsys):
     """Voltages on the seed's stator: the factor on its amplitude comes back; a motor towards -x measured as speed."""
     true = MeasurementPredictor(Scene.load("twente-left"), tolerance=1e-2)
     volts = (15.0, 25.0, 40.0, 55.0)
-    asked = Measurement(name="v", quantity="velocity", level_key="voltage_V", levels=volts)
-    speeds = -true.predict([(asked, {"amplitude_factor": 0.8})])[0]
+    planned = Measurement(name="v", quantity="velocity", level_key="voltage_V", levels=volts)
+    speeds = -true.predict([(planned, {"amplitude_factor": 0.8})])[0]
     assert np.all(speeds > 0)
     file = tmp_path / "speeds.csv"
     rows = [f"{v},{s * 1e3},{0.02 * s * 1e3}" for v, s in zip(volts, speeds, strict=True)]
@@ -290,7 +290,7 @@ def test_a_file_that_is_no_measurement_is_refused(tmp_path, text, settings, word
         ("slider.preload=4 mN:1 mN", "LOW below HIGH"),
         ("slider.law=0:1", "must be a number of a scene"),
         ("slider.preloads=1:2", "is no key of a scene"),
-        ("wave.normal_amplitude=1e-9:2e-9", "given by the measurement"),
+        ("wave.normal_amplitude=1e-9:2e-9", "follows from each measured point"),
         ("friction=0:1", "is no key of a scene"),
     ],
 )
@@ -316,7 +316,7 @@ def test_a_place_may_be_free():
 @pytest.mark.parametrize(
     ("free", "words"),
     [
-        (["amplitude_factor=0.5:2"], "needs a stator"),
+        (["amplitude_factor=0.5:2"], r"needs a \[stator\]"),
         (["slider.mass=1e-5:1e-4", "slider.mass=1e-5:1e-4"], "given twice"),
         ([], "is required"),
         ([f"slider.damping.{name}=1e-5:1e-4" for name in ("normal", "tangential")], "asks for 2 numbers from 1"),
@@ -344,13 +344,13 @@ def test_parameters_are_as_lmfit_s_users_know_them():
     assert (found[RATIO].min, found[RATIO].max, found[RATIO].vary) == (0.3, 1.5, True)
     assert found["slider.friction_coefficient"] is held
     residual = Residual("twente-contact", LAB, [free, held])
-    given = residual.lmfit_parameters()
-    assert list(given) == ["wave__tangential_ratio"]
-    theirs = lmfit.minimize(residual, given, epsfcn=1e-8, scale_covar=False).params["wave__tangential_ratio"]
+    parameters = residual.lmfit_parameters()
+    assert list(parameters) == ["wave__tangential_ratio"]
+    theirs = lmfit.minimize(residual, parameters, epsfcn=1e-8, scale_covar=False).params["wave__tangential_ratio"]
     assert found[RATIO].value == pytest.approx(theirs.value, rel=1e-4)
     assert found[RATIO].stderr == pytest.approx(theirs.stderr, rel=2e-2)
-    given.add("slider__friction_coefficient", value=0.11, min=0.01, max=1.0, vary=False)
-    ours = fit("twente-contact", LAB, given).params
+    parameters.add("slider__friction_coefficient", value=0.11, min=0.01, max=1.0, vary=False)
+    ours = fit("twente-contact", LAB, parameters).params
     assert ours[RATIO].value == pytest.approx(found[RATIO].value, rel=1e-6)
     assert ours["slider.friction_coefficient"] == held
 

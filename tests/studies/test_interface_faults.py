@@ -94,7 +94,7 @@ def test_check_warns_of_what_the_layout_alone_shows(call):
     changes = ("slider.position=12 mm", "slider.contacts=3", "stator.length=90")
     status, _, err = call("check", "twente", *(word for each in changes for word in ("--set", each)))
     assert status == 0
-    assert "3 balls at one place" in err
+    assert "3 balls at one position" in err
     assert "the slider lies over the fingers of transducer left" in err
     assert "stator.length is 90 m" in err
     assert call("check", "twente")[2] == ""

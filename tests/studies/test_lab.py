@@ -295,7 +295,7 @@ def test_network_deviations_are_those_put_in():
 
 def test_a_network_analysers_file_is_predicted_as_its_study_computes_it():
     at, scene = np.array([2.19e6, 2.2e6]), resolve.resolved(SMALL)
-    count = sum(each.has_two_combs for each in scene.transducer)
+    count = sum(each.has_two_electrodes for each in scene.transducer)
     file = NetworkData(name="lab.snp", frequency=at, scattering=np.zeros((2, count, count)), reference=50.0)
     measurement = Measurement(name="lab.snp", quantity="network", values=tuple(file.flat()), network=file)
     (predicted,) = fit_predictor().predict([(measurement, {})])

@@ -51,7 +51,7 @@ def test_aperture_and_side_faces_of_the_seed(motor):
     expected = abs(images / beam.motion(0.08)[2]) - 1
     assert found["side faces"] == pytest.approx(expected, abs=0.002)  # of the same charges; here they respond
     assert "finite aperture" not in found
-    places = np.transpose(motor.scene.slider.places)
+    places = np.transpose(motor.scene.slider.contact_positions)
     assert effect(motor, "charge at the finger ends")["size"] == pytest.approx(0.05)  # of uniform charges
     assert 0 < found["charge at the finger ends"] < 0.01
     assert found["charge at the finger ends"] == pytest.approx(float(beam.charge_error(*places).max()))

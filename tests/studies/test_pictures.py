@@ -1,7 +1,9 @@
 """The pictures that explain: what their lines and arrows hold, quantity and unit on every axis."""
 
+import ast
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from contact import Orbit, Slider, burst, contact_history, steady
 from studies.chain import resolve, run
 from studies.record import Record
 from studies.record.plots import COLOURS, new_figure
+from studies.record.quantities import quantities, quantity
 from studies.record.run_pictures import pictures
 from studies.scene import Scene
 from studies.view import gallery_pictures
@@ -19,6 +22,7 @@ from studies.view.contact_view import SlowMotion, moments, strip
 from studies.view.gallery_pictures import start_and_stop
 from tests.studies.legible import assert_legible
 
+STUDIES = Path(__file__).parents[2] / "studies"
 UNIT = re.compile(r"\([^()]+\)| over ")  # a ratio has none
 SLIDER = Slider(
     radius=1e-3, mass=0.089e-3, preload=0.089e-3 * 9.81, load=0.0, friction_coefficient=0.08,
@@ -45,6 +49,26 @@ def labelled(figure):
             if numbers and not UNIT.search(words) and not any(map(UNIT.search, whole)):
                 return False
     return True
+
+
+def own_units(source, units):
+    """The texts of a module that end a phrase with a unit in parentheses, apart from docstrings and findings."""
+    tree = ast.parse(source)
+    elsewhere = [node for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
+    elsewhere += [node for node in ast.walk(tree) if isinstance(node, ast.Call) and ast.unparse(node.func) == "judged"]
+    left_out = {id(inner) for node in elsewhere for inner in ast.walk(node)}
+    texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    return [each.value for each in texts if id(each) not in left_out and units.search(each.value)]
+
+
+def test_no_module_outside_record_writes_the_unit_of_a_label_itself():
+    """Labels and units of axes come from the table of quantities."""
+    shown = {each.shown for each in quantities().values()} - {"", "1"}
+    units = re.compile(rf" \((?:{'|'.join(map(re.escape, shown))})\)(?=$|[;:,\n])")
+    assert own_units('ax.set_ylabel(f"{name} (mm/s)")', units)
+    modules = [path for path in STUDIES.rglob("*.py") if "record" not in path.parts]
+    assert len(modules) > 100
+    assert {path.name: own for path in modules if (own := own_units(path.read_text(encoding="utf-8"), units))} == {}
 
 
 def test_the_drawn_path_is_the_contact_s_clock(found):
@@ -164,16 +188,16 @@ def test_depth_profile_puts_points_on_lines():
 
 def test_bars_are_as_long_as_the_powers_and_energies():
     electrical = {"power_W_per_V2": 3.6e-3, "power_radiated_W_per_V2": 2.2e-3, "power_dissipated_W_per_V2": 1.4e-3}
-    title = "power (mW per V^2)"
-    figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), "mW per V^2", title, "power")
+    drawn = quantity("transducer_power_W_per_V2")
+    figure = gallery_pictures.bars(gallery_pictures.powers(electrical), drawn, "power")
     figure.canvas.draw()
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
     assert_legible(figure)
     books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
-    rows, balance = gallery_pictures.ledger_rows(books)
+    rows, balance = gallery_pictures.ledger_entries(books)
     assert balance.startswith("balance to ")
-    figure = gallery_pictures.bars(rows, "pJ", "energy (pJ)", "8 nm")
+    figure = gallery_pictures.bars(rows, quantity("cycle_energy_J"), "8 nm")
     assert_legible(figure)
     bars = {
         label.get_text(): bar.get_width()

@@ -287,7 +287,7 @@ def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
         error.value
     )
     beside = drawn.replace(slider=slider | {"position": "6.5 mm"})
-    assert resolved(beside).slider.places[0][0] == pytest.approx(6e-3)
+    assert resolved(beside).slider.contact_positions[0][0] == pytest.approx(6e-3)
     with pytest.raises(SceneError, match="no plain surface"):
         Predictor(beside.to_table(), tolerance=1e-3).contact({"slider.position": 6.9e-3})
     wide = {"diameter": "20 um", "pitch": "0.2 mm", "rows": 10, "columns": 1}

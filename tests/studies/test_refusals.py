@@ -97,7 +97,7 @@ stator.orientation=[1, 2] | stator.orientation ... three angles
 stator.thickness=infinite | stator.thickness ... "half-space"
 stator.length=-1 | stator.length ... -1.0 m
 title=3 | title ... text
-slider.heights=["1 nm"] | slider.heights needs slider.contacts as a list of places
+slider.heights=["1 nm"] | slider.heights needs slider.contacts as a list of positions
 slider.contacts=[0, "5 mm"]; slider.heights=["1 nm"] | slider.heights must hold one height ... 2 contacts, got 1
 slider.shape=punch; slider.law=hysteretic | slider.law must be "elastic" with shape = "punch"
 slider.shape=cone | slider.shape
@@ -298,8 +298,8 @@ piece.0.position=3.375 mm | piece "plain" (3.375 to 4.375 mm) touches the transd
 piece.0.position=["6 mm", "6.5 mm"] | piece "plain" (6 to 7 mm) overlaps the piece "plain" (6.5 to 7.5 mm)
 piece.0.position=11.5 mm | piece.0 ... must lie on the stator, 0 to 12 mm, got 11.5 to 12.5 mm
 piece.0.position=6 | piece.0 ... 0 to 12 mm, got 6000 to 6001 mm: is "6 mm" meant? A number without a unit
-piece.0.position=["6 mm", "6 mm"] | piece.0.position must name different places
-piece.0.position=4 mm:11 mm:1000 | piece.0 ... at most as many places as fit on the stator ... got 1000 of a mesh
+piece.0.position=["6 mm", "6 mm"] | piece.0.position must name different positions
+piece.0.position=4 mm:11 mm:1000 | piece.0 ... at most as many positions as fit on the stator ... got 1000 of a mesh
 piece.0.file=end.msh; piece.0.position=5 mm | piece.0 ("end") has no line group right ... end at x = 12 mm
 piece.0.file=lost.msh | piece.0 ("lost") ... it must end at x = 0 mm, got 6 mm
 piece.0.file=end.msh; piece.0.position=["5 mm", "7 mm"] | piece "end" (5 to 6 mm) and "end" (7 to 8 mm) are both

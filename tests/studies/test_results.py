@@ -338,6 +338,21 @@ def test_what_the_drawing_raises_is_raised_here(record, tmp_path, monkeypatch):
         drawing.draw(record, tmp_path / "absent")
 
 
+@pytest.mark.parametrize("blocked", ["velocity.png", "trajectory.png"])
+def test_an_error_of_any_picture_is_raised_and_the_other_one_drawn(record, tmp_path, monkeypatch, blocked):
+    """The pictures are drawn by the drawing process and, beside it, by a copy of it."""
+    monkeypatch.delitem(sys.modules, "matplotlib.figure", raising=False)
+    (tmp_path / blocked).mkdir()
+    with Drawing() as drawing, pytest.raises(IsADirectoryError, match=blocked):
+        drawing.draw(record, tmp_path)
+    if blocked == "trajectory.png":
+        assert (tmp_path / "velocity.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / blocked).rmdir()
+    with Drawing() as drawing:
+        drawing.draw(record, tmp_path)
+    assert all((tmp_path / name).is_file() for name in ("velocity.png", "trajectory.png"))
+
+
 def test_a_drawing_process_that_ends_is_said(record, tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "matplotlib.figure", raising=False)
     with Drawing() as drawing:

@@ -61,7 +61,7 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
     size = 1e9
 
     class Known:
-        given_wave, one_by_one = True, False
+        prescribed_wave, one_by_one = True, False
 
         def scene(self, changes):
             return SimpleNamespace(level_key="wave.normal_amplitude")

@@ -34,7 +34,7 @@ def chip(*settings):
 
 
 def prepared(scene, lowest=2.1e6, highest=2.2e6, place=20e-3):
-    return response(scene, lowest, highest, places=(place,), tolerance=3e-2)
+    return response(scene, lowest, highest, positions=(place,), tolerance=3e-2)
 
 
 @pytest.fixture(scope="module")

@@ -346,7 +346,7 @@ def test_batches_and_interruptions_change_nothing(whole, tmp_path, monkeypatch):
         if kept > 20:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(driver, "LARGEST_BATCH", 3)
+    monkeypatch.setattr(driver, "MAX_BATCH_POINTS", 3)
     with pytest.raises(RunError, match=r"interrupted: \d+ of 48 points are kept and the same command"):
         sweep("twente-contact", OVER, out=tmp_path / "s", progress=stop)
     before = rows(tmp_path / "s")
@@ -452,7 +452,7 @@ class Poisoned(Workers):
 
 def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
     staff = Poisoned()
-    monkeypatch.setattr("studies.sweeps.chosen_workers", lambda number: staff)
+    monkeypatch.setattr("studies.sweeps.start_workers", lambda number: staff)
     found = sweep("twente-contact", OVER, out=tmp_path / "s")
     assert found.counts == {"ok": 47, "lost": 1}
     assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
@@ -579,12 +579,12 @@ def test_driven_points_are_those_of_a_run(over):
 
 def test_a_ball_beside_the_axis_changes_no_other_point():
     """Where all balls lie on the axis the section may stand for the wave, whatever other points ask for."""
-    predictor = Predictor(PLANE, tolerance=1e-2, shared=Shared(places=((0.007, 0.0), (0.007, 0.004))))
+    predictor = Predictor(PLANE, tolerance=1e-2, shared=Shared(positions=((0.007, 0.0), (0.007, 0.004))))
     length = predictor.scene({}).stator.length
     for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
         moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})
         assert moved.stator.length == length
-        assert {across for _, across in predictor.own_and_shared_places(moved)[1]} == expected
+        assert {across for _, across in predictor.own_and_shared_positions(moved)[1]} == expected
 
 
 def test_a_table_is_a_value_like_others():

@@ -49,7 +49,7 @@ def test_against_the_envelope_of_its_own_path():
     duration = 0.03
     found = travelled(SLIDER, wave(fading), 1.0, duration, -2e-4)
     path = contact.Envelope(
-        time=found.time, amplitude=fading(found.place), phase=np.zeros(len(found.time))
+        time=found.time, amplitude=fading(found.displacement), phase=np.zeros(len(found.time))
     )  # fmt: skip
     plain, shaped = burst(duration), burst(duration, path)
     moved = with_travel(plain, found)
@@ -68,7 +68,7 @@ def test_against_the_envelope_of_its_own_path():
 def test_it_stops_at_the_end_of_the_stator():
     found = travelled(SLIDER, wave(lambda place: 1.0, limits=(-1e-4, 0.01)), 1.0, 0.05, -1e-3)
     assert found.ended
-    assert found.place[-1] == pytest.approx(-1e-4, abs=2e-5)
+    assert found.displacement[-1] == pytest.approx(-1e-4, abs=2e-5)
     assert found.time[-1] < 0.05
 
 

@@ -79,7 +79,7 @@ def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):
     slider = replace(plane.scene.slider, contacts=(-0.004, 0.005))
     scene = replace(plane.scene, slider=slider)
     (x, y), sizes = slider.center, (1e-4, 3e-4, 7e-3)
-    places = [(x, y), *slider.places]
+    places = [(x, y), *slider.contact_positions]
     known = {place: (np.array([1e-10j, 0, 1e-10]), size) for place, size in zip(places, sizes, strict=True)}
     motion = SurfaceMotion(wave=plane.surface_wave)
     motion.known.update(known)

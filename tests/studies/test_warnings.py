@@ -186,7 +186,7 @@ def test_the_transfer_length_is_half_a_beat_of_the_plate_modes():
 
 
 def test_several_balls_at_one_place():
-    only(warnings_of(record("twente-contact", "slider.contacts=4")), "4 balls at one place", "offsets")
+    only(warnings_of(record("twente-contact", "slider.contacts=4")), "4 balls at one position", "offsets")
 
 
 def test_reversal_between_neighbouring_points():
