@@ -50,7 +50,7 @@ def test_a_strip_on_glass_is_lambs_problem(component, width):
     wave = forced_wave(block, (), (force,), frequency=frequency, tolerance=1e-3, places=(30e-3,))
     x, y = np.array([12e-3, 13e-3, 8e-3, 20e-3, 30e-3]), np.array([1e-3, 4e-3, -1e-3, 5e-3, 0.5e-3])
     found, error = surface_beam(wave).motion_and_error(x, y)
-    s, weights = np.polynomial.legendre.leggauss(12)
+    s, weights = np.polynomial.legendre.leggauss(3 if width < 1e-3 else 8)
     expected = np.zeros((3, len(x)), dtype=complex)
     for at, share in zip(force.center_y + width / 2 * s, weights / 2, strict=True):
         for number, (dx, dy) in enumerate(zip(x - force.position, y - at, strict=True)):
