@@ -50,7 +50,9 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
 def _velocities(scene: Scene) -> Iterator[str]:
     """Yield a warning for each transducer whose period is not that of a surface wave at the drive's frequency."""
     frequency, (low, high) = getattr(scene.drive, "frequency", None), USUAL_VELOCITIES
-    for each in scene.transducer if isinstance(frequency, float) else ():
+    if not isinstance(frequency, float):
+        return
+    for each in scene.transducer:
         if isinstance(each.period, float) and not low <= (velocity := frequency * each.period) <= high:
             yield (
                 f"drive.frequency, {frequency:g} Hz, and the period of transducer {each.name}, {each.period:g} m, mean "
