@@ -48,7 +48,7 @@ class Slider(Block):
         float | tuple[float, float] | Any,
         surface_position(),
         "Position of the slider's centre: x from the left end of the stator, or [x, y] with y from the middle line."
-        " Required with a stator; absent with a given wave.",
+        " Required with a stator; absent with [wave].",
     ] = None
     shape: Annotated[
         str,
@@ -93,9 +93,7 @@ class Slider(Block):
         float | Any, Quantity("Pa"), "G* of the two bodies, 1/G* = sum of (2 - nu)/G; required unless ball is given."
     ] = None
     ball: Annotated[
-        str | None,
-        TEXT,
-        'Material of the balls, such as "steel", from which both moduli follow; not with a given wave.',
+        str | None, TEXT, 'Material of the balls, such as "steel", from which both moduli follow; not with [wave].'
     ] = None
     law: Annotated[
         str | LawText,
@@ -115,7 +113,7 @@ class Slider(Block):
         str,
         choice("auto", "exact", "stepped", "averaged"),
         "Integration of the slider's motion. exact: from event to event; stepped: fixed time steps; averaged: over "
-        "cycles of the wave; auto: chosen by error and cost.",
+        "cycles of the wave; auto: selected by error and cost.",
     ] = "auto"
     travel: Annotated[
         bool | None,
@@ -231,9 +229,7 @@ class Slider(Block):
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the contacts from the slider's centre, m; a mere number of contacts is at the centre."""
-        if (
-            self.contacts is None
-        ):  # pillars: the wave is computed at the centre and propagated from row to row of pillars
+        if self.contacts is None:  # pillars: the wave is computed at the centre and propagated from there
             return ((0.0, 0.0),)
         if isinstance(self.contacts, int):
             return ((0.0, 0.0),) * self.contacts

@@ -360,7 +360,7 @@ class Picture:
     def _add_balls(self) -> None:
         """Draw the balls of the slider on the crests of the enlarged wave."""
         for ball in overlays.balls(self.run, spreads=self.spreads):
-            centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
+            centre = ball.x * MM, ball.y * MM, (ball.radius + self.factor * ball.crest) * MM
             sphere = self.pyvista.Sphere(radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90)
             options = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
             self.plotter.add_mesh(sphere, color=overlays.BALL_COLOUR, **options)

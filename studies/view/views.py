@@ -55,7 +55,7 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
         focus, slider = run.focus[1], run.scene.slider
         half = (0.5 if span == "wavelength" else CLOSE) * run.wavelength
         if span == "slider" and slider is not None:  # include all balls
-            farthest = max(abs(run.in_section(place) - focus) for place in slider.contact_positions)
+            farthest = max(abs(run.in_section(each) - focus) for each in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
     if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
@@ -126,7 +126,7 @@ def frames(run: RunField, views, *, size: tuple[int, int], framed: bool, head: i
     for view in views:
         pixel, available = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
         visible = pixel * max(available - above - below, 0.3 * available)
-        has_ball = any(view.start <= ball.place <= view.stop for ball in overlays.balls(run))
+        has_ball = any(view.start <= ball.x <= view.stop for ball in overlays.balls(run))
         headroom = 0.15 * min(visible, 2 * run.wavelength)
         top = max(min(2.1 * run.radius, BALL_SHARE * visible) if has_ball else headroom, 1.3 * highest)
         high = upper - above
