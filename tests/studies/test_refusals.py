@@ -211,7 +211,7 @@ slider.contacts=["1 mm"] | slider.contacts ... [wave]
 wave.normal_amplitude=[] | wave.normal_amplitude ... empty list
 wave.tangential_ratio=x | wave.tangential_ratio ... 'x'
 drive.frequency=1 | wave ... [drive]
-NO_MODULI; slider.ball=steel | slider.ball must not be given with [wave]
+NO_MODULI; slider.ball=steel | slider.ball must be absent with [wave]
 wave.burst=1e6 | wave.burst ... at most ... 2.2e+12 cycles ... hours ... 1e+06 s
 wave.burst=4; slider.law=hysteretic | wave.burst ... 2.73 s ... got 4 s
 slider.friction_coefficient={static=1, sliding=0.1, speed="3 m"} | slider.friction_coefficient.speed must be a velocity
