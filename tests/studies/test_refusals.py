@@ -329,7 +329,7 @@ PILLARS | slider.position must leave the pillars ... on the bare uniform stator:
     "rayleigh > datasheet": "| slider is missing: a datasheet is of a whole motor",
     "rayleigh > gds": "| transducer is missing",
     "rayleigh > fmu": "| slider is missing",
-    "twente-contact > dispersion": "| stator is missing: a given wave has no section",
+    "twente-contact > dispersion": "| stator is missing: a prescribed wave has no section",
     "twente > fmu": 'TWO; slider.heights=["0 nm", "1 nm"] | slider.heights must be absent',
     "silicon-slider > fmu": "| slider.pillars must be absent: tables over two ratios do not hold heights",
     "pillars > regime_map": "| slider.pillars are not known here",
