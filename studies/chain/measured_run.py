@@ -11,7 +11,7 @@ from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
-from studies.record.velocity_comparison import compared, deviations
+from studies.record.velocity_comparison import compared, deviations, missing_burst
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -66,8 +66,7 @@ def scan_block(scene: Scene, scan, predicted) -> dict:
 def _trace(record: Record, measured: Measurement) -> dict:
     """Return the comparison of a trace with the trajectory at its level, shifted in time for the best agreement."""
     if not record.trajectories:
-        setting = f'--set {record.scene.source_key}.burst="0.1 s"'
-        raise SceneError("--measured", f"{measured.name!r} holds a burst: {setting} says how long it was")
+        raise missing_burst(record.scene, measured)
     levels = [level for level, _ in record.trajectories]
     wanted = measured.levels[0] if measured.levels else levels[-1]
     close = [k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))]

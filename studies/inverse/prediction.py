@@ -191,7 +191,7 @@ class MeasurementPredictor(Predictor):
         """
         duration = driven.scene.burst
         if duration is None:
-            key = f"{driven.scene.source_key}.burst"
+            key = f"{driven.scene.source.block}.burst"
             raise SceneError(f"measurements {measurement.name}", f'holds a burst: add its duration, {key}="0.1 s"')
         driven = self.bursting(driven, self.motion_of(driven))
         if driven.along is not None:
