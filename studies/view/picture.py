@@ -26,7 +26,7 @@ from studies.refusal import needed
 from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
+from studies.view.section import SectionPart, Sheet, beam_sheet, magnification, sheets, strips
 from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, View, frames, right_edge
 
 BARE, EDGE = "#D9D9D9", "#606060"
@@ -108,7 +108,7 @@ class Picture:
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
         self._moving: list = []
-        self.pieces: list = []
+        self.parts: list = []
         if not self.spreads:
             self.shade = shade(self.run, name)
         for number, frame in enumerate(self.frames):
@@ -118,13 +118,17 @@ class Picture:
                 self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self.size[0] < MIN_PIXELS * waves)
                 self._add_sheet(sheet)
             else:
-                drawn = self._section_part(frame)
-                self.pieces.append(drawn)
-                meshed = mesh_sheets(self.run, drawn, self.shade, solid=self.solid)
-                for sheet in [*sheets(self.run, drawn, solid=self.solid), *meshed]:
+                drawn = self._part_of(frame)
+                self.parts.append(drawn)
+                for sheet in sheets(self.run, drawn, self.shade, solid=self.solid):
                     self._add_sheet(sheet)
                 motion = drawn.surface
             self._add_electrodes(motion)
+        self._add_colour_bar()
+        self.set_phase(self.phase)
+
+    def _add_colour_bar(self) -> None:
+        """Draw the colour bar at the right: beside the highest view, and below the legend of the electrodes."""
         self.plotter.subplot(0, 0)
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
@@ -143,7 +147,6 @@ class Picture:
             fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
             height=(high - low) / height, title_font_size=LETTERS, label_font_size=LETTERS,
         )  # fmt: skip
-        self.set_phase(self.phase)
 
     def set_phase(self, phase: float) -> None:
         """Show another instant."""
@@ -152,7 +155,7 @@ class Picture:
         for each in self._moving:
             each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * phase_factor).real)
             if each.amplitude is not None:
-                wave = (each.amplitude * phase_factor**self.shade.quantity.turns).real
+                wave = (each.amplitude * phase_factor**self.shade.quantity.harmonic).real
                 each.mesh["shade"][:] = each.mean + wave
 
     def image(self, phase: float) -> np.ndarray:
@@ -182,7 +185,7 @@ class Picture:
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
 
-    def _section_part(self, frame: Frame) -> Piece:
+    def _part_of(self, frame: Frame) -> SectionPart:
         """Return the part of the section that a view or the solid shows."""
         run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
         spacing = run.wavelength / LINES
@@ -198,7 +201,7 @@ class Picture:
             else:
                 margin = run.length
             span = max(start - margin, 0.0), min(stop + margin, run.length)
-        return piece(run, self.shade, span=span, bottom=bottom, spacing=spacing)
+        return SectionPart.of(run, self.shade, span=span, bottom=bottom, spacing=spacing)
 
     def _add_sheet(self, sheet: Sheet) -> None:
         """Add a sheet to the plotter."""
@@ -222,15 +225,14 @@ class Picture:
         """Draw the parts of the solid without a field: outside the aperture, or below the surface of a beam."""
         run = self.run
         half, width, depth = 0.5 * run.aperture, 0.5 * run.scene.stator.width, run.field.z[0]
-        parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the front half is transparent
-        if self.spreads:
+        if self.spreads:  # the solid lies below the troughs of the wave, and at rest a little below its surface
             parts = [(-width, width, 1.0)]
+            top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
+            top -= 0.01 * run.wavelength
         elif width - half < 1e-9:
             return
-        top = 0.0
-        if self.spreads:  # keep the solid below the wave troughs
-            top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
-            top -= 0.01 * run.wavelength  # at rest it would coincide with the surface
+        else:
+            parts, top = [(-width, -half, 0.25), (half, width, 1.0)], 0.0  # the front half is transparent
         for low, high, opacity in parts:
             ends = (0.0, self._length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))

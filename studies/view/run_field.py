@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger(__name__)
 
-
 LINES = 16  # nodes per wavelength in the uniform parts of a driven stator
 FREE_WAVELENGTHS = 10  # largest shown length of a free wave, in wavelengths
 NO_STATOR = "there is no wave field: the scene of this run gives the surface motion itself and has no stator"
@@ -41,7 +40,7 @@ class RunField:
     length: float  # largest length that can be shown, m
     record: Record = field(repr=False)
     wavelength: float  # of the surface wave, m
-    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the combs, "o" for open strips
+    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the two electrodes, "o" for open strips
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]  # first and last x of each transducer, m
     wave: "SurfaceWave | None" = field(default=None, repr=False)  # None for a free wave
@@ -121,7 +120,7 @@ class RunField:
         return np.any(inside, axis=0) if inside else np.zeros(len(x), dtype=bool)
 
 
-def left_run(folder: str | Path) -> Record:
+def saved_run(folder: str | Path) -> Record:
     """Return the record of a run; raise an error if the directory contains none."""
     try:
         return Record.load(folder)
@@ -142,7 +141,7 @@ def run_field(run: str | Path | Record) -> RunField:
     SceneError
         If the directory contains no run, or the scene has no stator.
     """
-    record = run if isinstance(run, Record) else left_run(run)
+    record = run if isinstance(run, Record) else saved_run(run)
     if record.scene.stator is None:
         raise SceneError("", NO_STATOR)
     LOGGER.info("computing the field")
@@ -150,7 +149,7 @@ def run_field(run: str | Path | Record) -> RunField:
 
 
 def _driven(record: Record) -> RunField:
-    scene, motion = record.scene, motion_again(record)
+    scene, motion = record.scene, recomputed_motion(record)
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
@@ -176,7 +175,7 @@ def _driven(record: Record) -> RunField:
     )
 
 
-def motion_again(record: Record) -> SurfaceMotion:
+def recomputed_motion(record: Record) -> SurfaceMotion:
     """Return the section or the crossing beams of a run at the resolution in run.json.
 
     If run.json names no known resolution, the chain is run again without the slider.

@@ -24,7 +24,7 @@ SCENES = SMALL.parent
 
 
 def scene(wave=(), pillars=(), **slider):
-    """Return a scene of sixty pillars on a given wave, changed by keys of its blocks."""
+    """Return a scene of sixty pillars on a prescribed wave, changed by keys of its blocks."""
     return Scene.load(SCENES / "pillars.toml").replace(wave=dict(wave), slider={**slider, "pillars": dict(pillars)})
 
 
@@ -53,7 +53,7 @@ def test_a_scene_gives_what_the_contact_gives():
     motion = contact.pillar_motion(body, wave, load=1e-3)
     point = record.points[-1]
     assert point["velocity_m_per_s"] == pytest.approx(motion.velocity, rel=1e-12)
-    assert motion.velocity > 0.5  # a given wave moves its crests towards +x
+    assert motion.velocity > 0.5  # a prescribed wave moves its crests towards +x
     assert point["exit_over_entry"] == pytest.approx(motion.exit_over_entry, rel=1e-12)
     assert point["tilt_rad"] == pytest.approx(motion.tilt, rel=1e-9)
     assert point["approach_m"] == pytest.approx(motion.approach, rel=1e-12)
@@ -471,7 +471,7 @@ def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkey
     assert found.values["slider.friction_coefficient"] == pytest.approx(0.2, rel=1e-5)
     assert sum(solved) < 200
     assert found.candidates is None
-    assert "measure next    not computed: it would double the time of the fit (--next asks for it)" in str(found)
+    assert "measure next    not computed; --next does it, in about the time of the fit" in str(found)
     solved.clear()
     _, best, low, high = found.band(lab)
     assert (low < best).all()

@@ -82,7 +82,7 @@ def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):
     places = [(x, y), *slider.contact_positions]
     known = {place: (np.array([1e-10j, 0, 1e-10]), size) for place, size in zip(places, sizes, strict=True)}
     motion = SurfaceMotion(wave=plane.surface_wave)
-    motion.known.update(known)
+    motion.evaluated.update(known)
     assert wave_block(scene, motion, (x, y), None)["relative_error"] == 7e-3
     assert motion.relative_error(places[:2]) == 3e-4
 
@@ -122,7 +122,7 @@ def test_colour_scale_of_energies():
     assert power.label == "power flow along x (W/m^2 per V^2)"
     assert power.limits == (pytest.approx(-30.0), pytest.approx(30.0))
     per_nm = shade_of(QUANTITIES["strain_energy"], np.array([3e18]), free=True)
-    assert (per_nm.label, per_nm.reach) == ("strain energy (J/m^3 per nm^2)", pytest.approx(3.0))
+    assert (per_nm.label, per_nm.scale_end) == ("strain energy (J/m^3 per nm^2)", pytest.approx(3.0))
 
 
 def test_points_of_the_velocity_stand_under_their_own_label():
