@@ -63,20 +63,9 @@ class Parameter:
     vary: bool = True
     stderr: float | None = None
 
-    @property
-    def name(self) -> str:
-        """The key."""
-        return self.key
-
-    @property
-    def min(self) -> float:
-        """Lower end of the range."""
-        return self.low
-
-    @property
-    def max(self) -> float:
-        """Upper end of the range."""
-        return self.high
+    name = property(lambda self: self.key, doc="The key.")
+    min = property(lambda self: self.low, doc="Lower end of the range.")
+    max = property(lambda self: self.high, doc="Upper end of the range.")
 
     @property
     def unit(self) -> str:
@@ -129,8 +118,8 @@ class Parameter:
     def end_in_words(self, value: float, within: float) -> list[str]:
         """Return the remark that a best value lies at an end of the range; nothing where it does not."""
         side = self.end_reached(value, within)
-        here = f"{self.key} is best at the {side} end of its range, {self.text(value)}"
-        return [] if side is None else [f"{here}: a wider range may hold a better value"]
+        where = f"at the {side} end of its range, {self.text(value)}"
+        return [] if side is None else [f"{self.key} is best {where}: a wider range may hold a better value"]
 
     def inner(self, value: float) -> float:
         """Return the solvers' variable x at a value."""
