@@ -51,6 +51,10 @@ class ConvergenceError(RuntimeError):
         self.reached = reached
 
 
+class ActivePortError(ConvergenceError):
+    """Raised if the computed admittances of passive transducers give out power: the discretisation is too coarse."""
+
+
 def refuse_above(
     error: float, tolerance: float, what: str, *, advice: str = "ask for less", reached: object = None
 ) -> None:
