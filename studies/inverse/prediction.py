@@ -171,7 +171,7 @@ class MeasurementPredictor(Predictor):
         if AMPLITUDE_PER_VOLT not in numbers:
             raise SceneError(
                 f"measurements {measurement.name}",
-                "holds voltages, and a [wave] has none: add amplitude_per_volt=LENGTH to the file, or free it",
+                "holds voltages, and a [wave] has none: state amplitude_per_volt=LENGTH after the file, or free it",
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
@@ -192,7 +192,9 @@ class MeasurementPredictor(Predictor):
         duration = driven.scene.burst
         if duration is None:
             key = f"{driven.scene.source.block}.burst"
-            raise SceneError(f"measurements {measurement.name}", f'holds a burst: add its duration, {key}="0.1 s"')
+            raise SceneError(
+                f"measurements {measurement.name}", f'holds a burst: state its duration after the file, {key}="0.1 s"'
+            )
         driven = self.bursting(driven, self.motion_of(driven))
         if driven.along is not None:
             driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))
