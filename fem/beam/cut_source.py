@@ -4,7 +4,7 @@ With L(k) = k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M at k_y (section.py), a line
 u(k_x) = L(k_x)^-1 q e, where e is the unknown of the surface's potential, or of u_x or u_z for a force.  With all
 eigenpairs k_p, v_p of both directions,
 
-    L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],
+    L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],                       (1)
 
 so that a mode to the right is -i v_p (l_p . e) exp(-i k_p x), and one to the left has +i instead of -i.  Reciprocity,
 L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.  In a half-space the discrete modes
@@ -199,8 +199,8 @@ class CutSource:
         out, surface_wavenumber = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
-            # On the contour a wave grows along x in proportion to the tangent of the angle of its power, if that leaves
-            # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
+            # On the complex contour a wave whose power leaves to the opposite side of its lateral phase grows along x
+            # by Im k_y times the tangent of the angle of its power, which is 1 at this module's limit, 45 degrees.
             allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
             out.append(
                 self.select_poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
@@ -213,9 +213,8 @@ class CutSource:
         """Select the forward modes that are not local, and identify the surface wave among them.
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
-        The field of a unit load is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
-        u of v_p times l_p . e, of a charge phi of l_p.  ``transposed``, of the transposed response, has v_p . e times u
-        of l_p.
+        By equation (1) the field of a unit load is sum_p v_p (l_p . e) / (k - k_p).  ``column`` of the result is the
+        displacement in v_p times l_p . e; ``transposed``, for the response at -k_y, is v_p . e times that in l_p.
 
         The modes have wavenumbers ``k``, ``shapes`` in the reduced basis, left shapes ``left`` at the surface (4, m)
         and powers ``carried``.

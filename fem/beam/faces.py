@@ -197,22 +197,22 @@ class Faces:
 def faces(fields: PortFields, source: LineSource) -> Faces:
     """Reflecting ends of a stator whose solid is isotropic about z, from the solution of its section."""
     stator = fields.stator
-    turned = _turned_modes(fields, source)
-    surface = np.zeros(len(turned.wavenumbers), dtype=bool)
+    modes_at = _rotated_modes(fields, source)
+    surface = np.zeros(len(modes_at.wavenumbers), dtype=bool)
     surface[fields.modes.rayleigh] = True
     return Faces(
         length=stator.length,
         ends=stator.ends,
-        highest=highest_wavenumber(turned.wavenumbers) / turned.section.length_unit,
+        highest=highest_wavenumber(modes_at.wavenumbers) / modes_at.section.length_unit,
         surface=surface,
-        static=turned.wavenumbers == 0,
+        static=modes_at.wavenumbers == 0,
         wanted=np.ones_like(surface),
-        at=turned,
+        at=modes_at,
     )
 
 
 @dataclass(frozen=True, kw_only=True)
-class _TurnedModes:
+class _RotatedModes:
     """Modes at any k_y of a section isotropic about z, as many as unknowns, n: first ``count`` sagittal, then SH."""
 
     section: Section
@@ -253,7 +253,7 @@ class _TurnedModes:
         return Sent(modes, self.sent / kappa, self.sent / kappa)
 
 
-def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
+def _rotated_modes(fields: PortFields, source: LineSource) -> _RotatedModes:
     """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0.
 
     Sagittal modes are those of the solution, the SH modes those of `shear_modes`.  The fluxes are those of equation
@@ -296,7 +296,7 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     flux[kinds == 1] = np.where(sagittal, x_1, -(k**2) * product(k2, 1, 1))
     by_square[kinds == 1] = np.where(sagittal, 0, -x_1)
     flux[kinds == 2] = np.where(sagittal, product(k1, 2, 0) - 1j * product(k2, 2, 2), -product(k1, 2, 0))
-    return _TurnedModes(
+    return _RotatedModes(
         section=section,
         frequency=fields.frequency,
         count=count,

@@ -58,7 +58,7 @@ class LateralRule:
         return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj(), share=self.share)
 
     def contours(self, wavenumbers: np.ndarray) -> Iterator[tuple[np.ndarray, "LateralRule"]]:
-        """Which modes are forward or backward, by Re k at k_y = 0, each with the rule on their contour."""
+        """Masks of the forward and of the backward modes (Re k at k_y = 0), each with the rule on their contour."""
         yield wavenumbers.real >= 0, self
         yield wavenumbers.real < 0, self.conjugate
 
@@ -87,7 +87,7 @@ def lateral_rule(
     reach : float
         Half the aperture plus the largest |y|, m.
     fade : tuple of float
-        Lateral wavenumbers, rad/m, between which the integrand is faded out.
+        Lateral wavenumbers, rad/m, between which the integrand is faded out (`evanescent`).
     mirror_width : float, optional
         Distance in m of two faces y = const that reflect.  The rule is then an exact sum and has no coarser rule.
     coarser : float
@@ -216,10 +216,12 @@ def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: complex | np.nd
     return np.where(kappa.imag > ROUNDING * abs(kappa), -kappa, kappa)
 
 
-def turned(wavenumbers: complex | np.ndarray, along: np.ndarray, *, tangential: bool = False) -> np.ndarray | float:
-    """Amplitude of modes with the wavenumbers ``along``, kappa, along x over that at k_y = 0: k / kappa.
+def amplitude_ratio(
+    wavenumbers: complex | np.ndarray, along: np.ndarray, *, tangential: bool = False
+) -> np.ndarray | float:
+    """Amplitude of oblique modes over that of the same modes at k_y = 0: k / kappa, with kappa = ``along``.
 
-    ``tangential``: sent by a force along x, of which the part kappa / k acts along the wave vector.
+    It is 1 for a force along x (``tangential``), of which the part kappa / k acts along the wave vector.
     """
     return 1.0 if tangential else wavenumbers / along
 

@@ -45,7 +45,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
+from fem.beam.lateral import amplitude_ratio, highest_wavenumber, sheet_spectrum, wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import StripPotential
 from fem.condense.electrodes import charged
@@ -124,7 +124,7 @@ def mirrored_mode_mean(k: complex, aperture: float, x: np.ndarray, width: float,
     """
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
     along = wavenumber_along(k, lateral)
-    shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * turned(k, along)
+    shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * amplitude_ratio(k, along)
     return shares @ np.exp(-1j * np.outer(along, x)) + (aperture / width - 1) * np.exp(-1j * k * x)
 
 

@@ -12,11 +12,12 @@ Massless fingers scatter by their charges alone.  The wave that a transducer sen
 response of the section minus the transmitted wave, and the waves of all other transducers pass it as if its surface
 were bare.  W_j B_ij,p does not change if i and j are exchanged, so that the admittance matrix is symmetric.
 
-An arriving beam phi(y) is projected on the sheets f_c of lengths L: sum_b O_cb a_b = int f_c phi dy, with the overlaps
-O_cb = min(L_c, L_b).  How a transducer answers the amplitudes a_b is in own_aperture.py.
+An arriving beam phi(y) is projected on the sheets f_c, which are 1 on |y| < L_c / 2: it has the amplitudes a_b with
 
-The waves between transducers are those at the receiver's centre.  Those of a force are a_b there and a_b + A_bf on
-finger f.
+    sum_b O_cb a_b = int f_c phi dy,    O_cb = min(L_c, L_b).                                                     (2)
+
+The response of a transducer to the a_b is in own_aperture.py.  The waves of another transducer are taken at the
+receiver's centre, those of a force at the centre, a_b, and at every finger f, a_b + A_bf.
 
 Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise transducers receive waves, and respond
 to their own charges, as in the section.  Open strips always respond as in the section.
@@ -30,7 +31,14 @@ from threading import Lock
 
 import numpy as np
 
-from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, sheet_spectrum, turned, wavenumber_along
+from fem.beam.lateral import (
+    amplitude_ratio,
+    evanescent,
+    highest_wavenumber,
+    lateral_rule,
+    sheet_spectrum,
+    wavenumber_along,
+)
 from fem.beam.line_source import line_source
 from fem.beam.own_aperture import (
     MAX_UNKNOWNS,
@@ -53,10 +61,10 @@ from fem.waveguide.port_fields import PortFields, StatorCascade
 
 SHORTEST = 0.5  # smallest aperture over wavelength: shorter fingers are not line sources
 # Largest size of the system of waves between transducers, two waves per sheet and mode.  To keep it, modes that decay
-# by exp(-NEEDED) or more on the way are left out first, then shorter sheets.
-MAX_WAVES, NEEDED = 3000, 11.5
+# by exp(-NEEDED_DECAY) or more on the way are left out first, then shorter sheets.
+MAX_WAVES, NEEDED_DECAY = 3000, 11.5
 # Nodes for interpolation over a band: smallest number, and number per rad of phase; the admittance is accurate to 1e-5.
-LEAST_NODES, NODES_PER_SWING = 5, 1.2
+LEAST_NODES, NODES_PER_RADIAN = 5, 1.2
 
 
 def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
@@ -83,7 +91,7 @@ def aperture_coupling(
     *,
     tangential: bool = False,
 ) -> np.ndarray:
-    """Mean of each mode's beam over the receiving aperture, relative to the wave in the section (B of the module).
+    """Mean of each mode's beam over the receiving aperture, relative to the wave in the section: B of equation (1).
 
     Parameters
     ----------
@@ -111,7 +119,7 @@ def aperture_coupling(
     for some, one in rule.contours(wavenumbers):
         k = wavenumbers[some, None]
         along = wavenumber_along(k, one.nodes)
-        waves = turned(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
+        waves = amplitude_ratio(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
         waves = waves * (one.weights * np.cos(one.nodes * offset))
         sent, received = (sheet_spectrum(each, one.nodes) for each in (sender, receiver))
         received = received / np.asarray(receiver)[..., None]
@@ -154,7 +162,7 @@ def aperture_solver(
     """
     if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
-    return partial(_solved, OwnApertures(mirror_width, limits), fineness=fineness)
+    return partial(_port_fields, OwnApertures(mirror_width, limits), fineness=fineness)
 
 
 class OwnApertures:
@@ -178,13 +186,13 @@ class OwnApertures:
         with self._lock:
             if key not in self._at_nodes:
                 wavenumber = abs(network.modes.wavenumbers[network.modes.rayleigh[0]]) / section.length_unit
-                at_nodes = self._solved(section, self.limits, transducer, lengths, wavenumber / frequency)
+                at_nodes = self._at_band_nodes(section, self.limits, transducer, lengths, wavenumber / frequency)
                 self._at_nodes[key] = (section, *at_nodes)
         _, nodes, values = self._at_nodes[key]
         weights = lagrange_weights(nodes, frequency)
         return Coupling._make(np.tensordot(weights, each, axes=1) for each in values)
 
-    def _solved(
+    def _at_band_nodes(
         self,
         section: Section,
         limits: tuple[float, float],
@@ -195,8 +203,8 @@ class OwnApertures:
         """Nodes in Hz, and the arrays of `Coupling` at the nodes; ``slowness``: wavenumber over frequency, rad s/m."""
         low, high = limits
         farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
-        swing = slowness * farthest * (high - low) / 2  # change of a wave's phase over half the band, rad
-        nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
+        phase_change = slowness * farthest * (high - low) / 2  # of a wave over half the band, rad
+        nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_RADIAN * phase_change)))
         at = [
             finger_coupling(
                 line_source(guided_modes(section, float(each)), "charge"), transducer, lengths, self.mirror_width
@@ -206,7 +214,7 @@ class OwnApertures:
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
 
 
-def _solved(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
+def _port_fields(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
     """Fields of the cascade's ports, with one potential per finger."""
     modes = cascade.network.modes
     surface = modes.wavenumbers[modes.rayleigh].real.mean() / modes.section.length_unit
@@ -302,7 +310,7 @@ class _Beams:
         gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
         kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
         decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
-        needed = int(np.count_nonzero(decay < NEEDED))
+        needed = int(np.count_nonzero(decay < NEEDED_DECAY))
         lengths = []
         for each in transducers:
             fingers = max(int(np.count_nonzero(charged(each.signs))), 1)
@@ -327,8 +335,8 @@ class _Beams:
         """Matrix from the amplitudes that are sent to those that arrive.
 
         With B of `aperture_coupling`, the amplitudes c_b on the sheets b of one transducer arrive on the sheets of
-        another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l), because B is a mean over
-        the receiving sheet.
+        another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l): equation (2), divided by
+        L_c because B is a mean over the receiving sheet.
         """
         modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.kept)
         lines, lengths, numbers = self.network.lines, self.lengths, np.arange(m)
@@ -384,10 +392,8 @@ class _Beams:
         network, modes, unit = self.network, self.network.modes, self.network.modes.section.length_unit
         port, force, transducer = network.ports[number], network.forces[number], self.transducers[index]
         k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        from_centre = (
-            np.flatnonzero(charged(transducer.signs)) - (len(transducer.signs) - 1) / 2
-        )  # of fingers, in pitches
-        finger_x = (transducer.center + from_centre * transducer.pitch) / unit
+        pitches_from_centre = np.flatnonzero(charged(transducer.signs)) - (len(transducer.signs) - 1) / 2
+        finger_x = (transducer.center + pitches_from_centre * transducer.pitch) / unit
         to_centre = abs(gap) + network.scatterers[index].piece.width / 2
         mean_beams = [
             aperture_coupling(

@@ -143,7 +143,7 @@ class SurfaceBeam:
         return self.motion_and_error(x, y)[1]
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
-        """`motion` and `relative_error` at once; the three errors are those that `relative_error` lists."""
+        """`motion`, (3, *shape), and `relative_error`, (*shape), which lists the three errors added here."""
         fine, half, quarter, narrow = self.motion_by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
