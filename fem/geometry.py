@@ -223,10 +223,10 @@ class Transducer:
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
     """Return a sentence if the fingers in a mesh differ from those of a transducer."""
     drawn = [piece.strips(transducer.name + sign) for sign in "+-"]
-    meant = [transducer.strips(sign) for sign in "+-"]
+    specified = [transducer.strips(sign) for sign in "+-"]
     if all(
         len(a) == len(b) and np.allclose(a, b, rtol=0, atol=SAME_FINGER * transducer.pitch)
-        for a, b in zip(drawn, meant, strict=True)
+        for a, b in zip(drawn, specified, strict=True)
     ):
         return []
 
@@ -238,7 +238,7 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
         )
 
     here = listed(drawn, (' fingers "+"', ' "-"'))
-    return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}']
+    return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(specified, ("", ""))}']
 
 
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:

@@ -32,7 +32,7 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
             raise InputError(
                 "transducer",
                 f"must have the angle 0 in a section along x, got {transducer.angle:g} "
-                "rad: what follows the circuit of one section is not known for turned transducers",
+                "rad: an answer from one section of all transducers does not exist for rotated ones",
                 owner=transducer.name,
             )
     placed = sorted(transducers, key=lambda transducer: transducer.center)
@@ -147,12 +147,12 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
 
 def _check_outer_end(piece: MeshPiece, index: int, length: float) -> None:
     """Raise an InputError for an end piece whose far side is not the stator's end; ``index``: 0 left, 1 right."""
-    side, at, meant = ("left", "right")[index], piece.extent[index], (0.0, length)[index]
-    if abs(at - meant) > SAME * length:
+    side, at, intended = ("left", "right")[index], piece.extent[index], (0.0, length)[index]
+    if abs(at - intended) > SAME * length:
         raise InputError(
             "piece",
             f'has no line group {side} in its file "{piece.mesh.name}", which makes it the {side} end of the stator: '
-            f"it must end at x = {meant * 1e3:.6g} mm{' (stator.length)' if index else ''}, got "
+            f"it must end at x = {intended * 1e3:.6g} mm{' (stator.length)' if index else ''}, got "
             f"{at * 1e3:.6g} mm",
             owner=piece.name,
         )
@@ -235,9 +235,9 @@ def _check_lower_side(piece: MeshPiece, lines: dict[str, tuple[float, float, flo
             )
 
 
-def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
+def _unit_question(piece: MeshPiece, drawn: float, intended: float) -> str:
     """Return the advice to change the file's length unit, if another unit gives a drawn length its intended value."""
-    unit = piece.mesh.unit * meant / drawn
+    unit = piece.mesh.unit * intended / drawn
     hint = next((name for name, each in UNITS.items() if abs(unit / each - 1) < 0.02), "")
     return f": is the file's length unit {hint}?" if hint else ""
 

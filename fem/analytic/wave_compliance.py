@@ -4,7 +4,7 @@ A traction t exp(i(omega t - k x)) moves the surface by u = Z(omega/k)^-1 t/k wi
 At the Rayleigh velocity v_R an eigenvalue lambda(v) of Z, with unit eigenvector m, vanishes. Near it, at fixed
 frequency,
 
-    u_z = |m_z|^2 t_z / (k lambda' (v - v_R)) = Gamma t_z/(k - k_R),    Gamma = -|m_z|^2 / (lambda'(v_R) v_R),
+    u_z = |m_z|^2 t_z / (k lambda' (v - v_R)) = Gamma t_z/(k - k_R),    Gamma = -|m_z|^2 / (lambda'(v_R) v_R),    (1)
 
 because v - v_R = -v_R (k - k_R)/k. Gamma in 1/Pa does not depend on the frequency. The power of the wave per width is
 |u_z|^2 omega/(4 Gamma). The corresponding residue for u_x and a tangential traction is r^2 Gamma, r = |u_x/u_z|.
@@ -22,7 +22,7 @@ STEP = 1e-4
 
 
 def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
-    """Return Gamma of a half-space's Rayleigh wave in 1/Pa.
+    """Return Gamma, equation (1), of a half-space's Rayleigh wave in 1/Pa.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ from fem.waveguide.port_fields import PortFields
 NEARLY_ZERO = 1e-8
 
 
-class Sent(NamedTuple):
+class ExcitedModes(NamedTuple):
     """Modes of the section at one k_y, and the amplitudes to the right and left that 1 C/m on a line excites."""
 
     modes: GuidedModes
@@ -73,7 +73,7 @@ class Sent(NamedTuple):
     left: np.ndarray
 
 
-class Returned(NamedTuple):
+class ReflectedWaves(NamedTuple):
     """Waves reflected by the faces, at the nodes of a quadrature rule for the lateral wavenumber.
 
     Attributes
@@ -118,10 +118,10 @@ class Faces:
         "free" or "clamped".
     highest : float
         Largest wavenumber of a propagating mode, rad/m.
-    surface, static, wanted : ndarray of bool, shape (modes,)
+    surface, static, included : ndarray of bool, shape (modes,)
         True for the modes of the surface wave, for the pole at k = 0, and for the modes included in the field.
     at : callable
-        Returns `Sent` for k_y in rad/m.
+        Returns `ExcitedModes` for k_y in rad/m.
     """
 
     length: float
@@ -129,21 +129,21 @@ class Faces:
     highest: float
     surface: np.ndarray = field(repr=False)
     static: np.ndarray = field(repr=False)
-    wanted: np.ndarray = field(repr=False)
-    at: Callable[[complex], Sent] = field(repr=False)
+    included: np.ndarray = field(repr=False)
+    at: Callable[[complex], ExcitedModes] = field(repr=False)
     _known: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def surface_mode(self) -> "Faces":
         """The same faces with the surface wave alone in the field."""
-        return replace(self, wanted=self.surface)
+        return replace(self, included=self.surface)
 
-    def returned(self, reach: float, sources: list[ChargeSheet], mirror_width: float | None) -> Returned:
+    def reflected(self, reach: float, sources: list[ChargeSheet], mirror_width: float | None) -> ReflectedWaves:
         """Reflected waves of sources, for points within a lateral reach in m."""
         fade = evanescent(self.highest, self._gap(sources))
         return self._at_nodes(lateral_rule(self.highest, rounded_reach(reach), fade, mirror_width), sources)
 
-    def plane(self, sources: list[ChargeSheet]) -> Returned:
+    def plane(self, sources: list[ChargeSheet]) -> ReflectedWaves:
         """Reflected waves at k_y = 0, for fields that do not depend on y."""
         return self._at_nodes(PLANE, sources)
 
@@ -151,13 +151,13 @@ class Faces:
         """Smallest distance between a face and a charge, m."""
         return min(min(each.x.min(), self.length - each.x.max()) for each in sources)
 
-    def _at_nodes(self, rule: LateralRule, sources: list[ChargeSheet]) -> Returned:
+    def _at_nodes(self, rule: LateralRule, sources: list[ChargeSheet]) -> ReflectedWaves:
         key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in (source.x, source.charge))
         if key not in self._known:
             gap = self._gap(sources)
             by_node = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
             along, motion = (np.stack(each, axis=-1) for each in zip(*by_node, strict=True))
-            self._known[key] = Returned(rule, along, motion, SIGNS)
+            self._known[key] = ReflectedWaves(rule, along, motion, SIGNS)
         return self._known[key]
 
     def _at_node(self, lateral: complex, sources: list[ChargeSheet], gap: float) -> tuple[np.ndarray, np.ndarray]:
@@ -206,7 +206,7 @@ def faces(fields: PortFields, source: LineSource) -> Faces:
         highest=highest_wavenumber(modes_at.wavenumbers) / modes_at.section.length_unit,
         surface=surface,
         static=modes_at.wavenumbers == 0,
-        wanted=np.ones_like(surface),
+        included=np.ones_like(surface),
         at=modes_at,
     )
 
@@ -227,7 +227,7 @@ class _RotatedModes:
     flux: np.ndarray
     by_square: np.ndarray
 
-    def __call__(self, lateral: complex) -> Sent:
+    def __call__(self, lateral: complex) -> ExcitedModes:
         section = self.section
         k, k_y, sagittal = (self.wavenumbers, lateral * section.length_unit, np.arange(section.size) < self.count)
         kappa = wavenumber_along(k, k_y)
@@ -250,7 +250,7 @@ class _RotatedModes:
             left_flux=left_flux,
             lateral_wavenumber=k_y,
         )
-        return Sent(modes, self.sent / kappa, self.sent / kappa)
+        return ExcitedModes(modes, self.sent / kappa, self.sent / kappa)
 
 
 def _rotated_modes(fields: PortFields, source: LineSource) -> _RotatedModes:

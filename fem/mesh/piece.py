@@ -78,7 +78,7 @@ class MeshPiece:
         return np.array(merged).reshape(-1, 2)
 
     def interface(self, side: str) -> tuple[float, float, float] | None:
-        """Place on the stator, height and upper end z of an interface, m; None where the piece is the stator's end."""
+        """Position on the stator, height and upper end z of an interface, m; None where the piece is an end."""
         line = self.mesh.interface(side)
         return None if line is None else (self.position + line[0], *line[1:])
 

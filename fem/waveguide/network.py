@@ -311,8 +311,8 @@ class Network:
         ports = len(self.ports)
         segments, excitations = self._coupled_segments(waves), ports + 2 * len(waves)
         # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
-        sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
-        elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
+        reflected = [self._reflection(side, segments[-side].kept) for side in (0, 1)]
+        elements = [self._end(side, segments[-side], reflected[side], excitations) for side in (0, 1)]
         responses = [
             _scattered(scatterer, own_ports, before, after, excitations)
             for scatterer, own_ports, before, after in zip(
@@ -333,7 +333,7 @@ class Network:
             reactions[own_ports] += scatterer.reactions(sides[-1])
         from_ends = [
             sent @ (segments[-side].arriving(towards)[:, None] * solved.arriving[elements[side].arrives])
-            for side, (towards, sent) in enumerate(zip(("left", "right"), sent_back, strict=True))
+            for side, (towards, sent) in enumerate(zip(("left", "right"), reflected, strict=True))
         ]
         amplitudes = self.segment_waves(sides, arrived, segments, from_ends)
         for number in self.forces:
@@ -364,20 +364,20 @@ class Network:
             waves=NO_WAVES,
         )
 
-    def _sent_back(self, side: int, arriving: np.ndarray) -> np.ndarray:
+    def _reflection(self, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes that an end reflects, for a unit of each incident mode, (n, arriving)."""
         end = self.ends[side]
         if not len(arriving) or (isinstance(end, str) and end == "absorbing"):
             return np.zeros((self.modes.section.size, len(arriving)))
         return end_reflection(self.modes, end, side, arriving)
 
-    def _end(self, side: int, segment: _Segment, sent_back: np.ndarray, excitations: int) -> Element:
+    def _end(self, side: int, segment: _Segment, reflected: np.ndarray, excitations: int) -> Element:
         """The left (0) or the right (1) end as an element of the cascade."""
         towards, away = ("left", "right") if side == 0 else ("right", "left")
         shapes = self.modes.right if side == 0 else self.modes.left
         scattering = np.zeros((len(segment.kept),) * 2, dtype=complex)
-        if sent_back.any():
-            scattering = segment.sent(away, shapes @ sent_back, by_end=True) * segment.arriving(towards)
+        if reflected.any():
+            scattering = segment.sent(away, shapes @ reflected, by_end=True) * segment.arriving(towards)
         return Element(
             scattering=scattering,
             excitation=np.zeros((len(segment.kept), excitations)),
@@ -430,14 +430,14 @@ class Network:
         out = [own[at.lines] - arrived for own, arrived in zip(sides, incoming, strict=True)]
         leaving = np.array(out, dtype=complex).reshape(len(out), 2 * at.size, excitations)
 
-        def apart(amplitudes: Callable[[np.ndarray], np.ndarray], lines: np.ndarray) -> list[np.ndarray]:
+        def by_piece(amplitudes: Callable[[np.ndarray], np.ndarray], lines: np.ndarray) -> list[np.ndarray]:
             """Amplitudes in the fields of all pieces (pieces, n, excitations), by one factorisation of the modes."""
             both = amplitudes(np.moveaxis(lines, 0, 1).reshape(at.size, -1))
             return list(np.moveaxis(both.reshape(at.size, len(lines), -1), 1, 0)) if len(lines) else []
 
         left_end, right_end = from_ends or (np.zeros((at.size, excitations), dtype=complex),) * 2
-        right = [left_end, *apart(modes.right_amplitudes, leaving[:, at.right])]
-        left = [*apart(modes.left_amplitudes, leaving[:, at.left]), right_end]
+        right = [left_end, *by_piece(modes.right_amplitudes, leaving[:, at.right])]
+        left = [*by_piece(modes.left_amplitudes, leaving[:, at.left]), right_end]
         return tuple(self._parts(*each) for each in zip(segments, right, left, strict=True))
 
     def _parts(self, segment: _Segment, right: np.ndarray, left: np.ndarray) -> tuple[SegmentWaves, ...]:
