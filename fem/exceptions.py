@@ -51,6 +51,12 @@ class ConvergenceError(RuntimeError):
         self.reached = reached
 
 
+def refuse_unless_positive(key: str, value: float, unit: str = "") -> None:
+    """Raise an InputError for a value that is not positive and finite."""
+    if not 0 < value < float("inf"):
+        raise InputError(key, "must be positive and finite", value, unit)
+
+
 def refuse_above(
     error: float, tolerance: float, what: str, *, advice: str = "ask for less", reached: object = None
 ) -> None:

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.exceptions import InputError, refuse_unless_positive
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
@@ -59,8 +59,7 @@ class Stator:
     pieces: tuple[MeshPiece, ...] = ()
 
     def __post_init__(self):
-        if not (np.isfinite(self.length) and self.length > 0):
-            raise InputError("stator.length", "must be positive and finite", self.length, "m")
+        refuse_unless_positive("stator.length", self.length, "m")
         if not self.thickness > 0:
             raise InputError("stator.thickness", "must be positive", self.thickness, "m")
         for name, allowed in (("bottom", Bottom), ("ends", Ends), ("above", Above)):

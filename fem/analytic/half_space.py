@@ -15,7 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ConvergenceError, InputError, refuse_unless_positive
 from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
 
@@ -210,7 +210,6 @@ def automatic_period(solid: Solid, frequency: float, metallisation: float) -> fl
     It is the wavelength of the lossless half-space, part metallised, (metallisation v_metal + (1 - metallisation)
     v_vacuum) over the frequency; metallisation: finger width over finger width plus gap.
     """
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
     metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
     return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

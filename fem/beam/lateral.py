@@ -182,18 +182,19 @@ def inverse_transform(
         # every second node has twice the weight; between mirrors no rule is thinned
         half, quarter = (2, 4) if thinned else (1, 1)
         rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
-        for rule, (step, own) in enumerate(rules):
-            if own is None:
+        for rule, (step, of_rule) in enumerate(rules):
+            if of_rule is None:
                 total[rule] = total[0]
                 continue
-            weighted = factors[:, None] * sent[..., ::step] * own[::step]
+            weighted = factors[:, None] * sent[..., ::step] * of_rule[::step]
             # where most pairs (x, y) are requested, a matrix product for all pairs is cheaper than a sum per point
             if len(sent) * len(points.y) <= FULL_GRID * count:
                 total[rule] += (weighted @ phases[::step])[column, :, line].T
             else:
                 for start in range(0, count, CHUNK):
-                    some = slice(start, start + CHUNK)
-                    total[rule][:, some] += np.einsum("pcn,np->cp", weighted[column[some]], phases[::step, line[some]])
+                    chunk = slice(start, start + CHUNK)
+                    x_part, y_part = weighted[column[chunk]], phases[::step, line[chunk]]
+                    total[rule][:, chunk] += np.einsum("pcn,np->cp", x_part, y_part)
     return total
 
 

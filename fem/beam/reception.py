@@ -116,15 +116,15 @@ def aperture_coupling(
     reach = (np.max(sender) + np.max(receiver)) / 2 + abs(offset)
     rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
     out = np.empty((*np.shape(receiver), *np.shape(sender), len(wavenumbers)), dtype=complex)
-    for some, one in rule.contours(wavenumbers):
-        k = wavenumbers[some, None]
-        along = wavenumber_along(k, one.nodes)
+    for modes, contour in rule.contours(wavenumbers):
+        k = wavenumbers[modes, None]
+        along = wavenumber_along(k, contour.nodes)
         waves = amplitude_ratio(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
-        waves = waves * (one.weights * np.cos(one.nodes * offset))
-        sent, received = (sheet_spectrum(each, one.nodes) for each in (sender, receiver))
+        waves = waves * (contour.weights * np.cos(contour.nodes * offset))
+        sent, received = (sheet_spectrum(each, contour.nodes) for each in (sender, receiver))
         received = received / np.asarray(receiver)[..., None]
         both = np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender)))) * sent
-        out[..., some] = both @ waves.T
+        out[..., modes] = both @ waves.T
     return out
 
 

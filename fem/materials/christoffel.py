@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.exceptions import refuse_unless_positive
 from fem.materials.medium import Medium, medium
 from fem.materials.rotation import fields
 from fem.materials.solids import Solid
@@ -89,8 +89,7 @@ def slowness_sheets(solid: Solid) -> list[Sheet]:
 
 def slowest_wavelength(solid: Solid, frequency: float) -> float:
     """Wavelength in m of the slowest bulk wave in the sagittal plane among the coupled fields, unstiffened."""
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
     body = medium(solid, fields(solid), lossy=False)
     tensors = christoffel(body, np.linspace(0, np.pi, 37), stiffened=False)
     return float(np.sqrt(np.linalg.eigvalsh(tensors)[:, 0].min() / body.inertia[0]) / frequency)

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.exceptions import InputError
+from fem.exceptions import InputError, refuse_unless_positive
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
 _ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
@@ -62,8 +62,7 @@ class Solid:
             object.__setattr__(self, key, table)
         for key in ("density", "mechanical_quality", "dielectric_loss"):
             object.__setattr__(self, key, float(getattr(self, key)))
-        if not (np.isfinite(self.density) and self.density > 0):
-            raise InputError("density", "must be positive and finite", self.density, "kg/m3")
+        refuse_unless_positive("density", self.density, "kg/m3")
         if not self.mechanical_quality > 0:
             raise InputError("mechanical_quality", "must be positive", self.mechanical_quality)
         if not (np.isfinite(self.dielectric_loss) and self.dielectric_loss >= 0):
@@ -165,8 +164,7 @@ def isotropic(
     ValueError
         Naming the constant, the rule, the value and the unit.
     """
-    if not (np.isfinite(youngs_modulus) and youngs_modulus > 0):
-        raise InputError("youngs_modulus", "must be positive and finite", youngs_modulus, "Pa")
+    refuse_unless_positive("youngs_modulus", youngs_modulus, "Pa")
     if not -1 < poisson_ratio < 0.5:
         raise InputError("poisson_ratio", "must lie between -1 and 0.5", poisson_ratio)
     shear = youngs_modulus / (2 * (1 + poisson_ratio))

@@ -227,9 +227,8 @@ class _Part:
 
     def on_lines(self, which) -> "_Part":
         """The part on some of its lines."""
-        cut = (None if each is None else each[which] for each in (self.along, self.upward))
+        along, upward = (None if each is None else each[which] for each in (self.along, self.upward))
         inside = self.inside if len(self.inside) == 1 else self.inside[which]
-        along, upward = cut
         solids = tuple((solid, nodes[which]) for solid, nodes in self.solids)
         return _Part(self.x[which], self.values[which], along, upward, inside, solids)
 

@@ -254,8 +254,8 @@ class Network:
     def forces_on(self, segment: int) -> tuple[int, ...]:
         """Numbers of the ports that are forces on a segment, from left to right."""
         start, stop = self.segments[segment]
-        mine = [number for number in self.forces if start <= self.ports[number].position <= stop]
-        return tuple(sorted(mine, key=lambda number: self.ports[number].position))
+        numbers = [number for number in self.forces if start <= self.ports[number].position <= stop]
+        return tuple(sorted(numbers, key=lambda number: self.ports[number].position))
 
     def _coupled_segments(self, waves: np.ndarray) -> list[_Segment]:
         """Segments with their coupling modes; ``waves``: modes that arrive from outside at absorbing ends."""
@@ -349,12 +349,12 @@ class Network:
 
     def _solve_whole(self, waves: np.ndarray) -> "PortSolution":
         """Fields of a stator that is one piece from end to end, on which only the potentials of its ports act."""
-        (scatterer,), (mine,), ports = self.scatterers, self.numbers, len(self.ports)
+        (scatterer,), (own_ports,), ports = self.scatterers, self.numbers, len(self.ports)
         if self.forces or len(waves):
             raise InputError("piece", "must leave some uniform stator for a line force or a wave from outside")
-        potentials = scatterer.potentials @ np.eye(ports)[mine]
+        potentials = scatterer.potentials @ np.eye(ports)[own_ports]
         reactions = np.zeros((ports, ports), dtype=complex)
-        reactions[mine] = scatterer.reactions(potentials)
+        reactions[own_ports] = scatterer.reactions(potentials)
         return PortSolution(
             sides=(potentials,),
             incoming=(potentials[:0],),
