@@ -225,6 +225,7 @@ def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
 
 
 def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_pair) -> _Strips:
+    """Solve with one potential per electrode; ``held``: unknowns that are zero, ``unit_pair``: of stress and phi."""
     from scipy.sparse import csr_matrix
 
     stress, potential = unit_pair

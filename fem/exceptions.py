@@ -14,7 +14,7 @@ class InputError(ValueError):
     rule : str
         The rest of the sentence: what is allowed, the value and its unit.
     value : object
-        The value; None where the rule itself says it.
+        The value; None if the rule contains it.
     owner : str
         Which of several transducers the key belongs to, by its name; empty where there is one object alone.
 

@@ -70,12 +70,12 @@ class Solid:
 
     @property
     def is_piezoelectric(self) -> bool:
-        """Whether strain and electric field are coupled at all."""
+        """True if strain and electric field are coupled."""
         return bool(np.any(self.coupling))
 
     @property
     def is_lossy(self) -> bool:
-        """Whether any power is dissipated."""
+        """True if the solid dissipates power."""
         return np.isfinite(self.mechanical_quality) or self.dielectric_loss > 0
 
     @property
@@ -156,8 +156,8 @@ def isotropic(
     youngs_modulus : float
         Pa.
     poisson_ratio : float
-        Between -1 and 0.5, both excluded.  Towards 0.5 a stiffness in floating point forgets mu =
-        (c11 - c12)/2: what follows from it is good to about 1e-16/(1 - 2 nu).
+        Between -1 and 0.5, both excluded.  Towards 0.5 mu = (c11 - c12)/2 loses digits: its relative error is about
+        1e-16 / (1 - 2 nu).
 
     Raises
     ------

@@ -226,7 +226,7 @@ def _shapes(modes: GuidedModes, numbers: np.ndarray) -> np.ndarray:
 
 
 def _resolved(modes: GuidedModes, coarse: GuidedModes, tolerance: float, checked: np.ndarray) -> np.ndarray:
-    """Modes whose error is ``checked`` and those that the coarser discretisation has too, least decaying first."""
+    """Indices of the ``checked`` modes and of those that the coarser section has too, least decaying first."""
     k = modes.wavenumbers
     scale = np.sqrt(abs(k) ** 2 + modes.lateral_wavenumber**2)
     nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)

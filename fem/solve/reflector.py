@@ -127,6 +127,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
 
 
 def _of_cascade(stator: Stator, modes: GuidedModes, meshed: CondensedPieces) -> Reflector:
+    """Reflector on one discretisation, without an error."""
     waves = waves_of(modes, modes.rayleigh, modes.section.solid.stress_unit)
 
     def p_matrix_of(pieces: Sequence[tuple[float, Piece]]) -> PMatrix:
