@@ -45,9 +45,8 @@ def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance
         return followed()
     ring_down = ringing.ring_down
     try:
-        if ring_down is None:
-            return followed(ringing.envelope)
-        return followed(ringing.envelope, (after + float(ring_down.time[-1]), ring_down))
+        rest = after if ring_down is None else (after + float(ring_down.time[-1]), ring_down)
+        return followed(ringing.envelope, rest)
     except contact.ConvergenceError:
         if method != "auto":
             raise
@@ -81,10 +80,7 @@ def _along(driven: DrivenContact, trajectory, level: float):
 
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:
-    """Return the solution method for a task, steady state or burst.
-
-    A method that exists only for the other task selects "auto" for this one.
-    """
+    """Return the solution method for a steady state or a burst; "auto" if the scene's exists only for the other one."""
     wanted = scene.slider.method
     if wanted in available:
         return wanted

@@ -1,6 +1,6 @@
 """The list ``left_out`` of run.json: the effects that the models of a scene neglect, with reasons.
 
-Each private function covers one part of the motor and yields pairs (condition, sentence). A sentence is printed if its
+Each private function covers one part of the motor and yields pairs (condition, sentence). A sentence is listed if its
 condition is true.
 """
 
@@ -11,6 +11,7 @@ from studies.chain import fem_model
 from studies.chain.ring_up import RingUp
 from studies.scene import Scene
 
+Conditions = Iterator[tuple[bool, str]]
 UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
 NORMAL, TANGENTIAL = "viscous damping along z, R_n2", "viscous damping along x, R_t"
 
@@ -45,30 +46,26 @@ def left_out(
     return tuple(sentence for holds, sentence in conditions if holds)
 
 
-def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
+def _free(scene: Scene) -> Conditions:
     """Yield the neglected effects of a free wave, in a scene without transducers."""
     fields = fem.fields(fem_model.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "finite elements along x: the wave is a mode of the section through the depth"
-    meshes = (
-        "meshed pieces: the free wave is that of the plain stator; sawmotor study reflector computes their reflections"
-    )
-    yield bool(scene.piece), meshes
+    plain = "the free wave is that of the plain stator; sawmotor study reflector computes their reflections"
+    yield bool(scene.piece), f"meshed pieces: {plain}"
     yield "uy" not in fields, UNCOUPLED
     yield "phi" not in fields, "electric potential: the solid is not piezoelectric in this orientation"
 
 
-def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
+def _driven(scene: Scene) -> Conditions:
     """Yield the neglected effects in the section of a driven stator."""
     stator = fem_model.stator(scene.stator)
     names = fem.fields(stator.solid)
     symmetric = fem.medium(stator.solid, names).parity is not None
     thin = stator.thickness * scene.frequency < _surface_speed(stator)
+    follow = "they follow from the others, as x -> -x is a symmetry of this orientation"
     yield "uy" not in names, UNCOUPLED
-    yield (
-        symmetric,
-        "half of the guided modes: they follow from the others, as x -> -x is a symmetry of this orientation",
-    )
+    yield symmetric, f"half of the guided modes: {follow}"
     yield stator.above == "none", "electric field in the vacuum above: D_n = 0 on the bare surface"
     yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, so that the wave is a plate mode"
     whole = fem_model.whole_stator(scene).placement.whole
@@ -84,7 +81,7 @@ def _surface_speed(stator) -> float:
         return 0.0
 
 
-def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
+def _diffraction(scene: Scene, beam: bool, reason: str) -> Conditions:
     """Yield the parts of the answer that neglect diffraction, with the reason."""
     if not beam:
         yield True, f"diffraction: the wave is that of the plane section ({reason})"
@@ -101,16 +98,16 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
     yield anisotropic and not reflects, between
 
 
-def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
+def _recovery(scene: Scene) -> Conditions:
     """Yield the neglected effects in the circuit that recovers power."""
     recovery = scene.drive.recovery
     if recovery is not None:
         diodes = "harmonics of the rectifier and voltage drop of its diodes: it is taken as a resistance"
         yield recovery.rectifier is not None, diodes
-        yield (recovery.circulation, "phase errors and reflections in the return path: the combiner is ideal")
+        yield recovery.circulation, "phase errors and reflections in the return path: the combiner is ideal"
 
 
-def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
+def _ring_up(slider, ringing: RingUp | None, trajectories) -> Conditions:
     """Yield the neglected parts of the ring-up and ring-down of the surface in a burst."""
     if ringing is None:
         yield True, "the burst's ring-up: the slider stands over a transducer or a meshed piece"
@@ -122,13 +119,11 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[boo
     yield without_ring_down > 0, f"the burst's ring-down: {bursts}"
     bursts = f"{without_ring_up} of {count} bursts, which are computed on a steady wave"
     yield without_ring_up > 0, f"the burst's ring-up ({ringing.sentence}) in {bursts}"
-    yield (
-        slider.computed_contacts > 1,
-        "differences of the burst's ring-up between the balls: that at the slider's centre is used for all",
-    )
+    differences = "differences of the burst's ring-up between the balls: that at the slider's centre is used for all"
+    yield slider.computed_contacts > 1, differences
 
 
-def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
+def _contact(scene: Scene) -> Conditions:
     """Yield the neglected effects in the slider and its contacts."""
     slider = scene.slider
     if slider is None:
@@ -139,12 +134,9 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
         return
     merged = f"{slider.share - 1} of {slider.contacts} contacts: all move in phase, and one of them is computed"
     yield slider.share > 1, merged
-    no_transient = "motion from rest: without a burst, the periodic state is computed directly"
-    yield scene.burst is None, no_transient
-    yield (
-        not slider.remembers,
-        f"memory of the contact: in the {slider.law} law, the friction force depends on the present motion only",
-    )
+    yield scene.burst is None, "motion from rest: without a burst, the periodic state is computed directly"
+    memory = f"in the {slider.law} law, the friction force depends on the present motion only"
+    yield not slider.remembers, f"memory of the contact: {memory}"
     reaction = "reaction of the tangential spring on the normal motion: slider.reciprocal is false"
     yield not slider.reciprocal, reaction
     for key, damper in (("contact", "damping in the contact, R_n1"), ("normal", NORMAL), ("tangential", TANGENTIAL)):
@@ -159,24 +151,19 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     yield True, "the slider's reaction on the wave"
 
 
-def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
+def _pillars(scene: Scene) -> Conditions:
     """Yield the neglected effects in a slider on pillars."""
-    slider = scene.slider
+    slider, pillars = scene.slider, scene.slider.pillars
     known_compliance = scene.wave is None or scene.wave.compliance is not None
     yield True, "bounce and vibration of the slider: it is too heavy to follow the wave within a cycle"
-    yield (scene.burst is None, "motion from rest: without a burst, the averaged equilibrium is computed directly")
+    yield scene.burst is None, "motion from rest: without a burst, the averaged equilibrium is computed directly"
     yield not known_compliance, "the slider's reaction on the wave: wave.compliance is absent"
-    yield (known_compliance and slider.loading is False, "the slider's reaction on the wave: slider.loading is false")
+    yield known_compliance and slider.loading is False, "the slider's reaction on the wave: slider.loading is false"
     if known_compliance and slider.loading is not False:
         overtones = "overtones that run back" if slider.loading == "harmonics" else "overtones of the wave"
         yield True, f"{overtones}, and scattering by pillars into other waves: see model_error for their sizes"
-        yield (
-            scene.stator is not None,
-            "second reflections: the transducers reflect no part of the wave that the slider has reflected",
-        )
-    yield (
-        not slider.pillars.interaction,
-        "stiffening of pillars by their neighbours: slider.pillars.interaction is false",
-    )
-    yield slider.pillars.height is None, "the pillars' own compliance: slider.pillars.height is absent"
+        no_part = "the transducers reflect no part of the wave that the slider has reflected"
+        yield scene.stator is not None, f"second reflections: {no_part}"
+    yield not pillars.interaction, "stiffening of pillars by their neighbours: slider.pillars.interaction is false"
+    yield pillars.height is None, "the pillars' own compliance: slider.pillars.height is absent"
     yield slider.damping.tangential == 0, f"{TANGENTIAL}: slider.damping.tangential is zero"

@@ -52,8 +52,8 @@ def amplitudes(driven: DrivenContact) -> dict:
 def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *, averaged: bool = False) -> dict:
     """Return the answer with the quantities that the keywords in ``also`` (keys of ``ALSO``) request.
 
-    Forces and powers are totals over all contacts. If ``averaged`` is True, averaging computes the start-up wherever it
-    is applicable, without regard to its error.
+    Forces and powers are totals over all contacts. ``averaged``: True computes the start-up by averaging wherever that
+    is applicable, whatever its error.
     """
     if not also or "velocity_m_per_s" not in answer:
         return answer
@@ -86,9 +86,8 @@ def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *
     if "efficiency" in also:
         with suppress(contact.ConvergenceError):
             power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
-            power = amplitudes(driven).get("power_W", 0.0)
-            if power > 0.0:
-                answer["motor_efficiency"] = power_out * share / power
+            if (electrical := amplitudes(driven).get("power_W", 0.0)) > 0.0:
+                answer["motor_efficiency"] = power_out * share / electrical
     return answer
 
 
@@ -115,13 +114,14 @@ def _of_pillars(also: Iterable[str], driven: DrivenContact, velocity: float) -> 
     refuse_of_pillars(also)
     thrust, power, efficiency = 0.0, 0.0, 0.0
     if velocity != 0.0:
-        line = PillarContact.of(driven).load_line(driven.level, points=3)  # without load, half of the stall, the stall
+        line = PillarContact.of(driven).load_line(
+            driven.level, points=3
+        )  # loads: 0, half of the stall load, stall load
         thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
     values = {"thrust_N": thrust}
     if "efficiency" in also:
         values["contact_efficiency"] = efficiency
-        electrical = amplitudes(driven).get("power_W", 0.0)
-        if electrical > 0.0:
+        if (electrical := amplitudes(driven).get("power_W", 0.0)) > 0.0:
             values["motor_efficiency"] = power / electrical
     return values
 

@@ -42,24 +42,21 @@ class PillarContact:
         """Return the `contact.PassingWave` at a level."""
         return replace(self.wave, forward=self.wave.forward * level, backward=self.wave.backward * level)
 
-    @property
-    def loading(self) -> bool | str | None:
-        """The value of ``slider.loading`` in the scene: whether the slider loads the wave."""
-        return self.driven.scene.slider.loading
-
     def motion(self, level: float, load: float | None = None, near=None):
         """Return the `contact.PillarMotion` at a level.
 
         ``load`` in N replaces the load of the scene; ``near`` is a similar motion, used as a warm start.
         """
-        load = self.driven.scene.slider.load if load is None else load
+        slider, wave = self.driven.scene.slider, self.at(level)
+        load = slider.load if load is None else load
         with slider_keys():
-            return contact.pillar_motion(self.pillars, self.at(level), load=load, loading=self.loading, near=near)
+            return contact.pillar_motion(self.pillars, wave, load=load, loading=slider.loading, near=near)
 
     def load_line(self, level: float, points: int):
         """Return the `contact.PillarLoadLine` at a level."""
+        loading = self.driven.scene.slider.loading
         with slider_keys():
-            return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
+            return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=loading)
 
     def sensitivity(self, level: float, motion) -> float:
         """Return the relative change of the velocity divided by the relative change of the wave amplitude."""
@@ -86,12 +83,9 @@ def moves(driven: DrivenContact, level: float) -> bool:
 
 def point_of(motion) -> dict:
     """Return the values of a point of run.json from a `contact.PillarMotion`."""
-    if motion.held:
-        regime = "stick"
-    else:
-        regime = "slip" if motion.share_in_contact == 1.0 and motion.duty > HOPS else "intermittent"
+    slips = "slip" if motion.share_in_contact == 1.0 and motion.duty > HOPS else "intermittent"
     point = {
-        "velocity_m_per_s": motion.velocity, "regime": regime, "approach_m": motion.approach,
+        "velocity_m_per_s": motion.velocity, "regime": "stick" if motion.held else slips, "approach_m": motion.approach,
         "tilt_rad": list(motion.tilt), "share_in_contact": motion.share_in_contact, "duty": motion.duty,
         "friction_power_W": motion.friction_power, "thrust_power_W": motion.thrust_power,
         "exit_over_entry": motion.exit_over_entry, "reflected_over_entry": motion.reflected_over_entry,
@@ -106,13 +100,13 @@ def point_of(motion) -> dict:
 
 
 def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
-    """Return the effect of the loaded wave on the transducers.
+    """Return the effects of the loaded wave on the transducers, as values of a point.
 
     The first effect is the change of admittance of the driven transducer. By reciprocity, a force F on the stator
     causes the current i omega F u/V in a transducer that moves the point of the force by u at a voltage V
     (tests/fem/solve/test_forced.py). Here F are the forces of the loaded wave and u is the motion of the wave without
     the slider. The second effect is that receivers behind the slider get the wave multiplied by `exit_over_entry`.
-    Neglected is the wave that the transducers send back after a reflection at the slider, which is of second order.
+    The wave that the transducers send back after a reflection at the slider is neglected; it is of second order.
     """
     wave, scene = motion.wave, body.driven.scene
     if scene.stator is None or not motion.loading:
@@ -128,16 +122,16 @@ def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
     return values
 
 
-def pillar_tables(motion) -> tuple[dict, dict]:
-    """Return the columns of pillars.csv and of slider_wave.csv."""
+def pillar_tables(motion) -> dict[str, dict]:
+    """Return the columns of pillars.csv and of slider_wave.csv, by the name of the table."""
     body = motion.pillars
     of_pillars = {
         "x_m": np.array(body.x), "y_m": np.array(body.y), "height_m": np.array(body.heights),
         "normal_force_N": motion.normal_force, "friction_power_W": motion.friction,
     }  # fmt: skip
     of_wave = {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
-    shown = motion.overtones.T[:SHOWN_OVERTONES]
-    return of_pillars, of_wave | {f"overtone_{n}_m": each for n, each in enumerate(shown, start=2)}
+    of_wave |= {f"overtone_{n}_m": each for n, each in enumerate(motion.overtones.T[:SHOWN_OVERTONES], start=2)}
+    return {"pillars": of_pillars, "slider_wave": of_wave}
 
 
 def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool) -> tuple:
@@ -148,15 +142,14 @@ def pillar_point(driven: DrivenContact, level: float, tolerance: float, *, burst
     body = PillarContact.of(driven)
     motion = body.motion(level)
     point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
-    sensitivity = body.sensitivity(level, motion)
-    fraction = abs(motion.velocity) / motion.speed_scale
-    from_stator = driven.stator_error * sensitivity * fraction
-    from_contact = motion.relative_error
+    # of the velocity over its reference speed
+    sensitivity = body.sensitivity(level, motion) * (abs(motion.velocity) / motion.speed_scale)
+    from_stator, from_contact = driven.stator_error * sensitivity, motion.relative_error
     if bursting and driven.scene.burst is not None:
         trajectory = burst(body, level, motion, driven.scene.burst)
         point |= burst_values(trajectory) | {"burst_method": trajectory.method}
         from_contact = max(from_contact, trajectory.relative_error)
-    point["amplitude_sensitivity"] = sensitivity * fraction
+    point["amplitude_sensitivity"] = sensitivity
     point |= judged(tolerance, from_stator, from_contact)
     return point, (from_stator, from_contact), trajectory, motion
 
@@ -182,25 +175,17 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
     """
     from scipy.integrate import solve_ivp
 
-    driven, scene = body.driven, body.driven.scene
-    slider = scene.slider
-    envelope = None if driven.ringing is None else driven.ringing.envelope
-    friction = slider.static_coefficient * slider.preload_force
-    load, way = steady.load, math.copysign(1.0, steady.velocity)
+    slider, ringing, load = body.driven.scene.slider, body.driven.ringing, steady.load
+    envelope = None if ringing is None else ringing.envelope
     traction = contact.pillar_traction(body.pillars, body.at(level), load=load, near=steady)
 
-    def grown(time: float) -> float:
-        if envelope is None:
-            return 1.0
-        return float(np.interp(time, envelope.time, np.abs(envelope.amplitude)))
-
-    def rate(time, state):
-        size = grown(time)
+    def rate(time, velocity):
+        size = 1.0 if envelope is None else float(np.interp(time, envelope.time, np.abs(envelope.amplitude)))
         if size < 1e-3:
             return [0.0]
-        force = traction(state[0], size) - slider.damping.tangential * state[0]
-        held = state[0] == 0.0 and (force - load) * way <= 0.0
-        return [0.0 if held else (force - load) / slider.mass]
+        force = traction(velocity[0], size) - slider.damping.tangential * velocity[0] - load
+        held = velocity[0] == 0.0 and force * math.copysign(1.0, steady.velocity) <= 0.0
+        return [0.0 if held else force / slider.mass]
 
     time = np.linspace(0.0, duration, SAMPLES + 1)
     solution = solve_ivp(
@@ -212,14 +197,13 @@ def burst(body: PillarContact, level: float, steady, duration: float) -> PillarB
     velocity = solution.y[0]
     end = float(velocity[-1])
     # without the wave, friction stops the slider; the load assists or opposes friction
-    after = np.array([])
-    if end != 0.0:
-        slowing = (friction + load * math.copysign(1.0, end)) / slider.mass
-        if slowing > 0.0:
-            after = np.linspace(0.0, 1.2 * abs(end) / slowing, SAMPLES // 4)[1:]
-            slide = end - math.copysign(1.0, end) * slowing * after
-            velocity = np.concatenate([velocity, np.where(slide * end > 0, slide, 0.0)])
-    time = np.concatenate([time, duration + after])
+    friction, sign = slider.static_coefficient * slider.preload_force, math.copysign(1.0, end)
+    slowing = (friction + load * sign) / slider.mass
+    if end != 0.0 and slowing > 0.0:
+        after = np.linspace(0.0, 1.2 * abs(end) / slowing, SAMPLES // 4)[1:]
+        slide = end - sign * slowing * after
+        velocity = np.concatenate([velocity, np.where(slide * end > 0, slide, 0.0)])
+        time = np.concatenate([time, duration + after])
     return PillarBurst(
         time=time, velocity=velocity, position=np.full(time.size, -steady.approach), duration=duration,
         velocity_at_burst_end=end, relative_error=10 * RATE_TOLERANCE,

@@ -34,8 +34,8 @@ class SliderAnswer:
         """Return the blocks of the record, with the largest error of all points."""
         failed = [point for point in self.points if "relative_error" not in point]
         known = [part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point]
-        blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
-        blocks |= {"pillars": self.pillars, "slider_wave": self.slider_wave}
+        names = ("points", "summary", "trajectories", "pillars", "slider_wave")
+        blocks = {name: getattr(self, name) for name in names}
         if known:
             stator, contact = max(known, key=sum)
             error = stator + contact
@@ -46,20 +46,20 @@ class SliderAnswer:
                     f"{tolerance:.1e} was asked for: see error.parts, or give a larger tolerance"
                 )
         if failed:
-            message = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"
-            blocks["shortfall"] = message
+            count = f"{len(failed)} of {len(self.points)}"
+            blocks["shortfall"] = f"{count} points have no answer: {failed[0]['status']}"
         return blocks
 
 
 def slider_answer(driven: DrivenContact, *, tolerance: float) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
-    scene, on_pillars = driven.scene, driven.scene.slider.pillars is not None
+    scene, on_pillars = driven.scene, driven.scene.on_pillars
     LOGGER.info("contact")
     summary: dict = {}
     threshold = math.inf
     if not on_pillars:
         with slider_keys():
-            driven.slider  # noqa: B018  the slider is built when it is first asked for
+            driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
         if not contact.kernels.ready():
             LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")
         summary, threshold = _summary(driven)
@@ -70,22 +70,20 @@ def slider_answer(driven: DrivenContact, *, tolerance: float) -> SliderAnswer:
         answer = point_answer(driven, level, tolerance)
         point |= driven.amplitudes_at(level) | answer.values
         if not on_pillars:
-            margin = threshold / level if level else math.inf
-            point |= contact_load(driven.slider, driven.at(level), margin)
+            factor = threshold / level if level else math.inf
+            point |= contact_load(driven.slider, driven.at(level), factor)
         points.append(point)
         parts.append(answer.parts)
         trajectories += [] if answer.trajectory is None else [(level, answer.trajectory)]
         last = answer.motion or last
-    pillars: dict = {}
-    slider_wave: dict = {}
+    tables: dict = {}
     if last is not None:
         from studies.chain.pillar_points import pillar_tables
 
-        pillars, slider_wave = pillar_tables(last)
+        tables = pillar_tables(last)
     return SliderAnswer(
-        points=tuple(points), parts=tuple(parts), summary=summary, trajectories=tuple(trajectories),
-        pillars=pillars, slider_wave=slider_wave,
-    )  # fmt: skip
+        points=tuple(points), parts=tuple(parts), summary=summary, trajectories=tuple(trajectories), **tables
+    )
 
 
 class PointAnswer(NamedTuple):

@@ -1,9 +1,9 @@
 """Answers of one motor for other values of some keys of its scene; a solved stator is reused wherever it still holds.
 
 Sweeps, fits, tolerances, measured curves, sensitivities and design searches take their answers from here; a run takes
-its contact from `studies.chain.changed_contacts` as they do.  Near the threshold the contact multiplies the stator's
-error: such a point is solved again on a stator ten times as accurate, with ``STEPS`` accuracies at most.  The step that
-a point ends at depends on that point alone, so that its answer does not depend on its neighbours.
+its contact from `studies.chain.changed_contacts` as they do.  Near the threshold the contact amplifies the stator's
+error: such a point is solved again on a stator ten times as accurate, with at most ``STEPS`` accuracies.  The last step
+of a point depends on that point alone, so that its answer does not depend on its neighbours.
 """
 
 import math
@@ -63,7 +63,7 @@ class Predictor(ChangedContacts):
     def answers(
         self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None, averaged: bool = False
     ) -> list[dict]:
-        """Return what the motor does with each of several sets of changed keys.
+        """Return the motor's answer for each of several sets of changed keys.
 
         Parameters
         ----------
@@ -72,16 +72,16 @@ class Predictor(ChangedContacts):
         also : sequence of str
             Outcomes other than the velocity, of `studies.chain.outcomes.ALSO`.
         tolerance : float, optional
-            Of the velocity and the other outcomes; by default the predictor's own, which the stator always keeps.
+            Of the velocity and the other outcomes; by default the predictor's own, which is always that of the stator.
         averaged : bool
-            True takes averaged steady states whatever their error: they are smooth functions of the numbers, as
-            derivatives need.
+            True accepts averaged steady states of any error: they are smooth functions of the numbers, as derivatives
+            require.
 
         Returns
         -------
         list of dict
-            Columns by name; ``status`` is the text of a `studies.record.status.Status`, and
-            ``relative_error`` is absent where there is no answer, and ``refused`` true where the scene was refused.
+            Columns by name; ``status`` is the text of a `studies.record.status.Status`.  Without an answer
+            ``relative_error`` is absent; ``refused`` is true where the scene was refused.
         """
         answers: list[dict] = [{} for _ in many]
         todo = list(range(len(many)))
@@ -110,7 +110,7 @@ class Predictor(ChangedContacts):
                     raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
                 ready[at] = driven
             except Exception as error:
-                answers[at] = _without_answer(error)
+                answers[at] = {"status": reason(error), "refused": isinstance(error, SceneError)}
         steady = [at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None]
         states = [(ready[at], ready[at].level) for at in steady]
         side_by_side = dict(zip(steady, averaged_answers(states, math.inf if averaged else tolerance), strict=True))
@@ -122,35 +122,28 @@ class Predictor(ChangedContacts):
                     answer = self._alone(driven, step, tolerance)
                 answers[at] = amplitudes(driven) | with_outcomes(also, tolerance, driven, answer, averaged=averaged)
             except Exception as error:
-                answers[at] = _without_answer(error)
+                answers[at] = {"status": reason(error), "refused": isinstance(error, SceneError)}
         return answers
 
     def _alone(self, driven: DrivenContact, step: int, tolerance: float) -> dict:
         """Return the answer of a burst, or of a stator without a slider, as in a run."""
-        scene, error = driven.scene, driven.stator_error
-        if scene.slider is None:
-            missed = error > tolerance
-            why = f"the stator's error is {error:.1e}"
-            status = Status.ABOVE_TOLERANCE.because(why) if missed else Status.OK.value
+        error, status = driven.stator_error, Status.OK.value
+        if driven.scene.slider is None:
+            if error > tolerance:
+                status = Status.ABOVE_TOLERANCE.because(f"the stator's error is {error:.1e}")
             return {"relative_error": error if driven.level else 0.0, "status": status}
         point = point_answer(self.bursting(driven, self.motion_of(driven, step)), driven.level, tolerance)
         return rated(point.values, point.parts, tolerance)
 
 
-def _without_answer(error: Exception) -> dict:
-    return {"status": reason(error), "refused": isinstance(error, SceneError)}
-
-
 def reason(error: Exception) -> str:
-    """Return why a point has no answer, as its status says it."""
+    """Return the status of a point that has no answer."""
     text = " ".join(str(error).split())
-    if isinstance(error, SceneError):
-        return Status.REFUSED.because(text)
-    if isinstance(error, RunError):
-        return Status.NO_ANSWER.because(text)
     if isinstance(error, MemoryError):
-        return Status.NO_ANSWER.because("it needs more memory than the worker has")
-    return Status.NO_ANSWER.because(f"a defect of sawmotor: {type(error).__name__}: {text}")
+        text = "it needs more memory than the worker has"
+    elif not isinstance(error, SceneError | RunError):
+        text = f"a defect of sawmotor: {type(error).__name__}: {text}"
+    return (Status.REFUSED if isinstance(error, SceneError) else Status.NO_ANSWER).because(text)
 
 
 def _free_answer(scene: Scene, tolerance: float) -> dict:

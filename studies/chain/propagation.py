@@ -33,8 +33,8 @@ def velocity_sensitivities(
 ) -> tuple[float, float, float]:
     """Return the changes of the velocity, over the reference speed, for a relative change of 1 of the orbits.
 
-    The three changes are those of all amplitudes (the larger of growing and shrinking), of their ratio, and of their
-    phase; all are zero without an error or a reference speed.
+    The three changes are those of all amplitudes (the larger of an increase and a decrease), of their ratio, and of
+    their phase; all are zero without an error or a reference speed.
 
     Parameters
     ----------
@@ -50,14 +50,14 @@ def velocity_sensitivities(
     if relative_error == 0 or speed == 0:
         return 0.0, 0.0, 0.0
     step = max(relative_error, MIN_STEP)
-    tried = (
+    changed_orbits = (
         tuple(orbit.scaled(1 + step) for orbit in orbits),
         tuple(orbit.scaled(1 - step) for orbit in orbits),
-        tuple(_sheared(orbit, 1 + step * _slenderness(orbit)) for orbit in orbits),
-        tuple(_sheared(orbit, cmath.exp(1j * step * _slenderness(orbit))) for orbit in orbits),
+        tuple(_with_tangential(orbit, 1 + step * _slenderness(orbit)) for orbit in orbits),
+        tuple(_with_tangential(orbit, cmath.exp(1j * step * _slenderness(orbit))) for orbit in orbits),
     )
-    grown, shrunk, ratio, phase = (abs(solve(each) - velocity) for each in tried)
-    return max(grown, shrunk) / (step * speed), ratio / (step * speed), phase / (step * speed)
+    larger, smaller, ratio, phase = (abs(solve(each) - velocity) / (step * speed) for each in changed_orbits)
+    return max(larger, smaller), ratio, phase
 
 
 def _slenderness(orbit) -> float:
@@ -69,5 +69,6 @@ def _slenderness(orbit) -> float:
     return min(large / small, MAX_AXIS_RATIO) if small > 0 else 1.0
 
 
-def _sheared(orbit, factor: complex):
+def _with_tangential(orbit, factor: complex):
+    """Return an orbit with its tangential amplitude multiplied by a factor."""
     return replace(orbit, tangential=orbit.tangential * factor)

@@ -2,7 +2,7 @@
 
 ``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
 ``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
-can be run again with the same numbers.  ``slider.method = "auto"`` stays: the contact chooses its method
+can be run again with the same numbers.  ``slider.method = "auto"`` is not replaced: the contact chooses its method
 (contact/choice.py).  Rules that need physics (an unknown material, an impossible layout) are checked here.
 """
 
@@ -75,18 +75,16 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
         return _with_load(scene)
     with stator_keys("drive.match"):
         ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
-    about = (ports.matrix, ports.names)
-    if recovery is not None:
-        load = None
-        if matched:
-            auto = old_drive.match == "auto"
-            with stator_keys("drive.recovery.load"):
-                load = fem.matched_load(
-                    *about, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
-                )
-        scene = _with_load(scene, load)
-    if old_drive.match == "auto":
-        seen = fem.solve_circuit(*about, transducers(scene), old_drive.transducer, scene.frequency).admittance
+    matrix, names, auto = ports.matrix, ports.names, old_drive.match == "auto"
+    load = None
+    if recovery is not None and matched:
+        with stator_keys("drive.recovery.load"):
+            load = fem.matched_load(
+                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
+            )
+    scene = _with_load(scene, load)
+    if auto:
+        seen = fem.solve_circuit(matrix, names, transducers(scene), old_drive.transducer, scene.frequency).admittance
         with stator_keys("drive.match"):
             ladder = fem.best_match(complex(old_drive.source_impedance), seen, scene.frequency)
         elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
@@ -95,7 +93,7 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
 
 
 def _with_load(scene: Scene, load: complex | None = None) -> Scene:
-    """Return the scene with the load of ``drive.recovery`` as the receiver's termination; ``load``: of "matched"."""
+    """Return the scene with the load of ``drive.recovery`` as the receiver's termination, ``load`` for "matched"."""
     recovery = scene.drive.recovery
     if recovery is None:
         return scene
@@ -111,8 +109,8 @@ def _with_source_numbers(scene: Scene) -> Scene:
     """Return the scene with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
     block = stator(scene.stator)
     if "phi" not in fem.fields(block.solid):
-        rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
-        raise SceneError("transducer", rule)
+        name = block.solid.name
+        raise SceneError("transducer", f"must be absent on {name}: it is not piezoelectric in this orientation")
     with stator_keys("drive.frequency"):
         if scene.drive.frequency == "center":
             driven = scene.driven_transducer
@@ -154,8 +152,7 @@ def check_slider(scene: Scene) -> None:
     """Refuse a resolved slider that stands where it cannot, or whose burst takes too long to compute."""
     _refuse_gaps(scene)
     _refuse_covered(scene)
-    if scene.burst is not None:
-        _refuse_endless_burst(scene)
+    _refuse_endless_burst(scene)
     if scene.slider.pillars is not None:
         from studies.chain.pillars import check_pillars
 
@@ -192,6 +189,8 @@ def _refuse_covered(scene: Scene) -> None:
 
 def _refuse_endless_burst(scene: Scene) -> None:
     """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
+    if scene.burst is None:
+        return
     slider, frequency = scene.slider, scene.frequency
     every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
     method = slider.method if slider.method in CYCLE_SECONDS else "averaged" if scene.wave is not None else "stepped"

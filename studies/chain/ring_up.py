@@ -39,10 +39,8 @@ class RingUp:
     # Relative error of the velocity at the end of the burst. With an envelope: the error of the envelope times
     # (settling time / burst duration). Without one: a lower bound of the ring-up time over the burst duration.
     error: float
-    # Factor on the steady orbits; None if the ring-up is too long to be computed
-    envelope: "Envelope | Any" = field(default=None, repr=False)
-    # Factor after the end of the burst, with the time counted from that end
-    ring_down: "Envelope | None" = field(default=None, repr=False)
+    envelope: "Envelope | Any" = field(default=None, repr=False)  # None if the ring-up is too long to be computed
+    ring_down: "Envelope | None" = field(default=None, repr=False)  # its time is counted from the end of the burst
     response: "BurstEnvelope | Any" = field(default=None, repr=False)  # fem.BurstEnvelope
 
     @classmethod
@@ -74,7 +72,7 @@ class RingUp:
 
 
 def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
-    """Return the ring-up under the slider of a run when its drive is switched on; else None and why there is none."""
+    """Return the ring-up under the slider when the drive of a run is switched on; or None, and why there is none."""
     record, center = driven.record, driven.scene.slider.center
     if record.surface_motion.covered(center):
         return None, "the slider stands over a transducer or a meshed piece"

@@ -29,10 +29,8 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
     if slider is None:
         return
     yield from _sizes(scene, slider)
-    for each in scene.transducer:
-        half = each.half_length if isinstance(each.period, float) else 0.0
-        if slider.position is None or each.turned:
-            continue
+    for each in scene.transducer if slider.position is not None else ():
+        half = each.half_length if isinstance(each.period, float) and not each.turned else 0.0
         if abs(slider.center[0] - each.center_xy[0]) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     weight = slider.mass * slider.gravity
@@ -98,21 +96,17 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
 
 
 def _area_radius(slider: Slider) -> float:
-    """Return the radius of the contact area at rest in m.
-
-    All contacts carry the same force. The radius of a ball follows from Hertz; a punch has a fixed radius.
-    """
-    if slider.shape == "punch" or slider.effective_modulus is None:
-        return slider.radius if slider.shape == "punch" else 0.0
+    """Return the radius of the contact area at rest in m, of a ball by Hertz; all contacts carry the same force."""
+    if slider.shape == "punch":
+        return slider.radius
+    if slider.effective_modulus is None:
+        return 0.0
     force = slider.preload_force / len(slider.offsets)
     return (0.75 * force * slider.radius / slider.effective_modulus) ** (1 / 3)
 
 
 def _nearest(slider: Slider) -> tuple[float, int, int]:
-    """Return the smallest distance between two contacts in m and their indices.
-
-    The distance is infinite if the scene states only the number of contacts.
-    """
+    """Return the smallest distance between two contacts in m (inf if only their number is stated) and their indices."""
     if isinstance(slider.contacts, int):
         return math.inf, 0, 0
     offsets = slider.offsets[:MAX_BALLS_COMPARED]

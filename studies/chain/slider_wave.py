@@ -23,29 +23,24 @@ def stator_wave(scene: Scene, motion):
 
     ``motion`` is a `studies.chain.surface_motion.SurfaceMotion`. The misfit is relative to the larger of both waves.
     """
-    slider, wave = scene.slider, motion.wave
+    slider, wave, beam = scene.slider, motion.wave, motion.beam
     stator = fem_model.stator(scene.stator)
-    half_space = fem.rayleigh(stator.solid, stator.bare_surface)
-    orbit = complex(half_space.displacement[0])
+    orbit = complex(fem.rayleigh(stator.solid, stator.bare_surface).displacement[0])
     wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
-    geometry = layout(slider)
-    reach = max(wavelength, float(np.ptp(geometry.x)) / 2)
-    across, _ = np.polynomial.legendre.leggauss(ACROSS)
-    weights = np.polynomial.legendre.leggauss(ACROSS)[1] / 2
+    reach = max(wavelength, float(np.ptp(layout(slider).x)) / 2)
     centre, middle = slider.center
     along = np.clip(centre + np.linspace(-reach, reach, FITTED), 0.0, wave.length)
-    if motion.beam is None and any(map(wave.covered, along)):
+    if beam is None and any(map(wave.covered, along)):
         rule = "must leave the pillars, and a wavelength either side of their centre, on the bare uniform stator"
         where = f"{along[0] * 1e3:.4g} to {along[-1] * 1e3:.4g} mm"
         raise SceneError("slider.position", f"{rule}: from {where} there are fingers or a meshed piece")
-    if motion.beam is None:
+    if beam is None:
         u_z = wave.rayleigh_motion(along)[1]
     else:
-        mode = getattr(motion.beam, "surface_mode", None)
-        source = motion.beam if mode is None else mode
+        mode = getattr(beam, "surface_mode", None) or beam
         u_z = sum(
-            weight * source.motion(along, np.full(along.size, middle + y * width / 2))[2]
-            for weight, y in zip(weights, across, strict=True)
+            weight / 2 * mode.motion(along, np.full(along.size, middle + y * width / 2))[2]
+            for y, weight in zip(*np.polynomial.legendre.leggauss(ACROSS), strict=True)
         )
     k = 2 * np.pi / wavelength
     basis = np.exp(np.outer(along - centre, (-1j * k, 1j * k)))
@@ -67,5 +62,5 @@ def mean_amplitudes(slider, wave) -> tuple[float, float]:
     turn = np.exp(-1j * wave.wavenumber * layout(slider).x)
     forward, backward = wave.forward * turn, wave.backward / turn
     normal, tangential = forward + backward, wave.orbit * forward + np.conj(wave.orbit) * backward
-    rms_normal, rms_tangential = (float(np.sqrt(np.mean(np.abs(each) ** 2))) for each in (normal, tangential))
+    rms_normal, rms_tangential = np.sqrt(np.mean(np.abs([normal, tangential]) ** 2, axis=1)).tolist()
     return rms_normal, rms_tangential

@@ -49,10 +49,7 @@ def steady_answer(driven: DrivenContact, level: float, tolerance: float) -> dict
 
 
 def rated(point: dict, parts: tuple[float, float], tolerance: float) -> dict:
-    """Return the values of a point with the key ``finer``, True if a more accurate stator would reduce the error.
-
-    Without an answer only the status is returned.
-    """
+    """Return a point with the key ``finer``, True if a more accurate stator is needed; without an answer its status."""
     if "relative_error" not in point:
         return {"status": Status.NO_ANSWER.because(point["status"])}
     return point | {"finer": point["relative_error"] > tolerance and parts[0] > SHARE * tolerance}
@@ -85,12 +82,12 @@ def averaged(contacts: list[tuple]) -> list[tuple]:
     answers: list[tuple] = [()] * len(contacts)
     for count in {len(orbits) for _, orbits, _, _ in contacts}:
         members = [at for at, each in enumerate(contacts) if len(each[1]) == count]
-        sliders: dict = {}
+        sliders: dict = {}  # each different one with its number
         waves: dict = {}
         which, factors = [], []
         for slider, orbits, error, factor in (contacts[at] for at in members):
-            first = sliders.setdefault(slider, len(sliders))
-            which.append((first, waves.setdefault((orbits, error), len(waves))))
+            wave = waves.setdefault((orbits, error), len(waves))
+            which.append((sliders.setdefault(slider, len(sliders)), wave))
             factors.append(factor)
         orbits, errors = zip(*waves, strict=True)
         options = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}

@@ -1,7 +1,7 @@
 """Steps of a motor: how far bursts of whole cycles of the drive move its slider.
 
-On a stator the wave of a burst arrives late, grows over the transducers' length and rings on after the drive's end.
-The response to one switched drive gives all of it for bursts of any length and voltage: it is solved once.
+On a stator the wave of a burst arrives with a delay, grows over the transducers' length and rings down after the end of
+the drive.  All of this follows, for bursts of any length and voltage, from one response to a switched drive.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,8 @@ import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, switched
 
-NARROWER = 0.5  # of the ring-up's band: the corners of the wave err as one over its width
+# Fraction of the ring-up's band; the error at the corners of the envelope is proportional to one over the width
+NARROWER = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,9 +21,9 @@ class Steps:
     """Bursts from rest of a driven contact, until the slider has stopped."""
 
     driven: DrivenContact
-    # Of a number of cycles, and a share of the band; None for a wave at full size
+    # The ring-up for a number of cycles and a fraction of the band; None for a wave at full size
     ringing: Callable[..., RingUp] | None = field(default=None, repr=False)
-    reason: str = ""  # why a stator's wave is taken at full size from the first cycle; empty where it is not
+    reason: str = ""  # why the ring-up of a stator's wave is neglected; empty if it is not
 
     @classmethod
     def of(cls, driven: DrivenContact) -> "Steps":
@@ -47,7 +48,7 @@ class Steps:
 
     @property
     def sentence(self) -> str:
-        """What a reader of a step must know of the wave; empty where its growth is in the step."""
+        """What a step neglects of the wave's growth; empty if nothing."""
         if not self.reason:
             several = self.ringing is not None and len(self.driven.orbits) > 1
             return "the growth of the wave at the slider's centre is used for all balls" if several else ""
@@ -58,11 +59,11 @@ class Steps:
 
     @property
     def settling(self) -> float:
-        """From the burst's beginning until the wave stays within 1 % of its size, s; 0 where that is not known."""
+        """Time from the beginning of the burst until the wave stays within 1 % of its final size, s; 0 if unknown."""
         return 0.0 if self.ringing is None else self.ringing(1).response.settling
 
     def shape(self, cycles: int, share: float = 1.0) -> tuple:
-        """Return the `contact.Envelope` during a burst of some cycles and that after it; None for a sudden wave."""
+        """Return the `contact.Envelope` during a burst of some cycles and that after it; None if neglected."""
         if self.ringing is None:
             return None, None
         ringing = self.ringing(cycles, share)
@@ -71,13 +72,13 @@ class Steps:
     def step(self, level: float, cycles: int, share: float = 1.0):
         """Return the `contact.Step` of a burst of some cycles at a level.
 
-        ``share``: of the band in which the ring-up was solved, 1 but for estimates of its error.
+        ``share``: fraction of the band in which the ring-up was solved; below 1 to estimate its error.
         """
         envelope, after = self.shape(cycles, share)
         return contact.step(self.driven.slider, self.driven.at(level), cycles=cycles, envelope=envelope, after=after)
 
     def error(self, level: float, step) -> float:
-        """Return the relative error that a `contact.Step` at a level has from the wave: its size, and its growth."""
+        """Return the relative error of a `contact.Step` at a level that is due to the wave's amplitude and growth."""
         amplitude, others = self.driven.stator_error, []
         if self.ringing is not None:
             envelope = self.ringing(step.cycles).response
@@ -88,6 +89,6 @@ class Steps:
         return sum(abs(each.displacement / step.displacement - 1.0) for each in others)
 
     def reaching(self, level: float, displacement: float) -> tuple:
-        """Return the longest `contact.Step` short of a displacement in m, and the next, which reaches it."""
+        """Return the last `contact.Step` that is shorter than a displacement in m, and the first that reaches it."""
         options = {} if self.ringing is None else {"envelopes": self.shape}
         return contact.cycles_for(self.driven.slider, self.driven.at(level), displacement=displacement, **options)

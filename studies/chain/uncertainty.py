@@ -6,7 +6,7 @@ There are two methods:
   JCGM 100:2008, eq. 10, with the secant instead of the derivative). An answer can be strongly nonlinear within a
   tolerance, for example at a resonance or at the threshold. Its interval then uses the largest upward and downward
   changes among the answers at the ends and half way to them, each added in quadrature. The key ``bent`` of the block
-  lists these tolerances.
+  lists these tolerances, each with the number of points whose velocity is nonlinear.
 - ``sampled``: percentiles over a Latin hypercube of all uncertain numbers (`scipy.stats.qmc`). Each number is normally
   distributed, truncated so that it keeps its sign.
 
@@ -50,28 +50,24 @@ def with_bands(record: Record) -> Record:
         # represents the nonlinearity without solving the stator again
         options = options | {"method": "sampled"}
     block: dict = {"method": options["method"], "level": LEVEL}
-    block |= {"tolerances": {each.key: each.half_width for each in numbers}}
+    block["tolerances"] = {each.key: each.half_width for each in numbers}
     if options["method"] == "sampled":
         samples = _answers(predictor, record, sampled(numbers, options["samples"]))
         low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
         block["samples"] = options["samples"]
     else:
         low, high = centre - width, centre + width
-        nonlinear_numbers = [each for each, row in zip(numbers, bends, strict=True) if row.any()]
-        if nonlinear_numbers:
-            between = _answers(predictor, record, _moved(nonlinear_numbers, (0.5, -0.5))) - middle
-            trial_changes = dict(zip([each.key for each in numbers], changes, strict=True))
-            for each, pair in zip(nonlinear_numbers, between.reshape(len(nonlinear_numbers), 2, -1), strict=True):
-                trial_changes[each.key] = np.concatenate([trial_changes[each.key], pair])
-            upward = np.sqrt(sum(np.maximum(each.max(axis=0), 0.0) ** 2 for each in trial_changes.values()))
-            downward = np.sqrt(sum(np.minimum(each.min(axis=0), 0.0) ** 2 for each in trial_changes.values()))
+        bent = np.flatnonzero(bends.any(axis=1))
+        if bent.size:
+            halfway = _answers(predictor, record, _moved([numbers[k] for k in bent], (0.5, -0.5))) - middle
+            # the changes at the ends are repeated for the other numbers, so that largest and smallest are unchanged
+            trial_changes = np.concatenate([changes, changes], axis=1)
+            trial_changes[bent, 2:] = halfway.reshape(bent.size, 2, -1)
+            upward = np.sqrt(np.sum(np.maximum(trial_changes.max(axis=1), 0.0) ** 2, axis=0))
+            downward = np.sqrt(np.sum(np.minimum(trial_changes.min(axis=1), 0.0) ** 2, axis=0))
             nonlinear = bends.any(axis=0)
             low[nonlinear], high[nonlinear] = (centre - downward)[nonlinear], (centre + upward)[nonlinear]
-            block["bent"] = {
-                each.key: int(row[: len(record.points)].sum())
-                for each, row in zip(numbers, bends, strict=True)
-                if row.any()
-            }
+            block["bent"] = {numbers[k].key: int(bends[k, : len(record.points)].sum()) for k in bent}
     top = int(np.argmax([point[record.level] for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
         block["velocity_half_width_m_per_s"] = dict(zip(block["tolerances"], half[:, top].tolist(), strict=True))
@@ -79,10 +75,9 @@ def with_bands(record: Record) -> Record:
         if key in record.summary and np.isfinite(low[k] + high[k]):
             block[key] = [float(low[k]), float(high[k])]
     points = tuple(
-        point | {"velocity_low_m_per_s": float(a), "velocity_high_m_per_s": float(b)}
-        if np.isfinite(a + b) else point
+        point | ({"velocity_low_m_per_s": float(a), "velocity_high_m_per_s": float(b)} if np.isfinite(a + b) else {})
         for point, a, b in zip(record.points, low, high, strict=False)
-    )  # fmt: skip
+    )
     return replace(record, points=points, uncertainty=block)
 
 
@@ -111,7 +106,7 @@ def sampled(numbers: tuple[Tolerance, ...], count: int) -> list[dict[str, float]
 
 
 def without_level(changed: dict[str, float]) -> tuple[float, dict[str, float]]:
-    """Return the factor on all levels that a set of changed numbers means, and the other numbers.
+    """Return the factor on all levels in a set of changed numbers, and the other numbers.
 
     A tolerance of the level multiplies all levels; one of the power multiplies their squares.
     """
@@ -122,14 +117,13 @@ def without_level(changed: dict[str, float]) -> tuple[float, dict[str, float]]:
 
 def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.ndarray:
     """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
-    key = record.scene.level_key
-    levels = [point[record.level] for point in record.points]
+    key, levels = record.scene.level_key, [point[record.level] for point in record.points]
     points, tops, factors = [], [], []
     top = max(levels) or 1.0
     for changed in changes:
         factor, other_changes = without_level(changed)
         factors.append(factor)
-        points += [other_changes | {key: level * factors[-1]} for level in levels]
+        points += [other_changes | {key: level * factor} for level in levels]
         tops.append(other_changes | {key: top})
     answers = predictor.answers(points)
     velocities = np.reshape([each.get("velocity_m_per_s", np.nan) for each in answers], (len(changes), len(levels)))

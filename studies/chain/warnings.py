@@ -22,15 +22,13 @@ from studies.record import Record
 from studies.record.text import percent
 from studies.scene import Scene
 
-# Ratio of the largest amplitude over frequency to the present amplitude above which a warning is given; the ripple of a
-# plate alone makes 1.1
-OFF_RESONANCE = 1.15
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
 AIR = 101325.0  # pressure in Pa
-SIDEWAYS = 0.1  # |u_y|/|u_x| above which a warning is given
 CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
-SPREADS = 0.1  # relative change of u_z by the finite aperture above which a warning is given
-DECIDES = 0.1  # relative change of u_z or of the velocity by a neglected effect above which a warning is given
+# Values above which a warning is issued:
+OFF_RESONANCE = 1.15  # largest amplitude over frequency, relative to the present one; the ripple of a plate makes 1.1
+SIDEWAYS = 0.1  # |u_y|/|u_x|
+DECIDES = 0.1  # relative change of u_z or of the velocity by a neglected effect
 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
@@ -67,14 +65,13 @@ def _drive(record: Record) -> Iterator[str]:
     gap = (1 - driven.metallisation) * driven.wavelength * driven.finger_pairs / driven.fingers
     voltages = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
     volts = highest * max(map(abs, [electrical["comb_voltage_per_volt"], *voltages]))
-    breakdown = breakdown_voltage(gap)
     if limits is not None and limits.field is not None and volts > limits.field * gap:
         yield (
             f"the field between the fingers, {volts:.3g} V over {gap * 1e6:.3g} um, is {volts / gap / 1e6:.3g} MV/m; "
             f"{limits.field / 1e6:g} MV/m is the limit ({limits.field_source}): "
             f"keep the voltage below {limits.field * gap:.3g} V, or widen the gaps"
         )
-    if volts > breakdown:
+    if volts > (breakdown := breakdown_voltage(gap)):
         yield (
             f"{volts:.3g} V between fingers {gap * 1e6:.3g} um apart exceed the breakdown voltage of air there, "
             f"{breakdown:.3g} V (Paschen's law): keep below it, widen the gaps or cover the fingers"
@@ -96,9 +93,8 @@ def _drive(record: Record) -> Iterator[str]:
 def breakdown_voltage(gap: float) -> float:
     """Return the breakdown voltage in V of air at 1 atm over a gap in m.
 
-    Paschen's law has a minimum over the gap; the minimum is returned for all smaller gaps.
-
-    Source: M. A. Lieberman and A. J. Lichtenberg, Principles of Plasma Discharges, 2nd ed. 2005, eq. 14.3.5.
+    Paschen's law has a minimum over the gap; the minimum is returned for all smaller gaps. Source: M. A.
+    Lieberman and A. J. Lichtenberg, Principles of Plasma Discharges, 2nd ed. 2005, eq. 14.3.5.
     """
     product_at_minimum = math.e * math.log(1 + 1 / PASCHEN_GAMMA) / PASCHEN_A
     product = max(AIR * gap, product_at_minimum)
@@ -114,18 +110,15 @@ def _off_resonance(record: Record) -> Iterator[str]:
     half_band = 2 / max(driven.finger_pairs, 4)
     frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
     try:
-        relative_amplitudes = fem.relative_amplitude(
-            stator.solid, fem_model.driven(scene), frequencies, surface=stator.bare_surface
-        )
+        size = fem.relative_amplitude(stator.solid, fem_model.driven(scene), frequencies, surface=stator.bare_surface)
     except fem.ConvergenceError:
         return  # the half-space of this cut has no surface wave: no estimate is possible
-    best = int(np.argmax(relative_amplitudes))
-    gain = float(relative_amplitudes[best] / max(relative_amplitudes[-1], relative_amplitudes[best] * 1e-3))
+    best = int(np.argmax(size))
+    gain = float(size[best] / max(size[-1], size[best] * 1e-3))
     if gain > OFF_RESONANCE:
-        better = frequencies[best] / 1e6
         more = f"about {100 * (gain - 1):.0f} % larger" if gain < 10 else "ten times as large or more"
         yield (
-            f"the drive is off the transducer's resonance: u_z would be {more} at {better:.4g} MHz "
+            f"the drive is off the transducer's resonance: u_z would be {more} at {frequencies[best] / 1e6:.4g} MHz "
             f'(estimate by coupled modes): set drive.frequency = "center" with '
             f'period = "{driven.wavelength * 1e3:.6g} mm", or period = "auto"'
         )
@@ -134,12 +127,11 @@ def _off_resonance(record: Record) -> Iterator[str]:
 def _section(record: Record) -> Iterator[str]:
     """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
-        if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
+        if each["effect"] == "finite aperture" and abs(each["size"]) > DECIDES:
             refused = fem.beam_refusal(fem_model.whole_stator(record.scene))
-            yield (
-                f"the plane section neglects that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
-                + (refused or "stator.diffraction = true includes it")
-            )
+            size = f"{100 * each['size']:+.0f} % of u_z"
+            remedy = refused or "stator.diffraction = true includes it"
+            yield f"the plane section neglects that the aperture is finite, about {size}: {remedy}"
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
     if stator.ends != "absorbing" and math.isinf(fem_model.solid(stator).mechanical_quality):
         yield (

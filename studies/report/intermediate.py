@@ -9,7 +9,7 @@ from studies.scene.keys import rule_at, unit_of
 
 PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 CLOSED = "closed form"
-GIVEN = "as given or resolved"
+SPECIFIED = "as specified or resolved"
 
 
 class Number(NamedTuple):
@@ -97,7 +97,7 @@ def intermediate_numbers(record: Record) -> tuple[Number, ...]:
         stages["stator"] = _free(record)
     if record.scene.slider is not None:
         stages["contact"] = _contact(record)
-    return tuple(Number(stage, *row) for stage, rows in stages.items() for row in rows)
+    return tuple(Number(stage, *entry) for stage, entries in stages.items() for entry in entries)
 
 
 def _error(size: float) -> str:
@@ -105,9 +105,9 @@ def _error(size: float) -> str:
 
 
 def _drive(record: Record):
-    yield "frequency", si(record.scene.frequency, "Hz", 9), GIVEN
+    yield "frequency", si(record.scene.frequency, "Hz", 9), SPECIFIED
     for each in record.scene.transducer:
-        yield f"period of transducer {each.name}", si(each.wavelength, "m", 8), GIVEN
+        yield f"period of transducer {each.name}", si(each.wavelength, "m", 8), SPECIFIED
 
 
 def _stator(record: Record):
@@ -135,8 +135,8 @@ def _stator(record: Record):
     ):
         yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"residual of the balance {power_residual}"
     for name, key in (
-        ("u_z at the slider's place, per volt", "normal_m_per_V"),
-        ("u_x at the slider's place, per volt", "tangential_m_per_V"),
+        ("u_z at the slider's position, per volt", "normal_m_per_V"),
+        ("u_x at the slider's position, per volt", "tangential_m_per_V"),
         ("part of the surface mode in u_z", "rayleigh_normal_m_per_V"),
     ):
         if key in wave:
@@ -162,8 +162,8 @@ def _contact(record: Record):
     # `sawmotor check` prints the moduli of the two surfaces alone
     compliant = block.pillars is not None and block.pillars.height is not None
     bodies = " with the compliance of a pillar's height" if compliant else ""
-    yield f"modulus E*{bodies}", si(slider.effective_modulus, "Pa"), GIVEN
-    yield f"modulus G*{bodies}", si(slider.tangential_modulus, "Pa"), GIVEN
+    yield f"modulus E*{bodies}", si(slider.effective_modulus, "Pa"), SPECIFIED
+    yield f"modulus G*{bodies}", si(slider.tangential_modulus, "Pa"), SPECIFIED
     yield f"normal force on a contact at rest{average_note}", si(normal_force, "N"), CLOSED
     yield f"approach at rest{highest_note}", si(depth, "m"), CLOSED
     yield "radius of the contact at rest", si(slider.contact_radius(depth), "m"), CLOSED

@@ -47,9 +47,9 @@ class RunField:
     wave: "SurfaceWave | None" = field(default=None, repr=False)  # None for a free wave
     crossed: "CrossedBeam | None" = field(default=None, repr=False)  # None unless transducers are rotated
 
-    def in_section(self, place: tuple[float, float]) -> float:
+    def in_section(self, position: tuple[float, float]) -> float:
         """Return the coordinate of a point (x, y) along the section in m."""
-        return place[0] if self.crossed is None else float(self.crossed.rows[0].local(*place)[0])
+        return position[0] if self.crossed is None else float(self.crossed.rows[0].local(*position)[0])
 
     @property
     def scene(self) -> Scene:
@@ -154,7 +154,7 @@ def _driven(record: Record) -> RunField:
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
-    places = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
+    positions = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
     whole_mesh = fem_model.whole_stator(scene).placement.whole  # a mesh of the whole stator defines the fingers itself
 
     def fingers(transducer, sign: str):
@@ -162,7 +162,7 @@ def _driven(record: Record) -> RunField:
         return transducer.strips(sign) if whole_mesh is None else whole_mesh.strips(transducer.name + sign)
 
     def compute(*, per_wavelength: float = LINES, **wanted):
-        return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
+        return fem.wave_field(wave, places=positions, per_wavelength=per_wavelength, **wanted)
 
     return RunField(
         compute=compute,

@@ -105,11 +105,11 @@ def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     if solid:
         parts += [("surface", whole, last, edges), ("end", last, whole, edges)]
     listed = []
-    for name, lines, rows, y in parts:
-        places = np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij")
-        values = (each[lines, rows, None] for each in (moved, drawn.mean, drawn.amplitude))
-        sheet = Sheet(name, np.stack(places, axis=-1)[..., [0, 2, 1]], *values)
-        listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, rows)))
+    for name, along, down, y in parts:
+        points = np.meshgrid(drawn.x[along], drawn.z[down], y, indexing="ij")
+        values = (each[along, down, None] for each in (moved, drawn.mean, drawn.amplitude))
+        sheet = Sheet(name, np.stack(points, axis=-1)[..., [0, 2, 1]], *values)
+        listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, surface=name == "surface")))
     return listed
 
 
@@ -124,12 +124,12 @@ def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> 
     return listed
 
 
-def _hidden(drawn: Piece, rows: slice) -> np.ndarray:
+def _hidden(drawn: Piece, *, surface: bool) -> np.ndarray:
     """Cells of the grid that are not drawn, because a mesh is drawn there or the mesh has no solid at the surface."""
-    middle = 0.5 * (drawn.x[1:] + drawn.x[:-1])
-    if rows != slice(None):
+    if surface:
         inside = drawn.inside[:, -1]
         return ~(inside[1:] & inside[:-1])
+    middle = 0.5 * (drawn.x[1:] + drawn.x[:-1])
     meshed = np.zeros(len(middle), dtype=bool)
     for low, high in (each.span for each in drawn.meshed):
         meshed |= (middle > low) & (middle < high)
@@ -163,14 +163,14 @@ def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:
     ``spreads``: as they lie on the surface, for a beam; otherwise as wide as the drawn section.
     """
     if spreads:
-        rows = fem_model.transducers(run.scene)
-        corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
-        return corners.reshape(-1, 2)
+        transducers = fem_model.transducers(run.scene)
+        corners = [each.on_surface(each.strips(electrode.sign)) for each in transducers]
+        return np.concatenate(corners).reshape(-1, 2)
     x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
     return np.stack([x, np.resize(0.5 * run.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
 
 
-def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:
+def thinned(positions: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:
     """Return indices of increasing positions between two limits, such that neighbours are at least a spacing apart.
 
     The first and the last position within the limits are always included.
@@ -180,12 +180,12 @@ def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np
     >>> thinned(np.array([0.0, 0.1, 0.2, 1.0, 2.0, 3.0]), 0.15, 0.0, 2.0)
     array([0, 2, 3, 4])
     """
-    inside = np.flatnonzero((places >= start) & (places <= stop)).tolist()
-    kept = inside[:1]
+    inside = np.flatnonzero((positions >= start) & (positions <= stop)).tolist()
+    selected = inside[:1]
     for number in inside[1:]:
-        if places[number] - places[kept[-1]] >= spacing:
-            kept.append(number)
-    if kept[-1] != inside[-1]:
-        # The last position replaces the one that is too near to it.
-        kept[max(len(kept) - 1, 1) :] = inside[-1:]
-    return np.array(kept)
+        if positions[number] - positions[selected[-1]] >= spacing:
+            selected.append(number)
+    if selected[-1] != inside[-1]:
+        # the last position replaces the one that is too near to it
+        selected[max(len(selected) - 1, 1) :] = inside[-1:]
+    return np.array(selected)

@@ -189,13 +189,13 @@ def test_depth_profile_puts_points_on_lines():
 def test_bars_are_as_long_as_the_powers_and_energies():
     electrical = {"power_W_per_V2": 3.6e-3, "power_radiated_W_per_V2": 2.2e-3, "power_dissipated_W_per_V2": 1.4e-3}
     drawn = quantity("transducer_power_W_per_V2")
-    figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), drawn, "power")
+    figure = gallery_pictures.bars(gallery_pictures.powers(electrical), drawn, "power")
     figure.canvas.draw()
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
     assert_legible(figure)
     books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
-    rows, balance = gallery_pictures.ledger_rows(books)
+    rows, balance = gallery_pictures.ledger_entries(books)
     assert balance.startswith("balance to ")
     figure = gallery_pictures.bars(rows, quantity("cycle_energy_J"), "8 nm")
     assert_legible(figure)

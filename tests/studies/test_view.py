@@ -257,6 +257,17 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
         assert middles == pytest.approx([5e-3 + 0.49e-3 * (k - 2.5) for k in fingers], abs=4 * shown[1].pixel)
 
 
+@pytest.mark.parametrize("width", [400, 600])
+def test_the_first_caption_of_a_narrow_picture_is_legible(found, width):
+    """It stands in at least two lines of 10 pixels above the view, and beside the legend."""
+    drawn = picture_of(found, span_views(found, (12e-3, 15e-3)), size=(width, 400))
+    _, _, right, high = drawn.frames[0].box
+    head = ink(drawn.image(0.0)[: 400 - int(high) - 2, : int(right) + 6])
+    first, last = np.flatnonzero(head[:, : int(right)].any(axis=1))[[0, -1]]
+    assert last - first > 16
+    assert not head[:, int(right) :].any()
+
+
 @pytest.mark.parametrize("show", ["field", "solid"])
 def test_the_smallest_picture_is_drawn_whatever_the_case_of_its_format(computed, tmp_path, show):
     wanted = Wanted(screenshot=str(tmp_path / "a.JPEG"), size=(200, 100), show=show)
