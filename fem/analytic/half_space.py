@@ -184,11 +184,11 @@ def falling_root(function, top: float) -> float:
             return new
         repeated, above = above is (f_new > 0), f_new > 0
         ratio = f_new / (f_low if above else f_high)
-        kept = 1.0 if not repeated else (1 - ratio if ratio < 1 else 0.5)
+        reduction = 1.0 if not repeated else (1 - ratio if ratio < 1 else 0.5)
         if above:
-            low, f_low, f_high = new, f_new, f_high * kept
+            low, f_low, f_high = new, f_new, f_high * reduction
         else:
-            high, f_high, f_low = new, f_new, f_low * kept
+            high, f_high, f_low = new, f_new, f_low * reduction
     raise ConvergenceError(f"surface impedance has no root after {_ROOT_STEPS} steps")
 
 

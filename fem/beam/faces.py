@@ -54,7 +54,7 @@ from fem.beam.lateral import (
     rounded_reach,
     wavenumber_along,
 )
-from fem.beam.line_source import KEPT, SIGNS, LineSource, load_scale, shear_modes, static_mode
+from fem.beam.line_source import NEGLIGIBLE, SIGNS, LineSource, load_scale, shear_modes, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
 from fem.waveguide.ends import end_reflection
@@ -99,7 +99,7 @@ class ReflectedWaves(NamedTuple):
         """
         out = np.zeros((len(x), 3, len(self.rule.nodes)), dtype=complex)
         for distance, along, motion in zip((x, length - x), self.along, self.motion, strict=True):
-            lasting = modes & ((-along.imag).min(axis=1) * distance.min() < -np.log(KEPT))
+            lasting = modes & ((-along.imag).min(axis=1) * distance.min() < -np.log(NEGLIGIBLE))
             motion = np.einsum("ctmn,tn->nmc", motion[:, :, lasting], spectra)
             for node, started in enumerate(motion):
                 out[..., node] += np.exp(-1j * np.outer(distance, along[lasting, node])) @ started
@@ -163,27 +163,27 @@ class Faces:
     def _at_node(self, lateral: complex, sources: list[ChargeSheet], gap: float) -> tuple[np.ndarray, np.ndarray]:
         """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves.
 
-        Equation (2) is solved for the modes that do not decay before they reach a face (``kept``); each face then
+        Equation (2) is solved for the modes that do not decay before they reach a face (``lasting``); each face then
         reflects these into all modes.
         """
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
         forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
-        kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
+        lasting = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(NEGLIGIBLE))
         a, b = (
-            amplitudes[kept, None] * np.stack([each.transform(k[kept], face) for each in sources], axis=1)
+            amplitudes[lasting, None] * np.stack([each.transform(k[lasting], face) for each in sources], axis=1)
             for amplitudes, k, face in ((to_right, forward, self.length), (to_left, -backward, 0.0))
         )
-        r_0 = end_reflection(modes, self.ends, 0, kept)
+        r_0 = end_reflection(modes, self.ends, 0, lasting)
         mirror_images = modes.section.full.lateral_odd is not None
-        r_l = r_0 if mirror_images else end_reflection(modes, self.ends, 1, kept)
+        r_l = r_0 if mirror_images else end_reflection(modes, self.ends, 1, lasting)
         # E of the waves to the right and to the left, whose wavenumbers differ without mirror symmetry
-        e_right, e_left = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
-        round_trip = r_0[kept] @ (e_left * r_l[kept]) * e_right[:, 0]
-        c = np.linalg.solve(np.eye(len(kept)) - round_trip, r_0[kept] @ (b + e_left * (r_l[kept] @ a)))  # (2)
+        e_right, e_left = (np.exp(-1j * each[lasting] * self.length)[:, None] for each in (forward, backward))
+        round_trip = r_0[lasting] @ (e_left * r_l[lasting]) * e_right[:, 0]
+        c = np.linalg.solve(np.eye(len(lasting)) - round_trip, r_0[lasting] @ (b + e_left * (r_l[lasting] @ a)))  # (2)
         from_right = r_l @ (a + e_right * c)  # (1), all modes
-        from_left = r_0 @ (b + e_left * from_right[kept])
+        from_left = r_0 @ (b + e_left * from_right[lasting])
         on_surface = [modes.section.full.surface_dofs[name] for name in ("ux", "uy", "uz")]
         # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
         factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]

@@ -52,7 +52,7 @@ from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
 LOCAL = 12.0  # a mode that decays by more than exp(-LOCAL) in a wavelength is a local field, not a part of the beam
-KEPT = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
+NEGLIGIBLE = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
 # What a source is: its unknown at the surface, and the field of a section that this is
 Load = Literal["charge", "x", "z"]
 LOADED = {"charge": "phi", "x": "ux", "z": "uz"}
@@ -176,8 +176,8 @@ class LineSource:
     def some(self, modes: np.ndarray) -> "LineSource":
         """Source with a selection of the modes, without the pole at k = 0."""
         fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "shear", "potential")
-        kept = {name: getattr(self, name)[modes] for name in fields}
-        return replace(self, **kept, static=0.0, slope=0.0)
+        selected = {name: getattr(self, name)[modes] for name in fields}
+        return replace(self, **selected, static=0.0, slope=0.0)
 
     def with_shear(self, section: Section, frequency: float) -> "LineSource":
         """Source of a force along x with the SH modes, equation (3), of the same section with all displacements."""
@@ -241,7 +241,7 @@ class LineSource:
     def _lasting(self, distance: float, resolved: float) -> np.ndarray:
         """True for modes that are neither decayed at a distance (m) nor local to the charge."""
         rate = -self.wavenumbers.imag
-        return (rate * distance < -np.log(KEPT)) & (rate * resolved < LOCAL)
+        return (rate * distance < -np.log(NEGLIGIBLE)) & (rate * resolved < LOCAL)
 
     def _at_lateral(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Modes at lateral wavenumbers (n,): kappa_p, shape (modes, n), and u of waves to the right, (3, modes, n)."""

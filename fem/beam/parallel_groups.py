@@ -16,7 +16,7 @@ import numpy as np
 
 from fem.beam.electrode_charges import ElectrodeCharges, all_charges
 from fem.beam.lateral import amplitude_ratio, evanescent, highest_wavenumber, lateral_rule, wavenumber_along
-from fem.beam.line_source import KEPT, LOCAL, line_source
+from fem.beam.line_source import LOCAL, NEGLIGIBLE, line_source
 from fem.circuit import Circuit, Drive, as_drive
 from fem.geometry import Stator, Transducer, separation, turn
 from fem.results.solution import Solution
@@ -233,13 +233,13 @@ def mutual_admittance(
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
     # A mode is kept if its amplitude is more than exp(-LOCAL) after a wavelength, more than exp(-MAX_DECAY_EXPONENT)
-    # from centre to centre, and more than KEPT after the gap.
-    kept = -k.imag * max(wavelength / LOCAL, distance / MAX_DECAY_EXPONENT, gap / -np.log(KEPT)) < 1
+    # from centre to centre, and more than NEGLIGIBLE after the gap.
+    lasting = -k.imag * max(wavelength / LOCAL, distance / MAX_DECAY_EXPONENT, gap / -np.log(NEGLIGIBLE)) < 1
     reach = abs(offset) + sum(float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan)
     highest = highest_wavenumber(k)
     rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
     total = 0.0  # the integral of equation (1)
-    pairs = [(number, contour) for some, contour in rule.contours(k) for number in np.flatnonzero(kept & some)]
+    pairs = [(number, contour) for some, contour in rule.contours(k) for number in np.flatnonzero(lasting & some)]
     for number, contour in pairs:
         kappa = wavenumber_along(k[number], contour.nodes)
         for side in (1, -1):  # both signs of k_t, half the weight each

@@ -223,13 +223,13 @@ def _port_fields(own_apertures: OwnApertures, cascade: StatorCascade, *, finenes
     outside, changes = beams.from_forces()
     responses = _responses(own_apertures, beams, changes)
     network = replace(cascade.network, scatterers=tuple(each.scatterer for each in responses))
-    fields = _port_solution(network, responses, beams.travel(), outside, beams.kept)
+    fields = _port_solution(network, responses, beams.travel(), outside, beams.coupling_modes)
     return replace(cascade, network=network).solved(fields)
 
 
 def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.ndarray]) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
-    network, kept = beams.network, beams.kept
+    network, coupling_modes = beams.network, beams.coupling_modes
     responses, couplings, by_kind = [], {}, {}
     for index, (plain, transducer, own_lengths) in enumerate(
         zip(network.scatterers, beams.transducers, beams.lengths, strict=True)
@@ -240,7 +240,7 @@ def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.nd
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
             by_kind[key] = aperture_response(
-                plain, transducer.signs, kept, own_lengths, couplings[kind], changes[index]
+                plain, transducer.signs, coupling_modes, own_lengths, couplings[kind], changes[index]
             )
         responses.append(by_kind[key])
     return responses
@@ -251,7 +251,7 @@ def _port_solution(
     responses: list[ApertureResponse],
     travel: np.ndarray,
     outside: np.ndarray | None,
-    kept: np.ndarray,
+    coupling_modes: np.ndarray,
 ) -> PortSolution:
     """Solve the cascade for the waves between the transducers, and return the fields for a unit at each port."""
     ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
@@ -281,7 +281,7 @@ def _port_solution(
         segments=network.segment_waves(sides, incoming),
         reactions=np.concatenate(charges),
         coupling=solved.coupling,
-        waves=np.concatenate([np.tile(kept, 2 * len(each.lengths)) for each in responses]),
+        waves=np.concatenate([np.tile(coupling_modes, 2 * len(each.lengths)) for each in responses]),
         sheets=tuple(sheets),
         own_apertures=True,
     )
@@ -297,7 +297,7 @@ class _Beams:
     network: Network
     transducers: tuple[Transducer, ...]
     lengths: list[np.ndarray]  # of the sheets of each transducer, m
-    kept: np.ndarray  # numbers of the modes that couple transducers
+    coupling_modes: np.ndarray  # numbers of the modes that couple transducers
     mirror_width: float | None
 
     @classmethod
@@ -308,8 +308,8 @@ class _Beams:
         # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next.
         between = np.diff(network.segments[1:-1], axis=1).ravel()
         gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
-        kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
-        decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
+        coupling_modes = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
+        decay = -network.modes.wavenumbers[coupling_modes].imag * float(min(gaps, default=0.0))
         needed = int(np.count_nonzero(decay < NEEDED_DECAY))
         lengths = []
         for each in transducers:
@@ -318,13 +318,19 @@ class _Beams:
             most = MAX_UNKNOWNS if len(transducers) == 1 else min(MAX_UNKNOWNS, most_sheets * fingers)
             lengths.append(sheet_lengths(each, fineness, most))
         most_modes = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
-        kept = np.sort(kept[np.argsort(decay, kind="stable")[:most_modes]])
-        return cls(network=network, transducers=transducers, lengths=lengths, kept=kept, mirror_width=mirror_width)
+        coupling_modes = np.sort(coupling_modes[np.argsort(decay, kind="stable")[:most_modes]])
+        return cls(
+            network=network,
+            transducers=transducers,
+            lengths=lengths,
+            coupling_modes=coupling_modes,
+            mirror_width=mirror_width,
+        )
 
     @cached_property
     def first(self) -> np.ndarray:
         """Number of the first wave of each transducer, and the number of all waves."""
-        return np.cumsum([0, *(2 * len(self.kept) * len(each) for each in self.lengths)])
+        return np.cumsum([0, *(2 * len(self.coupling_modes) * len(each) for each in self.lengths)])
 
     @cached_property
     def overlaps(self) -> list[np.ndarray]:
@@ -338,13 +344,13 @@ class _Beams:
         another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l): equation (2), divided by
         L_c because B is a mean over the receiving sheet.
         """
-        modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.kept)
+        modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.coupling_modes)
         lines, lengths, numbers = self.network.lines, self.lengths, np.arange(m)
         out = np.zeros((self.first[-1], self.first[-1]), dtype=complex)
         for one, other in combinations(range(len(lines)), 2):
             gap = lines[other][0] - lines[one][1]
             to_other = aperture_coupling(
-                modes.wavenumbers[self.kept] / unit,
+                modes.wavenumbers[self.coupling_modes] / unit,
                 lengths[one],
                 lengths[other],
                 (sum(lines[other]) - sum(lines[one])) / 2 * unit,
@@ -353,8 +359,8 @@ class _Beams:
             )
             to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
             for sender, receiver, mean_beams, phase in (
-                (one, other, to_other, modes.wavenumbers[self.kept] * gap),
-                (other, one, to_one, -modes.backwards[self.kept] * gap),
+                (one, other, to_other, modes.wavenumbers[self.coupling_modes] * gap),
+                (other, one, to_one, -modes.backwards[self.coupling_modes] * gap),
             ):
                 amplitudes = np.tensordot(np.linalg.inv(self.overlaps[receiver]), mean_beams, axes=1)
                 block = out[self._waves(receiver), self._waves(sender)]
@@ -373,7 +379,7 @@ class _Beams:
         The changes A of the module docstring are (sheets, fingers, 2 modes, forces) for each transducer: on each finger
         the mean over a sheet is B of equation (1) at the distance of the finger instead of that of the centre.
         """
-        network, m, forces = self.network, len(self.kept), list(self.network.forces)
+        network, m, forces = self.network, len(self.coupling_modes), list(self.network.forces)
         out = np.zeros((self.first[-1], len(network.ports)), dtype=complex)
         changes = [
             np.zeros((len(own), np.count_nonzero(charged(each.signs)), 2, m, len(forces)), dtype=complex)
@@ -397,7 +403,7 @@ class _Beams:
         to_centre = abs(gap) + network.scatterers[index].piece.width / 2
         mean_beams = [
             aperture_coupling(
-                k[self.kept] / unit,
+                k[self.coupling_modes] / unit,
                 port.width * unit,
                 self.lengths[index],
                 distance * unit,
@@ -408,7 +414,7 @@ class _Beams:
             for distance in (to_centre, *abs(finger_x - port.position))
         ]
         amplitudes = np.linalg.solve(self.overlaps[index], np.array(mean_beams))
-        return amplitudes * (sent * np.exp(-1j * k * abs(gap)))[self.kept]
+        return amplitudes * (sent * np.exp(-1j * k * abs(gap)))[self.coupling_modes]
 
     def _waves(self, index: int) -> slice:
         """Numbers of a transducer's waves."""

@@ -95,16 +95,16 @@ def repeated(
 def with_ports(piece: FingerColumns, ports: list[int]) -> FingerColumns:
     """Return the piece with the potentials of the numbers ``ports`` alone; the other potentials are zero."""
     numbers = np.array(ports, dtype=int)
-    kept = np.append(np.arange(piece.at.ports.start), piece.at.ports.start + numbers)
+    remaining = np.append(np.arange(piece.at.ports.start), piece.at.ports.start + numbers)
 
     def own(sides: np.ndarray) -> np.ndarray:
         out = np.zeros((len(piece.matrix), *sides.shape[1:]), dtype=sides.dtype)
-        out[kept] = sides
+        out[remaining] = sides
         return out
 
     return FingerColumns(
         size=piece.size,
-        matrix=piece.matrix[np.ix_(kept, kept)],
+        matrix=piece.matrix[np.ix_(remaining, remaining)],
         width=piece.width,
         ports=tuple(piece.ports[number] for number in ports),
         inside=Restated(piece=piece, sides=own),

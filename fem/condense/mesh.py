@@ -74,7 +74,9 @@ class Assembly:
         if self.layer is not None:
             unknowns += [self.numbers[numbers] for numbers in self.layer.numbers]
             centers = np.concatenate([centers, self.layer.centers])
-        return Dissection(unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection))
+        return Dissection(
+            unknowns=unknowns, centers=centers, first_kept=int(self.numbers.max()) + 1 - len(self.projection)
+        )
 
     @property
     def unknowns(self) -> int:

@@ -99,7 +99,7 @@ def fields(solid: Solid) -> tuple[str, ...]:
     between = np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y are coupled to each other
     transverse, electric = transverse or (electric and between), electric or (transverse and between)
     present = {"ux": True, "uy": transverse, "uz": True, "phi": electric}
-    return tuple(field for field, kept in present.items() if kept)
+    return tuple(field for field, coupled in present.items() if coupled)
 
 
 def isotropic_about_normal(solid: Solid) -> bool:

@@ -125,19 +125,19 @@ class _Segment:
     start: float
     stop: float
     travel: float  # distance that the modes travel from end to end, length units; 0 if the segment is semi-infinite
-    kept: np.ndarray  # indices of the modes that couple the ends
+    coupling_modes: np.ndarray  # indices of the modes that couple the ends
     first: int  # number in the cascade of their first wave: waves to the right, then waves to the left
     forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
 
     @property
     def right(self) -> np.ndarray:
         """Numbers in the cascade of the waves to the right."""
-        return self.first + np.arange(len(self.kept))
+        return self.first + np.arange(len(self.coupling_modes))
 
     @property
     def left(self) -> np.ndarray:
         """Numbers in the cascade of the waves to the left."""
-        return self.right + len(self.kept)
+        return self.right + len(self.coupling_modes)
 
     def passed(self, towards: str, distance: float) -> np.ndarray:
         """Propagation factors of all modes over a distance in their direction."""
@@ -151,7 +151,7 @@ class _Segment:
 
     def arriving(self, towards: str) -> np.ndarray:
         """Propagation factors of the coupling modes over the distance `half`."""
-        return self.passed(towards, self.half)[self.kept]
+        return self.passed(towards, self.half)[self.coupling_modes]
 
     def sent(self, towards: str, lines: np.ndarray, *, by_end: bool = False) -> np.ndarray:
         """Amplitudes of the coupling modes in fields (n, m) that leave a piece or an end.
@@ -163,14 +163,15 @@ class _Segment:
         with the modes are a symmetric matrix by reciprocity.  The fluxes of fast decaying modes, with which plain ends
         are solved, err by up to 1e-9 on the finest level; the mean with the transpose keeps reciprocity to rounding.
         """
-        modes, kept = self.modes, self.kept
+        modes, coupling_modes = self.modes, self.coupling_modes
         shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
-        tests = opposite[:, kept].T @ modes.impedance_sum
+        tests = opposite[:, coupling_modes].T @ modes.impedance_sum
         products = tests @ lines
         if by_end:
             products = 0.5 * (products + products.T)
         return np.linalg.solve(
-            tests @ shapes[:, kept], self.passed(towards, self.travel - self.half)[kept, None] * products
+            tests @ shapes[:, coupling_modes],
+            self.passed(towards, self.travel - self.half)[coupling_modes, None] * products,
         )
 
 
@@ -191,10 +192,10 @@ def _scattered(
 ) -> _Scattered:
     """Response of a scatterer between two segments; ``ports``: those of the network that determine its potentials."""
     modes, at = scatterer.modes, Blocks(scatterer.modes.section.size)
-    m, count = len(before.kept), len(before.kept) + len(after.kept)
+    m, count = len(before.coupling_modes), len(before.coupling_modes) + len(after.coupling_modes)
     incoming = np.zeros((2 * at.size, count + len(ports)), dtype=complex)
-    incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
-    incoming[at.right, m:count] = modes.left[:, after.kept] * after.arriving("left")
+    incoming[at.left, :m] = modes.right[:, before.coupling_modes] * before.arriving("right")
+    incoming[at.right, m:count] = modes.left[:, after.coupling_modes] * after.arriving("left")
     potentials = np.zeros((len(scatterer.potentials), count + len(ports)))
     potentials[:, count:] = scatterer.potentials
     lines = scatterer.sides(incoming, potentials)
@@ -277,12 +278,13 @@ class Network:
             forces = self.forces_on(index)
             # A force excites modes anew: they reach the nearest edge after a distance shorter than the segment.
             length = min([stop - start, *(abs(positions[each] - edge) for each in forces for edge in (start, stop))])
-            kept, travel = self.survivors(length), stop - start
+            coupling_modes, travel = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             # No wave returns from an absorbing end: a piece beside it receives only the waves from outside and those of
             # forces between the two.
             if any(semi_infinite):
-                kept = np.append(waves, np.setdiff1d(kept, waves)) if forces and not all(semi_infinite) else waves
+                forced = forces and not all(semi_infinite)
+                coupling_modes = np.append(waves, np.setdiff1d(coupling_modes, waves)) if forced else waves
                 travel = 0.0
             before = segments[-1] if segments else None
             segments.append(
@@ -291,8 +293,8 @@ class Network:
                     start=start,
                     stop=stop,
                     travel=travel,
-                    kept=kept,
-                    first=before.first + 2 * len(before.kept) if before else 0,
+                    coupling_modes=coupling_modes,
+                    first=before.first + 2 * len(before.coupling_modes) if before else 0,
                     forces=forces,
                 )
             )
@@ -311,7 +313,7 @@ class Network:
         ports = len(self.ports)
         segments, excitations = self._coupled_segments(waves), ports + 2 * len(waves)
         # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
-        reflected = [self._reflection(side, segments[-side].kept) for side in (0, 1)]
+        reflected = [self._reflection(side, segments[-side].coupling_modes) for side in (0, 1)]
         elements = [self._end(side, segments[-side], reflected[side], excitations) for side in (0, 1)]
         responses = [
             _scattered(scatterer, own_ports, before, after, excitations)
@@ -344,7 +346,7 @@ class Network:
             segments=amplitudes,
             reactions=reactions,
             coupling=solved.coupling,
-            waves=np.concatenate([np.tile(each.kept, 2) for each in segments]),
+            waves=np.concatenate([np.tile(each.coupling_modes, 2) for each in segments]),
         )
 
     def _solve_whole(self, waves: np.ndarray) -> "PortSolution":
@@ -375,12 +377,12 @@ class Network:
         """The left (0) or the right (1) end as an element of the cascade."""
         towards, away = ("left", "right") if side == 0 else ("right", "left")
         shapes = self.modes.right if side == 0 else self.modes.left
-        scattering = np.zeros((len(segment.kept),) * 2, dtype=complex)
+        scattering = np.zeros((len(segment.coupling_modes),) * 2, dtype=complex)
         if reflected.any():
             scattering = segment.sent(away, shapes @ reflected, by_end=True) * segment.arriving(towards)
         return Element(
             scattering=scattering,
-            excitation=np.zeros((len(segment.kept), excitations)),
+            excitation=np.zeros((len(segment.coupling_modes), excitations)),
             leaves=segment.right if side == 0 else segment.left,
             arrives=segment.left if side == 0 else segment.right,
         )
@@ -392,15 +394,15 @@ class Network:
         """
         if not (self.forces or len(waves)):
             return None
-        outside = np.zeros((segments[-1].first + 2 * len(segments[-1].kept), excitations), dtype=complex)
+        outside = np.zeros((segments[-1].first + 2 * len(segments[-1].coupling_modes), excitations), dtype=complex)
         for segment in segments:
             for number in segment.forces:
                 force, position = self.forces[number], self.ports[number].position
                 rightwards = segment.passed("right", segment.stop - position) * force.right
                 leftwards = segment.passed("left", position - segment.start) * force.left
-                outside[segment.right, number] = rightwards[segment.kept]
-                outside[segment.left, number] = leftwards[segment.kept]
-        # `kept` of a semi-infinite segment begins with ``waves``, so that entry `number` is wave `number`
+                outside[segment.right, number] = rightwards[segment.coupling_modes]
+                outside[segment.left, number] = leftwards[segment.coupling_modes]
+        # `coupling_modes` of a semi-infinite segment begins with ``waves``, so that entry `number` is wave `number`
         for number, column in enumerate(range(len(self.ports), len(self.ports) + len(waves))):
             outside[segments[0].right[number], column] = 1.0
             outside[segments[-1].left[number], column + len(waves)] = 1.0
