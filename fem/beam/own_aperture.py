@@ -259,7 +259,7 @@ def aperture_response(
 ) -> ApertureResponse:
     """Response of a transducer with fingers of finite length, from that of the section: equation (5).
 
-    ``coupling_modes``: those by which the transducers are coupled; ``of_forces``: changes A of the amplitudes from finger
+    ``coupling_modes``: those that couple the transducers; ``of_forces``: changes A of the amplitudes from finger
     to finger (`reception`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
     """
     scatterer, moments = _by_fingers(plain, signs)
