@@ -97,7 +97,7 @@ def lateral_rule(
     narrow : tuple of float, optional
         The same as ``fade`` for the rule that ends at smaller k_y.
     cusp : bool
-        Whether the integrand depends on |k_y|.  The rule is then uniform in s, t = s^3 / (s^2 + D^2), where the cusp
+        True if the integrand depends on |k_y|.  The rule is then uniform in s, t = s^3 / (s^2 + D^2), where the cusp
         becomes |s|^5 and leaves an error of h^6 instead of h^2.
 
     Returns

@@ -53,7 +53,7 @@ from fem.waveguide.modes import GuidedModes
 
 LOCAL = 12.0  # a mode that decays by more than exp(-LOCAL) in a wavelength is a local field, not a part of the beam
 NEGLIGIBLE = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
-# What a source is: its unknown at the surface, and the field of a section that this is
+# A load is a charge, or a force along x or z; it acts on the surface's unknown of one field of the section.
 Load = Literal["charge", "x", "z"]
 LOADED = {"charge": "phi", "x": "ux", "z": "uz"}
 # With the symmetry y -> -y the waves at -k_y follow from those at k_y: signs of k_y and factors of u_x, u_y and u_z.

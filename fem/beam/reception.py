@@ -106,7 +106,7 @@ def aperture_coupling(
     offset : float
         Distance along y from the centre of one aperture to that of the other, m.
     tangential : bool
-        Whether the sender is a force along x, of which the part kappa_p / k_p acts along the wave vector.
+        True if the sender is a force along x, of which the part kappa_p / k_p acts along the wave vector.
 
     Returns
     -------

@@ -85,7 +85,7 @@ class SurfaceReactions(NamedTuple):
     """Electric reactions at the surface nodes of a piece; a node that two columns share occurs twice."""
 
     position: np.ndarray  # (nodes,): from the left edge, length units
-    on_metal: np.ndarray  # (nodes,): whether the column has an electrode
+    on_metal: np.ndarray  # (nodes,): True if the column has an electrode
     rows: np.ndarray  # (nodes, 2 n + ports): scaled, as functions of the sides
 
 

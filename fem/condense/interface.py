@@ -92,9 +92,9 @@ def _multipliers(free: np.ndarray, position: np.ndarray) -> np.ndarray:
 
     ``position``: of each edge's functions among those of the interface: both vertices, then rising order.
     """
-    serves = free.copy()
+    is_multiplier = free.copy()
     for own in position:
         fixed_vertices = own[:2][~free[own[:2]]]
-        serves[fixed_vertices] = True
-        serves[own[len(own) - len(fixed_vertices) :]] = False
-    return serves
+        is_multiplier[fixed_vertices] = True
+        is_multiplier[own[len(own) - len(fixed_vertices) :]] = False
+    return is_multiplier

@@ -157,7 +157,7 @@ def exchanged(piece: FingerColumns) -> FingerColumns:
 def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColumns:
     """Return the mirror image x -> -x, a symmetry of the solid; a single column is its own mirror image.
 
-    ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: whether all potentials do.
+    ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: True if all potentials do.
     """
     inside, at = piece.inside, piece.at
     if isinstance(inside, Column):

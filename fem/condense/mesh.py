@@ -39,7 +39,7 @@ class Assembly:
     numbers: np.ndarray = field(repr=False)
     # shape (interface functions + ports, lines + ports): P, from the unknowns of the lines to those that are kept
     projection: np.ndarray = field(repr=False)
-    grounded: bool  # whether a group or an electrode holds its potential
+    grounded: bool  # True if a group or an electrode holds its potential
     layer: LayerColumns | None = field(default=None, repr=False)  # absorbing layer below the mesh
 
     @property
@@ -152,7 +152,7 @@ class MeshedPiece:
     width: float  # length units
     ports: tuple[Port, ...]
     floating_potential: bool
-    grounded: bool  # whether a group or an electrode holds its potential
+    grounded: bool  # True if a group or an electrode holds its potential
     unknowns: int  # of the mesh
     factor: Factor = field(repr=False)
     insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim

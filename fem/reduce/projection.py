@@ -92,7 +92,7 @@ class NodeSolutions:
 
 
 class _Node(NamedTuple):
-    """What is condensed and solved at one node; None where a stator has no such ends or is not solved there."""
+    """Superelements at one node, and a solution if the whole stator is solved there; no walls for absorbing ends."""
 
     matrices: dict  # by finger shape: half cells as in `NodeSolutions`
     walls: np.ndarray | None
