@@ -56,7 +56,7 @@ class Predictor(ChangedContacts):
         predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1)
         resolved, stator = predictor.resolved({})
         if stator is not None:
-            positions = predictor.own_and_shared_positions(resolved)[0]
+            positions = resolved.positions
             predictor._solved[stator, positions, 0] = SolvedStator.of(record.surface_motion, positions)
         return predictor
 

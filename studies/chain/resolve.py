@@ -163,13 +163,13 @@ def _refuse_gaps(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if not scene.piece:
         return
-    reached = [(x, x) for x, _ in scene.slider.contact_positions]
-    if scene.slider.pillars is not None:
+    intervals = [(x, x) for x, _ in scene.slider.contact_positions]
+    if scene.on_pillars:
         from studies.chain.pillars import extent
 
-        reached = [extent(scene.slider)]
+        intervals = [extent(scene.slider)]
     for each in pieces(scene):
-        for (low, high), (left, right) in itertools.product(each.gaps, reached):
+        for (low, high), (left, right) in itertools.product(each.gaps, intervals):
             if left < high and right > low:
                 rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
                 got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")

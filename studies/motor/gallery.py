@@ -21,7 +21,7 @@ from studies.record.run_pictures import velocity
 from studies.scene import Scene
 from studies.stator import admittance
 from studies.study import Panel, StudyRecord
-from studies.view.contact_view import contact_moments
+from studies.view.contact_view import steady_history
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import run_field
 
@@ -44,7 +44,7 @@ class Gallery(StudyRecord):
     record: Record = field(repr=False)
     wave_field: "RunField" = field(repr=False)
     voltage: float  # voltage of ``contact`` and ``ledger``, V
-    contact: tuple = field(repr=False)  # of `contact_view.contact_moments`: waveforms and title
+    contact: tuple = field(repr=False)  # of `contact_view.steady_history`: waveforms and title
     bursts: tuple = field(repr=False)  # pairs (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
     ledger: "Ledger" = field(repr=False)  # of one cycle
@@ -89,7 +89,7 @@ def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True)
     panel = Panel(name="wave", title=loaded.title, data={"wavelength_m": wave_field.wavelength})
     return Gallery(
         name="gallery", panels=(panel,), findings=(), record=record, wave_field=wave_field, voltage=voltage,
-        contact=contact_moments(record, level=voltage), bursts=bursts, acceleration=acceleration,
+        contact=steady_history(record, level=voltage), bursts=bursts, acceleration=acceleration,
         ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
         others=tuple((each, each.run(loaded).panels[0]) for each in studies), films=films,
         seconds=time.perf_counter() - start_time,

@@ -17,7 +17,7 @@ import contact
 from studies.chain.pillar_points import PillarContact, moves
 from studies.record.plots import curve, family, finished
 from studies.record.quantities import quantity
-from studies.report.intermediate import load_axis, si
+from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
@@ -93,7 +93,7 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
     data = record.data
-    factor, label = load_axis(max(max(load) for load in data["load_N"].values()))
+    factor, label = key_axis("slider.load", max(max(load) for load in data["load_N"].values()))
     for name, load, colour in family(data["load_N"]):
         values = np.asarray(data["value"][name]) * data["factor"]
         curve(ax, np.asarray(load) * factor, values, ".-", colour, name)

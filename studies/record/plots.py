@@ -27,10 +27,8 @@ def refuse_without_toolkit(what: str, instead: str) -> None:
     from matplotlib import pyplot
 
     if pyplot.get_backend().lower() == "agg":
-        raise RunError(
-            f"{what} needs a toolkit that matplotlib can use: pip install PySide6 on a machine with a display; "
-            f"{instead}"
-        )
+        remedy = "pip install PySide6 on a machine with a display"
+        raise RunError(f"{what} needs a toolkit that matplotlib can use: {remedy}; {instead}")
 
 
 def show(*drawings: Callable) -> None:

@@ -121,13 +121,11 @@ def _power_axis(record: "Record", ax) -> None:
         return
     from matplotlib.ticker import MaxNLocator
 
-    upper = ax.secondary_xaxis(
-        "top",
-        functions=(
-            lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
-            lambda power: np.sqrt(np.maximum(power, 0.0) / available),
-        ),
+    functions = (
+        lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
+        lambda power: np.sqrt(np.maximum(power, 0.0) / available),
     )
+    upper = ax.secondary_xaxis("top", functions=functions)
     upper.xaxis.set_major_locator(MaxNLocator(6))
     upper.set_xlabel(quantity("available_power_W").axis)
 

@@ -100,12 +100,11 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
             facts.append(f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
         parts.append({"name": "contact", "facts": facts})
+    stator_seconds = operations / SPEED
     expected = {
-        "seconds": seconds + operations / SPEED,
-        "stator_seconds": operations / SPEED,
-        "seconds_within": TIME_WITHIN,
-    }
-    expected |= {"bytes": PROCESS + MEMORY_FACTOR * block_bytes, "bytes_within": MEMORY_WITHIN}
+        "seconds": seconds + stator_seconds, "stator_seconds": stator_seconds, "seconds_within": TIME_WITHIN,
+        "bytes": PROCESS + MEMORY_FACTOR * block_bytes, "bytes_within": MEMORY_WITHIN,
+    }  # fmt: skip
     return {
         "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
         "left_out": left_out(scene, **left_out_options), "expected": expected,
@@ -182,31 +181,26 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         for k in {*resolutions, 1}
     }
     finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in transducers)
-    facts = (
-        _stator_text(scene),
-        *(
-            [
-                f"{_counted(len(finest.meshes), 'meshed piece')}, {len(finest.distinct_meshes)} of them condensed: "
-                f"{finest.meshes[0].unknowns} unknowns in the first on the finest discretisation"
-            ]
-            if finest.meshes
-            else ()
-        ),
-        f"fingers: {fingers}, of {_counted(len(transducers), 'transducer')} of {_counted(finest.scatterers, 'kind')}",
-        *(
-            [f"{sections} sections, one for each group of parallel transducers; the sizes are those of the first"]
-            if scene.crossed
-            else ()
-        ),
+    facts = [_stator_text(scene)]
+    if finest.meshes:
+        facts.append(
+            f"{_counted(len(finest.meshes), 'meshed piece')}, {len(finest.distinct_meshes)} of them condensed: "
+            f"{finest.meshes[0].unknowns} unknowns in the first on the finest discretisation"
+        )
+    facts.append(
+        f"fingers: {fingers}, of {_counted(len(transducers), 'transducer')} of {_counted(finest.scatterers, 'kind')}"
+    )
+    if scene.crossed:
+        grouping = "one for each group of parallel transducers; the sizes are those of the first"
+        facts.append(f"{sections} sections, {grouping}")
+    facts += [
         "two discretisations, whose difference is the error; a third if it exceeds the tolerance",
         f"fields {', '.join(finest.section.solid.fields)}; finite elements under the fingers, in "
         f"{'complex' if finest.complex else 'real'} arithmetic, and guided modes between them",
-    )
+    ]
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
-    operations, block_bytes = (
-        sections * sum(_operations(sizes[k]) for k in resolutions),
-        sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
-    )
+    operations = sections * sum(_operations(sizes[k]) for k in resolutions)
+    block_bytes = sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:])
     reason = fem_model.section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
@@ -221,10 +215,8 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
             left_out_options["ringing"] = RingUp(error=0.0)
             how = "frequency response over a band; the number of frequencies, and so the time, is not known in advance"
             parts.append({"name": "ring-up", "facts": [how]})
-            operations, block_bytes = (
-                operations + BAND * _operations(sizes[1]),
-                block_bytes + 5 * sizes[1].block_bytes,
-            )
+            operations += BAND * _operations(sizes[1])
+            block_bytes += 5 * sizes[1].block_bytes
     return parts, left_out_options, operations, block_bytes
 
 

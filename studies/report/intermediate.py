@@ -47,18 +47,6 @@ def prefixed(size: float) -> tuple[int, str]:
     return (power, PREFIXES[power]) if power in PREFIXES else (0, "")
 
 
-def load_axis(largest: float) -> tuple[float, str]:
-    """Return the factor and the label of an axis of loads, with a prefix that suits the largest load (N).
-
-    Examples
-    --------
-    >>> load_axis(1.2), load_axis(3e-4)
-    ((1.0, 'load (N)'), (1000000.0, 'load (µN)'))
-    """
-    factor, unit = scaled_unit(largest, "N")
-    return factor, f"load ({unit})"
-
-
 def key_axis(key: str, largest: float) -> tuple[float, str]:
     """Return the factor and the label of an axis of a scene's number, with a prefix that suits its largest value (SI).
 
@@ -114,20 +102,14 @@ def _stator(record: Record):
     wave, electrical, wave_solution = record.wave, record.electrical, record.surface_wave
     motion, electrical_error = _error(wave["relative_error"]), electrical["admittance_relative_error"]
     comb_voltage, power_residual = electrical["comb_voltage_per_volt"], _error(electrical["power_residual"])
-    yield (
-        "discretisation",
-        f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns",
-        "that of the numbers below",
-    )
+    sizes = f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns"
+    yield "discretisation", sizes, "that of the numbers below"
     # eigenvalues and modes converge faster than the driven motion, whose error is therefore an upper bound
     yield "phase velocity of the surface mode", si(wave["phase_velocity_m_per_s"], "m/s", 9), motion
     yield "|u_x/u_z| of the surface mode", f"{wave['surface_ratio']:.6g}", motion
     yield "admittance", _complex(electrical["admittance_S"], "S"), _error(electrical_error)
-    yield (
-        "voltage between the combs, per volt",
-        _complex(comb_voltage, "V"),
-        _error(electrical_error * abs(1 - comb_voltage)),
-    )
+    error = _error(electrical_error * abs(1 - comb_voltage))
+    yield "voltage between the electrodes, per volt", _complex(comb_voltage, "V"), error
     for name, key in (
         ("delivered by the source", "power_W_per_V2"),
         ("lost in the solid and absorbed", "power_dissipated_W_per_V2"),

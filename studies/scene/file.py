@@ -31,7 +31,7 @@ class SceneFile:
 
     @classmethod
     def read(cls, source: str | Path) -> Self:
-        """Read a file, or a scene that ships, by its name; SceneError if it cannot be found, decoded or parsed."""
+        """Read a file or a shipped scene; SceneError if it does not exist or cannot be decoded or parsed."""
         path = scene_path(source)
         text = _text(path)
         try:
@@ -82,7 +82,7 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def scene_path(source: str | Path) -> Path:
-    """Return the file of a scene, given its path or the name of one that ships."""
+    """Return the file of a scene from its path or shipped name."""
     if not isinstance(source, (str, Path)):
         raise SceneError("", f"a scene is a Scene, a file or the name of one that ships, got {shown(source)}")
     shipped, path = shipped_scenes(), Path(source)

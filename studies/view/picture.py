@@ -26,7 +26,7 @@ from studies.refusal import needed
 from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
+from studies.view.section import SectionPart, Sheet, beam_sheet, magnification, mesh_sheets, sheets, strips
 from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, View, frames, right_edge
 
 BARE, EDGE = "#D9D9D9", "#606060"
@@ -108,7 +108,7 @@ class Picture:
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
         self._moving: list = []
-        self.pieces: list = []
+        self.parts: list = []
         if not self.spreads:
             self.shade = shade(self.run, name)
         for number, frame in enumerate(self.frames):
@@ -118,8 +118,8 @@ class Picture:
                 self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self.size[0] < MIN_PIXELS * waves)
                 self._add_sheet(sheet)
             else:
-                drawn = self._section_part(frame)
-                self.pieces.append(drawn)
+                drawn = self._part_of(frame)
+                self.parts.append(drawn)
                 meshed = mesh_sheets(self.run, drawn, self.shade, solid=self.solid)
                 for sheet in [*sheets(self.run, drawn, solid=self.solid), *meshed]:
                     self._add_sheet(sheet)
@@ -152,7 +152,7 @@ class Picture:
         for each in self._moving:
             each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * phase_factor).real)
             if each.amplitude is not None:
-                wave = (each.amplitude * phase_factor**self.shade.quantity.turns).real
+                wave = (each.amplitude * phase_factor**self.shade.quantity.harmonic).real
                 each.mesh["shade"][:] = each.mean + wave
 
     def image(self, phase: float) -> np.ndarray:
@@ -182,7 +182,7 @@ class Picture:
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
 
-    def _section_part(self, frame: Frame) -> Piece:
+    def _part_of(self, frame: Frame) -> SectionPart:
         """Return the part of the section that a view or the solid shows."""
         run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
         spacing = run.wavelength / LINES
@@ -198,7 +198,7 @@ class Picture:
             else:
                 margin = run.length
             span = max(start - margin, 0.0), min(stop + margin, run.length)
-        return piece(run, self.shade, span=span, bottom=bottom, spacing=spacing)
+        return SectionPart.of(run, self.shade, span=span, bottom=bottom, spacing=spacing)
 
     def _add_sheet(self, sheet: Sheet) -> None:
         """Add a sheet to the plotter."""

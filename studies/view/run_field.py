@@ -121,7 +121,7 @@ class RunField:
         return np.any(inside, axis=0) if inside else np.zeros(len(x), dtype=bool)
 
 
-def left_run(folder: str | Path) -> Record:
+def saved_run(folder: str | Path) -> Record:
     """Return the record of a run; raise an error if the directory contains none."""
     try:
         return Record.load(folder)
@@ -142,7 +142,7 @@ def run_field(run: str | Path | Record) -> RunField:
     SceneError
         If the directory contains no run, or the scene has no stator.
     """
-    record = run if isinstance(run, Record) else left_run(run)
+    record = run if isinstance(run, Record) else saved_run(run)
     if record.scene.stator is None:
         raise SceneError("", NO_STATOR)
     LOGGER.info("computing the field")
@@ -150,7 +150,7 @@ def run_field(run: str | Path | Record) -> RunField:
 
 
 def _driven(record: Record) -> RunField:
-    scene, motion = record.scene, motion_again(record)
+    scene, motion = record.scene, recomputed_motion(record)
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
@@ -176,7 +176,7 @@ def _driven(record: Record) -> RunField:
     )
 
 
-def motion_again(record: Record) -> SurfaceMotion:
+def recomputed_motion(record: Record) -> SurfaceMotion:
     """Return the section or the crossing beams of a run at the resolution in run.json.
 
     If run.json names no known resolution, the chain is run again without the slider.

@@ -31,7 +31,7 @@ def magnification(run: RunField) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Piece:
+class SectionPart:
     """Part of the section on a grid x (n,) and z (m,) in m: complex u_x and u_z (n, m, 2), and the drawn quantity.
 
     ``mean`` and ``amplitude``, (n, m), are those of the quantity that colours the picture (`Shade.parts`).
@@ -44,6 +44,37 @@ class Piece:
     amplitude: np.ndarray
     inside: np.ndarray  # shape (n, m): True for points in the solid
     meshed: tuple = ()  # `fem.PieceField` of every meshed piece in this part
+
+    @classmethod
+    def of(
+        cls, run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
+    ) -> "SectionPart":
+        """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
+        energies, facet = shading.quantity.harmonic == 2, FACET * spacing
+        if facet < run.wavelength / LINES:
+            field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
+        else:
+            field = run.with_energies if energies else run.field
+        lines = thinned(field.x, spacing, *span)
+        bottom = max(bottom, field.z[0])
+        nodes = np.append(bottom, field.z[field.z > bottom])
+        nodes = nodes[thinned(nodes, spacing, bottom, 0.0)]
+        parts = [
+            np.linspace(low, high, int(np.ceil((high - low) / facet)), endpoint=False) for low, high in pairwise(nodes)
+        ]
+        z = np.append(np.concatenate(parts), 0.0)
+        basis = field.depth_basis(z)
+        displacement, mean, amplitude = (
+            np.einsum("kj,xj...->xk...", basis, values[lines])
+            for values in (field.displacement[..., [0, 2]], *shading.parts(field))
+        )
+        inside = np.ones((len(lines), len(z)), dtype=bool)
+        if field.inside is not None:
+            inside = field.inside[np.ix_(lines, np.searchsorted(field.z, z).clip(0, len(field.z) - 1))]
+        return cls(
+            x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude, inside=inside,
+            meshed=field.pieces,
+        )  # fmt: skip
 
     def surface(self, at: np.ndarray) -> np.ndarray:
         """Return the displacement of the surface at points (x, y) in m, shape (k, 3)."""
@@ -67,36 +98,7 @@ class Sheet(NamedTuple):
     hidden: np.ndarray | None = None
 
 
-def piece(run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float) -> Piece:
-    """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
-    energies, facet = shading.quantity.turns == 2, FACET * spacing
-    if facet < run.wavelength / LINES:
-        field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
-    else:
-        field = run.with_energies if energies else run.field
-    lines = thinned(field.x, spacing, *span)
-    bottom = max(bottom, field.z[0])
-    nodes = np.append(bottom, field.z[field.z > bottom])
-    nodes = nodes[thinned(nodes, spacing, bottom, 0.0)]
-    parts = [
-        np.linspace(low, high, int(np.ceil((high - low) / facet)), endpoint=False) for low, high in pairwise(nodes)
-    ]
-    z = np.append(np.concatenate(parts), 0.0)
-    basis = field.depth_basis(z)
-    displacement, mean, amplitude = (
-        np.einsum("kj,xj...->xk...", basis, values[lines])
-        for values in (field.displacement[..., [0, 2]], *shading.parts(field))
-    )
-    inside = np.ones((len(lines), len(z)), dtype=bool)
-    if field.inside is not None:
-        inside = field.inside[np.ix_(lines, np.searchsorted(field.z, z).clip(0, len(field.z) - 1))]
-    return Piece(
-        x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude, inside=inside,
-        meshed=field.pieces,
-    )  # fmt: skip
-
-
-def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
+def sheets(run: RunField, drawn: SectionPart, *, solid: bool) -> list[Sheet]:
     """Return the section; for a solid also its surface and its right end, as wide as the aperture."""
     moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
     edges = np.array([-0.5, 0.5]) * run.aperture if solid else np.zeros(1)
@@ -113,7 +115,7 @@ def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     return listed
 
 
-def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> list[Sheet]:
+def mesh_sheets(run: RunField, drawn: SectionPart, shading: Shade, *, solid: bool) -> list[Sheet]:
     """Return one sheet for each meshed piece of the section, on the piece's own elements."""
     y, listed = -0.5 * run.aperture if solid else 0.0, []
     for number, each in enumerate(drawn.meshed):
@@ -124,7 +126,7 @@ def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> 
     return listed
 
 
-def _hidden(drawn: Piece, *, surface: bool) -> np.ndarray:
+def _hidden(drawn: SectionPart, *, surface: bool) -> np.ndarray:
     """Cells of the grid that are not drawn, because a mesh is drawn there or the mesh has no solid at the surface."""
     if surface:
         inside = drawn.inside[:, -1]

@@ -101,10 +101,10 @@ def _described(name: str, shading: Shade, scale: float) -> dict:
         "name": name,
         "title": shading.quantity.title,
         "label": shading.label,
-        "reach": shading.reach,
+        "scale_end": shading.scale_end,
         "scale": scale,
         "signed": shading.quantity.signed,
-        "turns": shading.quantity.turns,
+        "harmonic": shading.quantity.harmonic,
         "table": table.tolist(),
     }
 

@@ -18,7 +18,7 @@ from studies.record.quantities import quantities, quantity
 from studies.record.run_pictures import pictures
 from studies.scene import Scene
 from studies.view import gallery_pictures
-from studies.view.contact_view import SlowMotion, moments, strip
+from studies.view.contact_view import SlowMotion, history_columns, strip
 from studies.view.gallery_pictures import start_and_stop
 from tests.studies.legible import assert_legible
 
@@ -36,7 +36,7 @@ ORBIT = Orbit(frequency=2.2e6, normal=8e-9 * np.exp(0.7j), tangential=5.7e-9j * 
 @pytest.fixture(scope="module")
 def found():
     history = contact_history(SLIDER, ORBIT, stage="steady", skip=0, cycles=2, points_per_cycle=200)
-    return history, moments(history)
+    return history, history_columns(history)
 
 
 def labelled(figure):
