@@ -223,14 +223,12 @@ def _port_fields(own_apertures: OwnApertures, cascade: StatorCascade, *, finenes
     outside, changes = beams.from_forces()
     responses = _responses(own_apertures, beams, changes)
     network = replace(cascade.network, scatterers=tuple(each.scatterer for each in responses))
-    fields = _port_solution(network, responses, beams.travel(), outside, beams.coupling_modes)
-    return replace(cascade, network=network).solved(fields)
+    return replace(cascade, network=network).solved(_port_solution(network, beams, responses, outside))
 
 
 def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.ndarray]) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
-    network, coupling_modes = beams.network, beams.coupling_modes
-    responses, couplings, by_kind = [], {}, {}
+    network, responses, couplings, by_kind = beams.network, [], {}, {}
     for index, (plain, transducer, own_lengths) in enumerate(
         zip(network.scatterers, beams.transducers, beams.lengths, strict=True)
     ):
@@ -240,21 +238,17 @@ def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.nd
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
             by_kind[key] = aperture_response(
-                plain, transducer.signs, coupling_modes, own_lengths, couplings[kind], changes[index]
+                plain, transducer.signs, beams.coupling_modes, own_lengths, couplings[kind], changes[index]
             )
         responses.append(by_kind[key])
     return responses
 
 
 def _port_solution(
-    network: Network,
-    responses: list[ApertureResponse],
-    travel: np.ndarray,
-    outside: np.ndarray | None,
-    coupling_modes: np.ndarray,
+    network: Network, beams: "_Beams", responses: list[ApertureResponse], outside: np.ndarray | None
 ) -> PortSolution:
     """Solve the cascade for the waves between the transducers, and return the fields for a unit at each port."""
-    ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
+    ports = len(network.ports)
     # of each transducer: which ports and forces its last columns belong to
     own_ports = [np.eye(ports)[[*numbers, *network.forces]] for numbers in network.numbers]
     elements = [
@@ -264,9 +258,9 @@ def _port_solution(
             leaves=np.arange(start, stop),
             arrives=np.arange(start, stop),
         )
-        for each, selection, start, stop in zip(responses, own_ports, first, first[1:], strict=False)
+        for each, selection, start, stop in zip(responses, own_ports, beams.first, beams.first[1:], strict=False)
     ]
-    solved = solve_cascade(elements, travel, outside)
+    solved = solve_cascade(elements, beams.travel(), outside)
     sides, incoming, charges, sheets = [], [], [], []
     for each, selection, element in zip(responses, own_ports, elements, strict=True):
         weights = np.concatenate([solved.arriving[element.arrives], selection])
@@ -281,7 +275,7 @@ def _port_solution(
         segments=network.segment_waves(sides, incoming),
         reactions=np.concatenate(charges),
         coupling=solved.coupling,
-        waves=np.concatenate([np.tile(coupling_modes, 2 * len(each.lengths)) for each in responses]),
+        waves=np.concatenate([np.tile(beams.coupling_modes, 2 * len(each.lengths)) for each in responses]),
         sheets=tuple(sheets),
         own_apertures=True,
     )
