@@ -51,6 +51,10 @@ class ConvergenceError(RuntimeError):
         self.reached = reached
 
 
+class ActivePortError(ConvergenceError):
+    """Raised if the computed admittances of passive transducers give out power: the discretisation is too coarse."""
+
+
 def refuse_unless_positive(key: str, value: float, unit: str = "") -> None:
     """Raise an InputError for a value that is not positive and finite."""
     if not 0 < value < float("inf"):

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ActivePortError, ConvergenceError, InputError
 from fem.geometry import Stator
 
 # From coarse to fine, measured on Feenstra and Breedveld's stator: both errors, admittance and motion, fall together.
@@ -90,7 +90,7 @@ def refine(
     Parameters
     ----------
     at_level : callable
-        Returns the answer at a level, or raises a ConvergenceError.
+        Returns the answer at a level, or raises a ConvergenceError; after an ActivePortError the next level is tried.
     levels : sequence
         Levels from coarse to fine.
     start : int
@@ -142,6 +142,10 @@ def refine(
         try:
             answer = at_level(levels[level])
         except ConvergenceError as error:
+            if isinstance(error, ActivePortError) and coarse is None:  # the level's error exceeds the conductance
+                if level + 2 < len(levels):
+                    continue
+                raise
             if best is not None:
                 return replace(best, obstacle=str(error))
             if start == 0:

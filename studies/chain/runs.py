@@ -198,8 +198,8 @@ def needed_section_tolerance(
     if not parts or max(parts) <= ringing:
         return None
     beam = beam_share * (max(parts) - ringing)
-    room = 0.5 * (tolerance - beam) - ringing
-    if room <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
+    allowed = 0.5 * (tolerance - beam) - ringing
+    if allowed <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
         return None
-    goal = reached * room / (max(parts) - ringing - beam)
+    goal = reached * allowed / (max(parts) - ringing - beam)
     return goal if goal < reached else None

@@ -52,7 +52,7 @@ class MeasurementPredictor(Predictor):
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3):
         if scene.wave is None and not scene.transducer:
-            scene.refuse("transducer", "is missing: nothing drives the slider")
+            scene.refuse("transducer", "is missing: a driven stator or a [wave] is needed")
         super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1)
         self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
         self._stage, self._total, self._done, self._last_report = "", 0, 0, 0.0
@@ -191,7 +191,7 @@ class MeasurementPredictor(Predictor):
         """
         duration = driven.scene.burst
         if duration is None:
-            key = f"{driven.scene.source_key}.burst"
+            key = f"{driven.scene.source.block}.burst"
             raise SceneError(f"measurements {measurement.name}", f'holds a burst: add its duration, {key}="0.1 s"')
         driven = self.bursting(driven, self.motion_of(driven))
         if driven.along is not None:

@@ -179,7 +179,7 @@ class Fit:
             narrowed = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
             yield "informs", f"{name}: {', '.join(narrowed) or 'none of the numbers'}"
         if self.candidates is None:
-            yield "measure next", "not computed: it would double the time of the fit (--next asks for it)"
+            yield "measure next", "not computed; --next does it, in about the time of the fit"
         for candidate in (self.candidates or ())[:SHOWN_CANDIDATES]:
             gain = f"{candidate.key} from {100 * candidate.before:.3g} % to {100 * candidate.after:.3g} %"
             yield "measure next", f"{candidate.name}: {gain}"

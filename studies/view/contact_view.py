@@ -25,7 +25,7 @@ from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.record.quantities import Quantity, quantity
 from studies.refusal import SceneError
-from studies.report.page import rendered
+from studies.report.page import picture_page
 from studies.view import movie
 from studies.view.run_field import recomputed_motion
 
@@ -72,8 +72,8 @@ def contact_writers(record: Record, wanted) -> dict[str, Callable]:
             for kind, write in (("gif", film), ("png", still)):
                 picture = Path(folder) / f"contact.{kind}"
                 write(picture)
-                pictures.append({"data": data_uri(picture.read_bytes(), kind), "caption": title})
-        Path(file).write_text(rendered("pictures.html", title=title, pictures=pictures), encoding="utf-8")
+                pictures.append((data_uri(picture.read_bytes(), kind), title))
+        Path(file).write_text(picture_page(title, pictures), encoding="utf-8")
 
     return {
         "screenshot": still,

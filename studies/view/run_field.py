@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger(__name__)
 
-
 LINES = 16  # nodes per wavelength in the uniform parts of a driven stator
 FREE_WAVELENGTHS = 10  # largest shown length of a free wave, in wavelengths
 NO_STATOR = "there is no wave field: the scene of this run gives the surface motion itself and has no stator"
@@ -41,7 +40,7 @@ class RunField:
     length: float  # largest length that can be shown, m
     record: Record = field(repr=False)
     wavelength: float  # of the surface wave, m
-    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the combs, "o" for open strips
+    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the two electrodes, "o" for open strips
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]  # first and last x of each transducer, m
     wave: "SurfaceWave | None" = field(default=None, repr=False)  # None for a free wave

@@ -98,8 +98,11 @@ class Sheet(NamedTuple):
     hidden: np.ndarray | None = None
 
 
-def sheets(run: RunField, drawn: SectionPart, *, solid: bool) -> list[Sheet]:
-    """Return the section; for a solid also its surface and its right end, as wide as the aperture."""
+def sheets(run: RunField, drawn: SectionPart, shading: Shade, *, solid: bool) -> list[Sheet]:
+    """Return the section; for a solid also its surface and its right end, as wide as the aperture.
+
+    A sheet for each meshed piece follows, on the piece's own elements.
+    """
     moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
     edges = np.array([-0.5, 0.5]) * run.aperture if solid else np.zeros(1)
     whole, last = slice(None), slice(-1, None)
@@ -112,14 +115,8 @@ def sheets(run: RunField, drawn: SectionPart, *, solid: bool) -> list[Sheet]:
         values = (each[along, down, None] for each in (moved, drawn.mean, drawn.amplitude))
         sheet = Sheet(name, np.stack(points, axis=-1)[..., [0, 2, 1]], *values)
         listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, surface=name == "surface")))
-    return listed
-
-
-def mesh_sheets(run: RunField, drawn: SectionPart, shading: Shade, *, solid: bool) -> list[Sheet]:
-    """Return one sheet for each meshed piece of the section, on the piece's own elements."""
-    y, listed = -0.5 * run.aperture if solid else 0.0, []
     for number, each in enumerate(drawn.meshed):
-        rest = np.insert(each.points, 1, y, axis=1)[:, None, None]
+        rest = np.insert(each.points, 1, edges[0], axis=1)[:, None, None]
         moved = np.insert(each.displacement[:, [0, 2]], 1, 0.0, axis=-1)[:, None, None]
         mean, amplitude = (part[:, None, None] for part in shading.parts(each))
         listed.append(Sheet(f"piece {number}", rest, moved, mean, amplitude, quads=each.quads))

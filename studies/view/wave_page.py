@@ -37,8 +37,7 @@ def page(run: RunField, *, quantity: str, phase: float, factor: float | None, sp
     inside = np.ones(displacement.shape[:2]) if field.inside is None else field.inside[selection]
     parts["inside"] = inside.astype("u1")
     largest = float(abs(displacement).max()) or 1.0
-    parts["moved"] = _short(np.stack([displacement[..., k].real if part == 0 else displacement[..., k].imag
-                                      for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip
+    parts["moved"] = _short(np.ascontiguousarray(displacement).view(float), largest)  # u_x and u_z, real and imaginary
     quantities = []
     for name in present(run):
         shading = shade(run, name)

@@ -466,7 +466,7 @@ def test_the_bar_of_a_small_solid_stands_below_the_legend(plane):
 def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane, solid):
     """The sheet has the section's displacement; a little above it are fingers of both colours, and on it the ball."""
     drawn, pictures = solid
-    _, surface, _ = sheets(plane, drawn.parts[0], solid=True)
+    _, surface, _ = sheets(plane, drawn.parts[0], drawn.shade, solid=True)
     assert surface.rest[..., 1].min() == pytest.approx(-10e-3)
     x, displacement = plane.field.x, plane.field.displacement[:, -1]
     expected = np.interp(surface.rest[:, 0, 0, 0], x, displacement[:, 2])
