@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
@@ -50,7 +50,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         surface = surface_named(surface)
     except fem.InputError as error:
         raise SceneError(error.key, error.rule) from None
-    with answered():
+    with as_run_errors():
         wave = fem.rayleigh(solid, surface)
         coupled = "phi" in wave.fields
         coupling = {"coupling_K2": fem.coupling(solid)} if coupled else {}
