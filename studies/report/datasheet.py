@@ -36,12 +36,12 @@ LOGGER = logging.getLogger(__name__)
 LOADS = 13  # number of loads of a load line
 LINES = (0.5, 0.75, 1.0)  # fractions of the rated level; the nearest levels of the scene get a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # smallest displacements of the steps, m
-AT_ONCE = "wave at full size from the first cycle"
+FULL_WAVE = "wave at full size from the first cycle"
 SETTLED = 0.9  # fraction of the steady velocity that ends the start
-LONG = 8.0  # burst duration over the time in which the full friction force would reach the steady velocity
+BURST_RATIO = 8.0  # burst duration over the time in which the full friction force would reach the steady velocity
 CONTACT_TOLERANCE = 1e-4
 # relative error of the frequency of the strongest wave, computed on a coarse mesh (fem/solve/passband.py)
-CENTRE = 5e-4
+FREQUENCY_ERROR = 5e-4
 
 GROUPS = {
     "speed": "Speed",
@@ -193,7 +193,7 @@ def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dic
     line = lines[driven.scene.named(rated)]
     LOGGER.info("start and stop")
     free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
-    start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding_force / slider.mass))
+    start_stop = pillar_burst(body, rated, free, BURST_RATIO * abs(free.velocity) / (holding_force / slider.mass))
     relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
     stall, held = (line.stall, relative_error), (line.held_up_to, relative_error)
     rows = (*_force_rows(stall, held, holding_force, slider.mass), *_start_and_stop_rows(start_stop, ""))
@@ -207,7 +207,7 @@ def _start_and_stop_motion(driven: DrivenContact, rated: float) -> Any:
     acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     acceleration_time = abs(steady) / acceleration
-    times = {"duration": LONG * acceleration_time, "after": 2.0 * acceleration_time}
+    times = {"duration": BURST_RATIO * acceleration_time, "after": 2.0 * acceleration_time}
     return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
 
 
@@ -268,7 +268,7 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> It
             f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm"
         )
         if bursts.sentence:
-            condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else AT_ONCE}"
+            condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else FULL_WAVE}"
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
     settles = f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle" if bursts.settling else ""
     yield from _start_and_stop_rows(start_stop, settles)
@@ -318,7 +318,7 @@ def _resonances(record: Record, driven: DrivenContact) -> Iterator[Row]:
         LOGGER.info("stator: search for the strongest wave")
         best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
-        yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", CENTRE, condition)
+        yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", FREQUENCY_ERROR, condition)
     for name, frequency, springs in (
         ("bounce of the slider", slider.normal_resonance(contacts), "normal"),
         ("tangential ring", slider.tangential_resonance(contacts), "tangential"),
