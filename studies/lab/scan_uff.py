@@ -1,7 +1,7 @@
 """Vibrometer scans as Universal File Format (UFF): dataset 58, ASCII or binary, real or complex.
 
-The abscissa is the position along x, or the frequency at one position, which is given in the fourth identification line
-as ``x = 0.08 m, y = 0 m``.
+The abscissa is the position along x, or the frequency at one position, which the fourth identification line contains as
+``x = 0.08 m, y = 0 m``.
 """
 
 import re
