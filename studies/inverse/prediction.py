@@ -20,7 +20,7 @@ from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
-from studies.chain.solved_stator import POSITION_KEYS, of_stator
+from studies.chain.solved_stator import POSITION_KEYS, changes_stator
 from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
     AMPLITUDE_FACTOR,
@@ -94,7 +94,7 @@ class MeasurementPredictor(Predictor):
 
     def needs_stator(self, key: str) -> bool:
         """Return whether a change of the key requires a new solution of the stator."""
-        return not self.prescribed_wave and (key in POSITION_KEYS or of_stator(key))
+        return not self.prescribed_wave and (key in POSITION_KEYS or changes_stator(key))
 
     def predict(self, questions: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers by key; NaN where there is no answer.
