@@ -62,7 +62,7 @@ def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[
 
 
 def _keys(predictor: MeasurementPredictor, names: Iterable[str]) -> list[str]:
-    """Return the keys that answers may depend on, without "level" for threshold and release, which are factors on it."""
+    """Return the keys that answers may depend on; without the level for threshold and release, its factors."""
     return [*numbers(predictor), *([] if set(names) <= set(LIMITS) else ["level"])]
 
 
