@@ -701,7 +701,7 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(motor, tmp_path, 
         before.append(list(tmp_path.iterdir()))
         said.append(text)
 
-    monkeypatch.setattr(field_data, "LARGE", 1e4)
+    monkeypatch.setattr(field_data, "ANNOUNCED_SIZE", 1e4)
     options = {"span": (0.0135, 0.0155), "instants": instants, "note": note}
     field_data.save(motor, tmp_path / name, **options)
     (sentence,) = said
@@ -713,7 +713,7 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(motor, tmp_path, 
     )
     assert field_data.expected_size(field, tmp_path / name, instants) == pytest.approx(size, rel=0.33)
     assert ("--surface writes the surface alone" in sentence) == name.endswith(".csv")
-    monkeypatch.setattr(field_data, "LARGE", 20e6)
+    monkeypatch.setattr(field_data, "ANNOUNCED_SIZE", 20e6)
     field_data.save(motor, tmp_path / name, **options)
     assert len(said) == 1
 
