@@ -129,13 +129,13 @@ class PortFields(StatorCascade, PortSolution):
         """Unknowns of the discretised problem that was condensed."""
         return sum(scatterer.piece.unknowns for scatterer in self.network.scatterers)
 
-    def amplification(self, swing: float) -> tuple[float, float]:
+    def amplification(self, phase_range: float) -> tuple[float, float]:
         """Resonant amplification of small errors at this frequency, and the largest near it.
 
         Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
         propagating modes).  The effect of a small phase error is therefore proportional to 1 / |1 - mu|, with mu the
         eigenvalue of M nearest to 1.  With frequency the phases of the mu change, in the range of interest by at most
-        ``swing`` (rad); their magnitudes hardly change.
+        ``phase_range`` (rad); their magnitudes hardly change.
         """
         # the phase of an evanescent mode does not change
         propagating = np.isin(self.waves, self.modes.propagating)
@@ -143,8 +143,8 @@ class PortFields(StatorCascade, PortSolution):
         if not len(factors):
             return 1.0, 1.0
         angles = abs(np.angle(factors))
-        turned = abs(factors) * np.exp(1j * np.maximum(angles - swing, 0.0))
-        return float(1 / abs(1 - factors).min()), float(1 / abs(1 - turned).min())
+        nearest = abs(factors) * np.exp(1j * np.maximum(angles - phase_range, 0.0))  # to 1, over that range
+        return float(1 / abs(1 - factors).min()), float(1 / abs(1 - nearest).min())
 
 
 def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:

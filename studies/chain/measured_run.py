@@ -19,7 +19,7 @@ from studies.scene import Scene
 LOGGER = logging.getLogger(__name__)
 
 
-def beside(record: Record, measured: Measurement) -> dict:
+def measured_block(record: Record, measured: Measurement) -> dict:
     """Return the block ``measured`` of a run: for velocities, a scan, or velocity or position over a burst's time.
 
     Raises

@@ -13,7 +13,7 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 
@@ -124,7 +124,7 @@ def solved_motion(
             return error.reached
 
     try:
-        with answered():
+        with as_run_errors():
             if scene.crossed:
                 return crossed_motion(scene, positions, solve)
             whole = fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene)

@@ -18,7 +18,7 @@ from matplotlib.patches import Circle, Patch
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.record.files import write_columns
@@ -104,7 +104,7 @@ def steady_history(record: Record, *, level: float | None):
     LOGGER.info("following the contact")
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(level)
-    with answered():
+    with as_run_errors():
         speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity
         history = contact.contact_history(
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS

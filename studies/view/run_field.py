@@ -13,7 +13,7 @@ import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
 from studies.chain import fem_model
 from studies.chain import run as run_chain
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
@@ -206,7 +206,7 @@ def recomputed_motion(record: Record) -> SurfaceMotion:
 
 def _free(record: Record) -> RunField:
     scene, stator = record.scene, fem_model.whole_stator(record.scene)
-    with answered():
+    with as_run_errors():
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     wavelength = wave.velocity / wave.frequency
     return RunField(

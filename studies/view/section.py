@@ -19,7 +19,7 @@ from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
 AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn
-FACET = 4.0  # largest distance of drawn points over the smallest
+MAX_SPACING_RATIO = 4.0  # largest distance of drawn points over the smallest
 PER_WAVELENGTH = 12, 8  # lines on the surface under a beam: along x; along x and y where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 
@@ -50,7 +50,7 @@ class SectionPart:
         cls, run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
     ) -> "SectionPart":
         """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
-        energies, facet = shading.quantity.harmonic == 2, FACET * spacing
+        energies, facet = shading.quantity.harmonic == 2, MAX_SPACING_RATIO * spacing
         if facet < run.wavelength / LINES:
             field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
         else:

@@ -21,7 +21,7 @@ from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
 
 SPACING = 1 / 30  # smallest distance of nodes, in wavelengths
-SHORT = 32767
+MAX_INT16 = 32767
 CYCLE = 2.5  # duration of one period of the wave on the page, s
 
 
@@ -91,7 +91,7 @@ def _beam(run: RunField) -> str:
 
 
 def _short(values: np.ndarray, largest: float) -> np.ndarray:
-    return np.round(values / largest * SHORT).astype("<i2")
+    return np.round(values / largest * MAX_INT16).astype("<i2")
 
 
 def _described(name: str, shading: Shade, scale: float) -> dict:
