@@ -39,19 +39,17 @@ from contact.error_estimate import (
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.settling import long_run, mean_from_rest, reached
-from contact.periodic.shooting import periodic
+from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic
 from contact.problem import scaled
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "averaged")
 # SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried. Above it a long run
 # takes a third to all of the time; in seven draws at ratios of 22 to 136 both gave the same velocity.
-# SETTLE: largest number of cycles to follow before shooting if it fails from the averaged equilibrium; also the
-# smallest number of cycles for the mean velocity of an undamped bounce. Shooting failed at first in 3 of 190 searches
-# for drawn motors; two of these searches ended after 191 and 200 cycles.
-SLOWEST_WAVE, SETTLE = 20.0, 200
-# That mean covers this many bounce periods, but at most this many wave cycles (less than a second). In 40 draws the
-# mean over 80 periods was 0.45 of that over 20 in the median, and more than twice as large in 4.
+SLOWEST_WAVE = 20.0
+# The mean velocity of an undamped bounce covers this many bounce periods, at least SETTLE and at most this many wave
+# cycles (less than a second). In 40 draws the mean over 80 periods was 0.45 of that over 20 in the median, and more
+# than twice as large in 4.
 BOUNCES, MAX_BOUNCE_CYCLES = 20.0, 4000
 # Shooting would take too long if a cycle has more segments than this: a segment takes 2 to 4 us for one to three
 # contacts, and a search about 40 cycles.
@@ -326,14 +324,8 @@ def _periodic_solution(search):
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
         raise ConvergenceError("out of reach", f"a cycle takes {segments:.3g} stretches of the motion; raise the mass")
-    try:
-        fine = periodic(balance, nodes=16, truncation=1e-12)
-    except ConvergenceError:
-        # Newton's method does not converge from the averaged equilibrium: follow the full motion for some cycles first,
-        # about 30 000 segments at most
-        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
-        fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
-    coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
+    fine = fine_periodic(balance)
+    coarse = coarse_periodic(balance, fine)
     if not fine.stable:
         raise ConvergenceError(
             "unstable",

@@ -23,12 +23,10 @@ from contact.events.segment import Sample
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.settling import long_run, reached
-from contact.periodic.shooting import periodic
+from contact.periodic.shooting import COARSE, FINE, coarse_periodic, fine_periodic
 from contact.slider import Slider
 
 STAGES = ("start", "steady", "after")
-# nodes per segment and truncation error of a segment, for the answer and for the run that estimates its error
-FINE, COARSE = (16, 1e-12), (10, 1e-8)
 # Names in the order of `codes.Regime`. A hysteretic contact with a slip annulus is "partial"; one that grows sticks.
 REGIMES = np.array(["separated", "stick", "slip", "creep", "partial", "stick"])
 
@@ -149,7 +147,7 @@ def _steady_motions(slider, orbits):
     balance = balanced(slider, orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     try:
-        fine = periodic(balance, nodes=FINE[0], truncation=FINE[1])
+        fine = fine_periodic(balance)
     except ConvergenceError:
         if ratio <= MAX_RATIO_HELD:
             raise
@@ -161,7 +159,7 @@ def _steady_motions(slider, orbits):
         run = reached(slider, orbits, balance, fine).instead
     if run is not None:
         return [run.motion], run.error
-    coarse = periodic(balance, nodes=COARSE[0], truncation=COARSE[1], near=fine)
+    coarse = coarse_periodic(balance, fine)
     problem, motions = rest_problem(slider, orbits), [fine.motion, coarse.motion]
     for motion in motions:
         motion.move(0.0, _phase_between(motion.problem.paths, problem.paths), np.empty(0))

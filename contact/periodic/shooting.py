@@ -20,6 +20,11 @@ from contact.events.energy import Sum
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 
+# nodes per segment and truncation error of a segment, for an answer and for the estimate of its error
+FINE, COARSE = (16, 1e-12), (10, 1e-8)
+# Largest number of cycles to follow before the search if it fails from the averaged equilibrium. It failed at first in
+# 3 of 190 searches for drawn motors; two of these searches ended after 191 and 200 cycles.
+SETTLE = 200
 # the search stops if the state exceeds this many units of length
 BOUND = 1e6
 # error of a Floquet multiplier that is due to the finite differences
@@ -84,6 +89,22 @@ def periodic(
     return Periodic(
         speed=motion.sums[Sum.DISPLACEMENT] / turn + step[2], state=y, jacobian=jacobian, step=size, motion=motion
     )
+
+
+def fine_periodic(balance: Balance) -> Periodic:
+    """Return the periodic motion at the order FINE; after a failed search, some cycles are followed before a second."""
+    nodes, truncation = FINE
+    try:
+        return periodic(balance, nodes=nodes, truncation=truncation)
+    except ConvergenceError:
+        # about 30 000 segments at most
+        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
+        return periodic(balance, nodes=nodes, truncation=truncation, settle=settle)
+
+
+def coarse_periodic(balance: Balance, fine: Periodic) -> Periodic:
+    """Return the same periodic motion at the order COARSE; its difference from the fine one estimates the error."""
+    return periodic(balance, nodes=COARSE[0], truncation=COARSE[1], near=fine)
 
 
 class _CycleMap:

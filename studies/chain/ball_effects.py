@@ -20,8 +20,7 @@ from studies.chain.stator_effects import Effects, amplitude_per_power, wavelengt
 from studies.record import Record
 
 POINT_ADMITTANCE = 0.93  # Re(v/F) over omega^2 / (2 pi mu c_T) of a point load on a half-space
-# Friction coefficient of a frictionless contact: the averaged equilibrium requires a positive one
-NO_FRICTION = 1e-9
+NO_FRICTION = 1e-9  # coefficient of a frictionless contact: the averaged equilibrium requires a positive one
 LOADS = 5  # levels of a run at which the load on the wave is computed, 6 ms each; linear in the voltage between them
 NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
 LOAD, OVERTONES = "load of the slider on the wave", "overtones of the wave under the pillars"  # names of effects
@@ -38,8 +37,7 @@ def radiation(record: Record) -> Effects:
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return
     solid, contacts = fem_model.solid(record.scene.stator), slider.computed_contacts
-    omega = 2 * math.pi * record.wave["frequency_Hz"]
-    body = bridge.contact_slider(slider)
+    omega, body = 2 * math.pi * record.wave["frequency_Hz"], bridge.contact_slider(slider)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
     radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
@@ -86,12 +84,9 @@ def wave_load(record: Record, voltages) -> list[float]:
     tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     at_one_volt = contact.PassingWave(
-        frequency=record.wave["frequency_Hz"],
-        wavelength=wavelength(record),
-        forward=float(normal[strongest]),
-        ratio=float(tangential[strongest] / normal[strongest]),
+        frequency=record.wave["frequency_Hz"], wavelength=wavelength(record), forward=float(normal[strongest]),
+        ratio=float(tangential[strongest] / normal[strongest]), strip_width=record.scene.driven_transducer.aperture,
         compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
-        strip_width=record.scene.driven_transducer.aperture,
     )  # fmt: skip
     changes, near = [], None
     for voltage in voltages:

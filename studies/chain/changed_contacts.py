@@ -87,7 +87,7 @@ class ChangedContacts(ChangedScenes):
         scene, stator = self.resolved(changes)
         if stator is None:
             return DrivenContact.prescribed(scene)
-        positions, shared = self.own_and_shared_positions(scene)
+        positions, shared = scene.positions, self.shared_positions(scene)
         try:
             solved = self._solution(stator, shared, step)
         except RunError:  # a position at a node of the wave must not fail the others
@@ -149,7 +149,7 @@ class ChangedContacts(ChangedScenes):
         for changes in many if self.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
                 scene, stator = self.resolved(changes)
-                positions = self.own_and_shared_positions(scene)[1]
+                positions = self.shared_positions(scene)
                 if self._in_band(stator, positions) and (stator, positions, step) not in self._solved:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, positions), {})[stator.frequency] = stator
@@ -165,15 +165,15 @@ class ChangedContacts(ChangedScenes):
                     self._solved[stator, positions, step] = SolvedStator.of(motion, positions)
             self.seconds += time.perf_counter() - start_time
 
-    def own_and_shared_positions(self, scene: Scene) -> tuple[tuple, tuple]:
-        """Return the positions of a scene, and those that one solution of the stator serves."""
-        positions = scene.positions
+    def shared_positions(self, scene: Scene) -> tuple:
+        """Return the positions for which the stator of a scene is solved: the shared ones if they contain its own."""
+        own = scene.positions
         if scene.slider is None:
-            return positions, positions
+            return own
         # with all balls on the axis the plane section may be used, which has no motion off the axis
-        off_axis, length = any(y for _, y in positions), scene.stator.length
+        off_axis, length = any(y for _, y in own), scene.stator.length
         shared = tuple((x, y) for x, y in self.positions if 0.0 <= x <= length and (off_axis or not y))
-        return positions, shared if set(positions) <= set(shared) else positions
+        return shared if set(own) <= set(shared) else own
 
     def _solution(self, stator: Scene, positions: Any, step: int) -> SolvedStator:
         """Return the stored solution of a stator, solved by `motion` if necessary, or raise its stored error."""

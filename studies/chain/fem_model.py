@@ -156,19 +156,12 @@ def unturned(block: Transducer, period: float):
 
 def drive(scene: Scene):
     """Return the ``fem.Drive`` of a scene with transducers."""
-    return fem.Drive(
-        sources=scene.drive.driven, impedance=scene.drive.source_impedance, match=_ladder(scene.drive.match)
-    )
-
-
-def _ladder(match: str | tuple) -> tuple:
-    """Return the ``fem.Element`` objects of a ladder as read."""
-    elements = []
-    for each in () if isinstance(match, str) else match:
+    block, ladder = scene.drive, []
+    for each in () if isinstance(block.match, str) else block.match:
         place, kind = each.name.split("_")
         value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
-        elements.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
-    return tuple(elements)
+        ladder.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
+    return fem.Drive(sources=block.driven, impedance=block.source_impedance, match=tuple(ladder))
 
 
 def diffracts(scene: Scene) -> bool:

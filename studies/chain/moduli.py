@@ -1,12 +1,12 @@
 """The moduli of a ball on the stator, from the static response of each to a load on its surface.
 
     1/E* = 1/M + (1 - nu^2)/E of the ball        M: indentation modulus of the stator
-    1/G* = S + (2 - nu)/G of the ball            S: the stator's for a force along x, (2 - nu)/G if it is isotropic
+    1/G* = S + (2 - nu)/G of the ball            S: tangential compliance of the stator, (2 - nu)/G if it is isotropic
 
-M and S are averages of the stator's compliance over the directions in its surface (``fem.point_load``): exact where the
-normal is an axis of symmetry, else for a circular contact in place of a slightly elliptical one. The elastic constants
-are c^E: the electric field's stiffening is left out, it would raise M by a few per cent. G*: the elastic model's 8 a G*
-of R. D. Mindlin, J. Appl. Mech. 16 (1949) 259.
+M and S are averages of the stator's compliance over the directions in its surface (``fem.point_load``). They are exact
+if the normal is an axis of symmetry; otherwise the slightly elliptical contact is taken as circular. The elastic
+constants are c^E: the stiffening by the electric field is neglected, which would raise M by a few per cent. G* gives
+the tangential stiffness 8 a G* of R. D. Mindlin, J. Appl. Mech. 16 (1949) 259.
 """
 
 import numpy as np
@@ -42,13 +42,14 @@ def direction_dependence(solid) -> str:
     below = fem.point_load(solid.stiffness)
     if max(below.spread, abs(below.coupling)) < ISOTROPY:
         return ""
-    sideways = f", a normal load moves it along x by {below.coupling:+.3f} of its indentation"
-    shown = abs(below.coupling) >= 5e-4  # three decimals
-    return f"stiffness +-{100 * below.spread:.1f} %{sideways if shown else ''}"
+    sideways = ""
+    if abs(below.coupling) >= 5e-4:  # three decimals
+        sideways = f", a normal load moves it along x by {below.coupling:+.3f} of its indentation"
+    return f"stiffness +-{100 * below.spread:.1f} %{sideways}"
 
 
 def _is_isotropic(c: np.ndarray) -> bool:
-    """Return whether a stiffness (6, 6) is that of c12 = c13 = c23, c11 = c22 = c33 = c12 + 2 c44, and no others."""
+    """Return whether a stiffness (6, 6) in Pa is that of an isotropic solid."""
     lame, shear = float(c[0, 1]), float(c[3, 3])
     expected = np.diag([2 * shear] * 3 + [shear] * 3)
     expected[:3, :3] += lame

@@ -60,12 +60,12 @@ def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *
     if driven.scene.slider.pillars is not None:
         return answer | _of_pillars(also, driven, answer["velocity_m_per_s"])
     slider, orbits = driven.slider, driven.at(driven.level)
+    threshold = contact.threshold_factor(slider, orbits) if {"limits", "pressure"} & set(also) else 0.0
     if "limits" in also:
-        factors = contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits)
-        answer |= zip(ALSO["limits"], factors, strict=True)
+        answer |= zip(ALSO["limits"], (threshold, contact.release_factor(slider, orbits)), strict=True)
     if "pressure" in also:
-        answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
-    # `driven.slider` is one part of the slider, with its share of mass and forces
+        answer |= contact_load(slider, orbits, threshold)
+    # `driven.slider` is one of `share` equal parts of the slider
     share, thrust = driven.scene.slider.share, answer.pop("thrust_N", None)
     with suppress(contact.ConvergenceError):
         if "step" in also:
@@ -85,10 +85,15 @@ def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *
             answer |= {} if time is None else {"start_up_time_s": time}
     if "efficiency" in also:
         with suppress(contact.ConvergenceError):
-            power_out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
-            if (electrical := amplitudes(driven).get("power_W", 0.0)) > 0.0:
-                answer["motor_efficiency"] = power_out * share / electrical
+            power_out, efficiency = half_thrust(slider, orbits, thrust, tolerance)
+            answer |= _efficiencies(driven, power_out * share, efficiency)
     return answer
+
+
+def _efficiencies(driven: DrivenContact, power: float, efficiency: float) -> dict:
+    """Return the efficiency of the contact and that of the motor: mechanical ``power`` in W over electrical power."""
+    electrical = amplitudes(driven).get("power_W", 0.0)
+    return {"contact_efficiency": efficiency} | ({"motor_efficiency": power / electrical} if electrical > 0.0 else {})
 
 
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
@@ -114,16 +119,9 @@ def _of_pillars(also: Iterable[str], driven: DrivenContact, velocity: float) -> 
     refuse_of_pillars(also)
     thrust, power, efficiency = 0.0, 0.0, 0.0
     if velocity != 0.0:
-        line = PillarContact.of(driven).load_line(
-            driven.level, points=3
-        )  # loads: 0, half of the stall load, stall load
+        line = PillarContact.of(driven).load_line(driven.level, points=3)  # at 0, half of the stall load, stall load
         thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
-    values = {"thrust_N": thrust}
-    if "efficiency" in also:
-        values["contact_efficiency"] = efficiency
-        if (electrical := amplitudes(driven).get("power_W", 0.0)) > 0.0:
-            values["motor_efficiency"] = power / electrical
-    return values
+    return {"thrust_N": thrust} | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
 
 
 def start_up_time(

@@ -52,17 +52,17 @@ def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -
         return frequencies(scene, count, DEFAULT_COUNT)
     if not isinstance(band, str):
         return np.asarray(band, dtype=float)
-    result = read_range("--band", band, "Hz", bare=1e6)
-    if not (0 < result.low < result.high and 2 <= result.count <= MAX_COUNT):
+    values = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < values[0] < values[-1] and 2 <= len(values) <= MAX_COUNT):
         raise SceneError("--band", f"must rise from START above 0 to STOP in 2 to {MAX_COUNT} values, got {band!r}")
-    return np.array(result.values)
+    return np.array(values)
 
 
-def group_delay(at, transfer, way: float):
-    """Return the group delay -d(phase)/d(omega) in s of a transfer function; ``way`` is its approximate delay.
+def group_delay(at, transfer, approximate: float):
+    """Return the group delay -d(phase)/d(omega) in s of a transfer function at frequencies ``at`` in Hz.
 
-    The phase changes by 2 pi ``way`` df from one frequency to the next, often by more than pi. Therefore the phase is
-    unwrapped after this change has been removed.
+    The phase changes from one frequency to the next by 2 pi df times the delay, often by more than pi. Therefore it is
+    unwrapped after the phase of the ``approximate`` delay in s has been removed.
 
     Examples
     --------
@@ -70,8 +70,8 @@ def group_delay(at, transfer, way: float):
     >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
     np.float64(59.0)
     """
-    remainder = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * way)))
-    return way - np.gradient(remainder, 2 * np.pi * at)
+    remainder = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * approximate)))
+    return approximate - np.gradient(remainder, 2 * np.pi * at)
 
 
 def expected(scene: Scene):

@@ -86,21 +86,18 @@ def _compliance(body, motion, slider, level) -> Effects:
     area = (float(np.ptp(layout.x)) + layout.pitch) * pillars.strip_width(slider)
     pressure = float(np.abs(motion.first_normal).sum()) / area
     dent = TRAVELLING * 2 / slider.effective_modulus * pressure / wave.wavenumber / wave.amplitude
-    slope = DENT_FREE
-    if motion.load != 0.0:
-        stall = slider.friction_coefficient * slider.preload_force
-        slope += (DENT_HALF_STALL - DENT_FREE) * min(1.0, 2 * abs(motion.load) / stall)
+    half_stall = slider.friction_coefficient * slider.preload_force / 2
+    over_half_stall = min(1.0, abs(motion.load) / half_stall) if motion.load else 0.0
+    slope = DENT_FREE + (DENT_HALF_STALL - DENT_FREE) * over_half_stall
     how = "first harmonic of the mean pressure on two half-spaces, at the wave's frequency and wavelength"
     yield "compliance of stator and slider at the wavelength", "velocity", -slope * dent, how
 
 
 def _scattering(motion) -> Effects:
     """Yield the effect of the power scattered by unequal pillar forces, taken as independent point sources."""
-    wave = motion.wave
+    wave, forces = motion.wave, np.abs(motion.first_normal)
     shear, speed = ISOTROPIC / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
-    admittance = point_admittance(wave.omega, shear, speed)
-    forces = np.abs(motion.first_normal)
-    power = 0.5 * admittance * float(np.sum((forces - forces.mean()) ** 2))
+    power = 0.5 * point_admittance(wave.omega, shear, speed) * float(np.sum((forces - forces.mean()) ** 2))
     if motion.wave_power_in > 0.0:
         how = f"{power:.2g} W, point loads on an isotropic half-space; a quarter of it over the incident power"
         yield "scattering by unequal pillars", "velocity", -power / motion.wave_power_in / 4, how
@@ -124,8 +121,8 @@ def leak(record: Record, motion) -> Effects:
     advance = motion.loading_number / (motion.wave.wavenumber * length)
     how = f"the load makes the wave faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
     yield "speed-up of the wave by its load", MARGIN, advance / margin, how
-    wave, stiffnesses = motion.wave, motion.pillars
-    stiffness_ratio = float(np.mean(stiffnesses.tangential_stiffness / stiffnesses.normal_stiffness))
+    wave, body = motion.wave, motion.pillars
+    stiffness_ratio = float(np.mean(body.tangential_stiffness / body.normal_stiffness))
     # springs per area whose first-order shift of the wavenumber, Gamma (K_n + |orbit|^2 K_t), is the pillars' advance
     normal_stiffness = advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * stiffness_ratio))
     exact = fem.spring_shift(

@@ -77,8 +77,7 @@ def pillar_velocity(driven: DrivenContact, level: float) -> float:
 
 def moves(driven: DrivenContact, level: float) -> bool:
     """Return whether the slider moves at a level."""
-    velocity = pillar_velocity(driven, level)
-    return math.isfinite(velocity) and velocity != 0.0
+    return abs(pillar_velocity(driven, level)) > 0.0
 
 
 def point_of(motion) -> dict:

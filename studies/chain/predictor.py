@@ -56,7 +56,7 @@ class Predictor(ChangedContacts):
         predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1)
         resolved, stator = predictor.resolved({})
         if stator is not None:
-            positions = predictor.own_and_shared_positions(resolved)[0]
+            positions = resolved.positions
             predictor._solved[stator, positions, 0] = SolvedStator.of(record.surface_motion, positions)
         return predictor
 
@@ -110,7 +110,7 @@ class Predictor(ChangedContacts):
                     raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
                 ready[at] = driven
             except Exception as error:
-                answers[at] = _without_answer(error)
+                answers[at] = {"status": reason(error), "refused": isinstance(error, SceneError)}
         steady = [at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None]
         states = [(ready[at], ready[at].level) for at in steady]
         side_by_side = dict(zip(steady, averaged_answers(states, math.inf if averaged else tolerance), strict=True))
@@ -122,7 +122,7 @@ class Predictor(ChangedContacts):
                     answer = self._alone(driven, step, tolerance)
                 answers[at] = amplitudes(driven) | with_outcomes(also, tolerance, driven, answer, averaged=averaged)
             except Exception as error:
-                answers[at] = _without_answer(error)
+                answers[at] = {"status": reason(error), "refused": isinstance(error, SceneError)}
         return answers
 
     def _alone(self, driven: DrivenContact, step: int, tolerance: float) -> dict:
@@ -136,20 +136,14 @@ class Predictor(ChangedContacts):
         return rated(point.values, point.parts, tolerance)
 
 
-def _without_answer(error: Exception) -> dict:
-    return {"status": reason(error), "refused": isinstance(error, SceneError)}
-
-
 def reason(error: Exception) -> str:
-    """Return why a point has no answer, as its status says it."""
+    """Return the status of a point that has no answer."""
     text = " ".join(str(error).split())
-    if isinstance(error, SceneError):
-        return Status.REFUSED.because(text)
-    if isinstance(error, RunError):
-        return Status.NO_ANSWER.because(text)
     if isinstance(error, MemoryError):
-        return Status.NO_ANSWER.because("it needs more memory than the worker has")
-    return Status.NO_ANSWER.because(f"a defect of sawmotor: {type(error).__name__}: {text}")
+        text = "it needs more memory than the worker has"
+    elif not isinstance(error, SceneError | RunError):
+        text = f"a defect of sawmotor: {type(error).__name__}: {text}"
+    return (Status.REFUSED if isinstance(error, SceneError) else Status.NO_ANSWER).because(text)
 
 
 def _free_answer(scene: Scene, tolerance: float) -> dict:

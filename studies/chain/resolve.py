@@ -2,7 +2,7 @@
 
 ``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
 ``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
-can be run again with the same numbers.  ``slider.method = "auto"`` stays: the contact chooses its method
+can be run again with the same numbers.  ``slider.method = "auto"`` is not replaced: the contact chooses its method
 (contact/choice.py).  Rules that need physics (an unknown material, an impossible layout) are checked here.
 """
 
@@ -80,9 +80,8 @@ def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     if recovery is not None and matched:
         with stator_keys("drive.recovery.load"):
             load = fem.matched_load(
-                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency,
-                source_matched=auto,
-            )  # fmt: skip
+                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
+            )
     scene = _with_load(scene, load)
     if auto:
         seen = fem.solve_circuit(matrix, names, transducers(scene), old_drive.transducer, scene.frequency).admittance
@@ -164,13 +163,13 @@ def _refuse_gaps(scene: Scene) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if not scene.piece:
         return
-    reached = [(x, x) for x, _ in scene.slider.contact_positions]
-    if scene.slider.pillars is not None:
+    intervals = [(x, x) for x, _ in scene.slider.contact_positions]
+    if scene.on_pillars:
         from studies.chain.pillars import extent
 
-        reached = [extent(scene.slider)]
+        intervals = [extent(scene.slider)]
     for each in pieces(scene):
-        for (low, high), (left, right) in itertools.product(each.gaps, reached):
+        for (low, high), (left, right) in itertools.product(each.gaps, intervals):
             if left < high and right > low:
                 rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
                 got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")

@@ -20,12 +20,9 @@ LOGGER = logging.getLogger(__name__)
 
 
 def network(
-    scene: Scene | str | Path,
-    band: "str | np.ndarray | None" = None,
-    *,
-    z0: str | float = 50.0,
+    scene: Scene | str | Path, band: "str | np.ndarray | None" = None, *, z0: str | float = 50.0,
     tolerance: float = 1e-3,
-) -> "skrf.Network":
+) -> "skrf.Network":  # fmt: skip
     """Return the transducers of a scene as a `skrf.Network`, to be plotted, cascaded and written by scikit-rf.
 
     Parameters
@@ -33,7 +30,7 @@ def network(
     scene : Scene, path or name of a shipped scene
         Its transducers with two combs are the ports, in its order, whatever drives or terminates them there.
     band : str or array, optional
-        ``"2.1:2.3:201"`` in MHz, or with units; or frequencies in Hz. The passband of the driven transducer without it.
+        ``"2.1:2.3:201"`` in MHz, or with units; or frequencies in Hz. By default the driven transducer's passband.
     z0 : str or float
         Reference impedance, ohm.
     tolerance : float
@@ -47,7 +44,7 @@ def network(
     Raises
     ------
     SceneError
-        If the scene has no transducer, or the band is none.
+        If the scene has no transducer, or the band cannot be read.
     RunError
         If scikit-rf is not installed, or the tolerance is not met.
     """

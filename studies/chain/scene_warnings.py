@@ -49,12 +49,11 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
 
 def _velocities(scene: Scene) -> Iterator[str]:
     """Yield a warning for each transducer whose period is not that of a surface wave at the drive's frequency."""
-    frequency = None if scene.drive is None else scene.drive.frequency
-    low, high = USUAL_VELOCITIES
+    frequency, (low, high) = getattr(scene.drive, "frequency", None), USUAL_VELOCITIES
+    if not isinstance(frequency, float):
+        return
     for each in scene.transducer:
-        if not isinstance(frequency, float) or not isinstance(each.period, float):
-            continue
-        if not low <= (velocity := frequency * each.period) <= high:
+        if isinstance(each.period, float) and not low <= (velocity := frequency * each.period) <= high:
             yield (
                 f"drive.frequency, {frequency:g} Hz, and the period of transducer {each.name}, {each.period:g} m, mean "
                 f"a wave of {velocity:.3g} m/s, and surface waves have {low:g} to {high:g} m/s: a number without a "

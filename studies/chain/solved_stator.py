@@ -10,7 +10,7 @@ from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 from studies.scene.drive import Drive
 
-COARSE_ERROR = 0.05  # relative, of the coarsest discretisation, which has no estimate of its own: 1.7 to 4.5 % seen
+COARSE_ERROR = 0.05  # relative error of the coarsest discretisation, which has no own estimate; 1.7 to 4.5 % measured
 MAX_DRIVES = 10_000  # in memory
 POSITION_KEYS = ("slider.position", "slider.contacts")
 

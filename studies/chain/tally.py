@@ -1,7 +1,7 @@
 """Statistics of the motion at a point of a run: events by kind, smallest gap, chatter, residual of the energy balance.
 
 The dictionaries are flat, because their keys are also columns of velocity.csv.  Events of steady states are counted per
-wave cycle; those of a burst over its whole length, if it was followed event by event, and over the slide after it.
+wave cycle; those of a burst that was solved event by event over the burst, and over the slide after it.
 """
 
 import math

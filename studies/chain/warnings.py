@@ -38,24 +38,20 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         stator, transducers = fem_model.whole_stator(record.scene), fem_model.transducers(record.scene)
         warnings += stator.piece_warnings(record.scene.frequency, transducers)
     if record.scene.transducer:
-        for each in (_drive, _off_resonance, _section, _left_out):
-            warnings += each(record)
+        warnings += [*_drive(record), *_off_resonance(record), *_section(record), *_left_out(record)]
     if record.scene.slider is not None:
-        driven = DrivenContact.of_run(record)
-        for of_contact in (_contact, _points, _other_motion):
-            warnings += of_contact(record, driven)
-        if record.scene.slider.pillars is not None:
-            from studies.chain.pillar_effects import pillar_warnings
+        warnings += [*_contact(record), *_points(record), *_other_motion(record)]
+    if record.scene.on_pillars:
+        from studies.chain.pillar_effects import pillar_warnings
 
-            warnings += _left_out(record) if not record.scene.transducer else ()
-            warnings += pillar_warnings(record)
+        warnings += [*(() if record.scene.transducer else _left_out(record)), *pillar_warnings(record)]
     return tuple(warnings)
 
 
 def _strength(scene: Scene):
     """Return the ``fem.Strength`` of the stator's material; None without a stator or without known limits."""
-    known = scene.stator is not None and isinstance(scene.stator.material, str)
-    return fem.strength(scene.stator.material) if known else None
+    named = scene.stator is not None and isinstance(scene.stator.material, str)
+    return fem.strength(scene.stator.material) if named else None
 
 
 def _drive(record: Record) -> Iterator[str]:
@@ -173,7 +169,7 @@ def _left_out(record: Record) -> Iterator[str]:
             )
 
 
-def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
+def _contact(record: Record) -> Iterator[str]:
     """Yield warnings about lateral motion under a ball and about contact pressures above the strength of a material."""
     normal, tangential = (abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential"))
     # NaN, and therefore false, for a scene with a [wave], which has no motion per volt
@@ -191,14 +187,14 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
             f"the surface moves sideways under the slider, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {'reduce the drive of the crossing transducers' if record.scene.crossed else nearer}"
         )
+    driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(max(record.scene.levels))
     if slider.preload == 0:
         return
     highest = contact_load(slider, orbits, math.inf)["contact_pressure_Pa"]
     at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
-    kind, what = "Hertz pressure", "balls"
-    if slider.shape == "punch":
-        kind, what = "Mean pressure under a punch,", "punches"
+    punch = slider.shape == "punch"
+    kind, what = ("Mean pressure under a punch,", "punches") if punch else ("Hertz pressure", "balls")
     known = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))
     for part, limits in known:
         if limits is None or highest <= limits.contact_pressure:
@@ -211,7 +207,7 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
         )
 
 
-def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
+def _points(record: Record) -> Iterator[str]:
     """Yield warnings about a change of direction between neighbouring points and about a slider that always sticks."""
     omega, named = 2 * math.pi * record.wave["frequency_Hz"], record.scene.named
     moving = [
@@ -233,7 +229,7 @@ def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
         yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
 
 
-def _other_motion(record: Record, _driven: DrivenContact) -> Iterator[str]:
+def _other_motion(record: Record) -> Iterator[str]:
     """Yield a warning if some points have a second steady motion."""
     several = [point for point in record.points if "other_velocity_m_per_s" in point]
     if not several:

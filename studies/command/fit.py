@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="KEY=LOW:HIGH",
-        help="a number to be fitted; also amplitude_per_volt (m/V, given wave), amplitude_factor (computed)",
+        help="a number to be fitted; also amplitude_per_volt (m/V, prescribed wave), amplitude_factor (computed)",
     )
     parser.add_argument(
         "--next",

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--size", metavar="WxH", help="pixels of the picture or movie")
     parser.add_argument("--frames", metavar="COUNT", help="pictures of a movie (24), instants of a .pvd (12)")
     parser.add_argument(
-        "--voltage", metavar="V", help="of the contact; of a given wave its amplitude in m (the largest)"
+        "--voltage", metavar="V", help="of the contact; of a prescribed wave its amplitude in m (the largest)"
     )
 
 

@@ -56,12 +56,12 @@ def averaged_motor(
     Parameters
     ----------
     scene
-        A path, a shipped name or a scene.  A given wave runs either way; on a stator the second drive is the only other
-        transducer, if the scene has two and drives one of them.
+        A path, a shipped name or a scene.  The second drive is the only other transducer, if the scene has two and
+        drives one of them; of a prescribed wave it is the same wave running in the other direction.
     tolerance : float
-        Of the slider velocity, for the stator.
+        Relative, of the slider velocity; the stator is solved to it.
     first : DrivenContact, optional
-        The `first_drive` of the scene, where it is known.
+        The `first_drive` of the scene, if it has been computed.
 
     Raises
     ------
@@ -89,19 +89,16 @@ def averaged_motor(
     LOGGER.info("tables of mean forces")
     with answered():
         tables = [None if drive.mirrored else force_tables(slider, drive) for drive in drives]
-        known = _steady(slider, drives[0], driven.levels)
-    averaging = max((abs(second - first) / scale for _, second, first, scale in known), default=0.0)
+        steady = _steady(slider, drives[0], driven.levels)
+    averaging = max((abs(second - first) / scale for _, second, first, scale in steady), default=0.0)
     parameters, flat = packed(slider, drives, tables)
     motor = AveragedMotor(
-        scene=driven.scene, slider=slider,
-        share=driven.scene.slider.share,
-        drives=tuple(drives), levels=driven.levels,
+        scene=driven.scene, slider=slider, share=driven.scene.slider.share, drives=tuple(drives), levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
-        velocity_error=0.0,
-        left_out=tuple(dict.fromkeys(left_out)),
+        velocity_error=0.0, left_out=(),
     )  # fmt: skip
     if drives[0].response is None:
-        kick = _kick(motor, [level for level, *_ in known])
+        kick = _kick(motor, [level for level, *_ in steady])
         left_out.append(
             f"the sudden start of a wave changes the velocity by up to {kick:.1e} m/s, depending on its phase: "
             "not included"
@@ -110,7 +107,7 @@ def averaged_motor(
         motor,
         left_out=tuple(dict.fromkeys(left_out)),
         interpolation_error=_interpolation_error(motor),
-        velocity_error=_velocity_error(motor, known),
+        velocity_error=_velocity_error(motor, steady),
     )
 
 
@@ -137,7 +134,7 @@ def _drive(driven: DrivenContact, left_out: list) -> Drive:
 
 
 def _step_response(ringing: RingUp) -> tuple[np.ndarray, float]:
-    """Return the surface's factor at even times from a drive's beginning, and when it stays within 1 %, s."""
+    """Return the surface's amplitude over the steady one every `RESPONSE_STEP`, and the time in s to within 1 %."""
     settling = float(ringing.response.settling)
     longest = min(MAX_RESPONSE * RESPONSE_STEP, 20.0 * settling)
     envelope = ringing.lasting(2.0 * longest).envelope
@@ -151,8 +148,8 @@ def _step_response(ringing: RingUp) -> tuple[np.ndarray, float]:
 
 
 def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, float]]:
-    """Return level, steady velocity of second and of first order, and max(|v|, omega |u_x|/10), where it moves."""
-    known = []
+    """Return (level, velocity of second order, of first order, max(|v|, omega |u_x|/10)) of each level that moves."""
+    steady = []
     for level in levels:
         orbits = tuple(orbit.scaled(level) for orbit in drive.orbits)
         try:
@@ -160,11 +157,11 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
         except contact.ConvergenceError as error:
             if error.status != "near the threshold":
                 raise
-            continue  # held, or too slow to judge the tables by
+            continue  # at rest, or too slow to test the tables with
         scale = contact.reference_speed(float(mean.velocity), orbits)
         if not mean.held:
-            known.append((level, float(mean.velocity), float(mean.first_order), scale))
-    return known
+            steady.append((level, float(mean.velocity), float(mean.first_order), scale))
+    return steady
 
 
 def _kick(motor: AveragedMotor, levels) -> float:
@@ -182,10 +179,10 @@ def _kick(motor: AveragedMotor, levels) -> float:
     return worst
 
 
-def _velocity_error(motor: AveragedMotor, known) -> float:
-    """Return what the tables change of the steady velocity of first order, the largest of some levels."""
+def _velocity_error(motor: AveragedMotor, steady) -> float:
+    """Return the largest relative change of the first-order velocities of `_steady` by interpolation in the tables."""
     p, worst = motor.parameters, 0.0
-    for level, _, first, scale in known:
+    for level, _, first, scale in steady:
         size = level * motor.drives[0].amplitude
         height = model.riding(p, motor.tables, 0, size, motor.slider.preload)
         nearby = first + 1e-4 * scale * np.array([-1.0, 0.0, 1.0])
@@ -200,13 +197,13 @@ def _velocity_error(motor: AveragedMotor, known) -> float:
 
 
 def _interpolation_error(motor: AveragedMotor) -> tuple[float, float]:
-    """Return the largest error of g at random points between the nodes, and the error that 99 % of them keep."""
+    """Return the largest error of g at random points between the nodes, and its 99 % quantile."""
     random, errors = np.random.default_rng(1), []
     for number, drive in enumerate(motor.drives):
         for _ in range(PROBES):
             tau, size = random.uniform(0.05, 0.9), random.uniform(0.0, 1.0)
             _, exact = mean_forces(motor.slider, drive, tau, np.array([size]))
             for side in (0, 1):
-                read = model.traction_share(motor.parameters, motor.tables, number, tau, side, size)
-                errors.append(abs(read - exact[side, 0]))
+                interpolated = model.traction_share(motor.parameters, motor.tables, number, tau, side, size)
+                errors.append(abs(interpolated - exact[side, 0]))
     return float(max(errors)), float(np.quantile(errors, 0.99))

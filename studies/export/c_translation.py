@@ -1,14 +1,15 @@
-"""C functions from Python functions of numbers and arrays: the averaged motor has one formula, in one place.
+"""Translation of Python functions of numbers and arrays into C, so that each formula of the averaged motor stands once.
 
-Translated are annotated functions of a module (`float`, `int`, `Array`: pointer to double), its integer constants in
+The translation covers annotated functions of a module (`float`, `int`, `Array`: pointer to double), its constants in
 capitals, and in their bodies assignments, if, while, return, arithmetic, comparisons, conditional expressions, indexed
-arrays, and calls of each other and of `sqrt`, `abs`, `min`, `max`, `int`.  What is neither annotated nor an
-index is a double.  Anything else is refused with its line: nothing is translated by guess.
+arrays, and calls of each other and of `sqrt`, `abs`, `min`, `max`, `int`.  A variable without an annotation is a
+double.  Anything else is refused with its line.
 """
 
 import ast
 
 TYPES = {"float": "double", "int": "int", "Array": "double *"}
+PREFIX = "model_"  # of the names of functions in C
 CALLS = {"abs": "fabs", "min": "fmin", "max": "fmax", "int": "(int)", "sqrt": "sqrt"}
 OPERATORS = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
@@ -17,21 +18,19 @@ OPERATORS = {
 
 
 class UntranslatableError(ValueError):
-    """A piece of Python that has no translation here; the text names its line."""
+    """Python code outside the subset that is translated; the text names its line."""
 
 
-def c_source(python: str, prefix: str) -> tuple[str, str]:
+def c_source(python: str) -> tuple[str, str]:
     r"""Return (constants, functions) in C99 of the source text of a module; functions are static.
-
-    ``prefix``: put before the names of functions.
 
     Examples
     --------
-    >>> constants, functions = c_source("N = 3\ndef twice(x: float) -> float:\n    return 2.0 * x", "m_")
+    >>> constants, functions = c_source("N = 3\ndef twice(x: float) -> float:\n    return 2.0 * x")
     >>> print(constants)
     #define N 3
     >>> print(functions.splitlines()[0])
-    static double m_twice(double x);
+    static double model_twice(double x);
     """
     body = ast.parse(python).body
     constants = [
@@ -39,9 +38,8 @@ def c_source(python: str, prefix: str) -> tuple[str, str]:
         for node in body
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant)
     ]
-    written = [node for node in body if isinstance(node, ast.FunctionDef)]
-    names = {node.name for node in written}
-    functions = [_Function(node, names, prefix) for node in written]
+    nodes = [node for node in body if isinstance(node, ast.FunctionDef)]
+    functions = [_Function(node, {each.name for each in nodes}) for node in nodes]
     heads = [f"{function.head};" for function in functions]
     return "\n".join(constants), "\n".join(heads) + "\n\n" + "\n\n".join(map(str, functions))
 
@@ -49,14 +47,14 @@ def c_source(python: str, prefix: str) -> tuple[str, str]:
 class _Function:
     """One function in C."""
 
-    def __init__(self, node: ast.FunctionDef, names: set[str], prefix: str):
-        self.node, self.names, self.prefix = node, names, prefix
+    def __init__(self, node: ast.FunctionDef, names: set[str]):
+        self.node, self.names = node, names
         self.locals = {each.arg: self._type(each.annotation) for each in node.args.args}
         arguments = ", ".join(
             f"{'const ' * (name in ('p', 'tables'))}{kind}{'' if kind.endswith('*') else ' '}{name}"
             for name, kind in self.locals.items()
         )
-        self.head = f"static {self._type(node.returns)} {prefix}{node.name}({arguments})"
+        self.head = f"static {self._type(node.returns)} {PREFIX}{node.name}({arguments})"
 
     def __str__(self) -> str:
         text = ast.get_docstring(self.node)
@@ -70,7 +68,7 @@ class _Function:
         return TYPES[annotation.id]
 
     def _block(self, statements) -> list[str]:
-        # a name of which the first value is set within a block belongs to it
+        # a variable that is first assigned within a block is local to it
         outer, self.locals = self.locals, dict(self.locals)
         lines = [f"    {line}" for each in statements for line in self._statement(each)]
         self.locals = outer
@@ -124,6 +122,6 @@ class _Function:
             case ast.IfExp():
                 return f"({self._of(node.test)} ? {self._of(node.body)} : {self._of(node.orelse)})"
             case ast.Call(func=ast.Name(id=name)) if name in CALLS or name in self.names:
-                called = self.prefix + name if name in self.names else CALLS[name]
+                called = PREFIX + name if name in self.names else CALLS[name]
                 return f"{called}({', '.join(map(self._of, node.args))})"
         raise UntranslatableError(f"line {node.lineno}: {ast.unparse(node)}")

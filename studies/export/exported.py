@@ -12,9 +12,9 @@ class Exported:
     """Files of one export."""
 
     files: dict[str, bytes | str] = field(repr=False)
-    answer: tuple[tuple[str, str], ...]  # rows of a name and a line, for the reader
+    answer: tuple[tuple[str, str], ...]  # lines of the printed answer: label and text
     pictures: dict[str, Callable] = field(default_factory=dict, repr=False)  # file: function that draws on an Axes
-    remarks: tuple[str, ...] = ()  # what the user should know, on stderr
+    remarks: tuple[str, ...] = ()  # printed on stderr
 
     def write(self, folder: Path) -> None:
         """Write the files into a directory."""
@@ -23,7 +23,7 @@ class Exported:
             (folder / name).write_bytes(content)
 
     def write_alone(self, path: Path) -> None:
-        """Write the first file, which stands alone, to a path that does not exist yet; SceneError where it exists."""
+        """Write the only file to a new path; SceneError if the path exists or cannot be written."""
         content = next(iter(self.files.values()))
         try:
             with path.open("xb") as file:

@@ -51,7 +51,7 @@ UNITS = {"V": 'kg="1" m="2" s="-3" A="-1"', "m": 'm="1"', "m/s": 'm="1" s="-1"',
 
 
 def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:
-    """Return the FMU as bytes, and what became of the library: a sentence, empty where it is inside.
+    """Return the FMU as bytes, and why it holds no compiled library (empty if it does).
 
     Parameters
     ----------
@@ -95,14 +95,14 @@ def compiler() -> list[str] | None:
 
 def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
     """Return the shared library of the sources, or None and why there is none."""
-    command, known = compiler(), PLATFORMS.get((platform.system(), platform.machine()))
-    if command is None or known is None:
-        reason = "no C compiler was found (CC, cc, gcc, clang)" if known else f"{sys.platform} is unknown to it"
+    command, names = compiler(), PLATFORMS.get((platform.system(), platform.machine()))
+    if command is None or names is None:
+        reason = "no C compiler was found (CC, cc, gcc, clang)" if names else f"{sys.platform} is unknown to it"
         return None, f"the FMU holds sources but no library, because {reason}: the importer has to compile it"
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        target = f"{MODEL}{known[2]}"
+        target = f"{MODEL}{names[2]}"
         flags = "-O2 -std=c99 -shared -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno".split()
         call = [*command, *flags, "-o", target, *compiled, "-lm"]
         done = subprocess.run(call, cwd=folder, capture_output=True, text=True)
@@ -120,15 +120,15 @@ def _description(motor: AveragedMotor, fmi: str, compiled) -> str:
     )
     common = f'modelIdentifier="{MODEL}" canHandleVariableCommunicationStepSize="true"'
     step = f'<DefaultExperiment startTime="0" stopTime="0.3" stepSize="{STEP:g}"/>'
-    outputs = [k for k, row in enumerate(VARIABLES, 1) if row[1] == "output"]
+    outputs = [k for k, variable in enumerate(VARIABLES, 1) if variable[1] == "output"]
+    variables = "".join(_variable(motor, k, variable, fmi) for k, variable in enumerate(VARIABLES, 1))
     units = "".join(f'<Unit name="{name}"><BaseUnit {base}/></Unit>' for name, base in UNITS.items())
     if fmi == "3":
         fields = (
             f'<CoSimulation {common} canGetAndSetFMUState="true" canSerializeFMUState="true"/>'
             f"<UnitDefinitions>{units}</UnitDefinitions>{step}<ModelVariables>"
             '<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>'
-            + "".join(_variable(motor, k, row, fmi) for k, row in enumerate(VARIABLES, 1))
-            + "</ModelVariables><ModelStructure>"
+            + f"{variables}</ModelVariables><ModelStructure>"
             + "".join(f'<Output valueReference="{k}"/>' for k in outputs)
             + "".join(f'<InitialUnknown valueReference="{k}"/>' for k in outputs)
             + "</ModelStructure>"
@@ -138,16 +138,15 @@ def _description(motor: AveragedMotor, fmi: str, compiled) -> str:
     unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
     fields = (
         f'<CoSimulation {common} canGetAndSetFMUstate="true"><SourceFiles>{files}</SourceFiles></CoSimulation>'
-        f"<UnitDefinitions>{units}</UnitDefinitions>{step}<ModelVariables>"
-        + "".join(_variable(motor, k, row, fmi) for k, row in enumerate(VARIABLES, 1))
-        + f"</ModelVariables><ModelStructure><Outputs>{unknowns}</Outputs>"
+        f"<UnitDefinitions>{units}</UnitDefinitions>{step}<ModelVariables>{variables}</ModelVariables>"
+        f"<ModelStructure><Outputs>{unknowns}</Outputs>"
         f"<InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>"
     )
     return _xml("fmiModelDescription", f"{head} guid={quoteattr(token(motor))}", fields)
 
 
-def _variable(motor: AveragedMotor, reference: int, row, fmi: str) -> str:
-    name, causality, variability, unit, start, meaning = row
+def _variable(motor: AveragedMotor, reference: int, variable, fmi: str) -> str:
+    name, causality, variability, unit, start, meaning = variable
     start = {"load": motor.load, "preload": motor.preload}.get(start, start)
     unit = motor.unit if unit is None else unit
     head = f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'

@@ -1,7 +1,7 @@
-"""Tables of the averaged motor's mean forces, and its numbers as `reduced_motor` reads them.
+"""Tables of the averaged motor's mean forces, and the flat arrays that `reduced_motor` reads.
 
-The tables come from `contact.mean_load` and `contact.mean_traction`, event-exact means of a cycle, on a grid of the two
-ratios that the averaged equations know.
+The tables hold event-exact means over a cycle (`contact.mean_load`, `contact.mean_traction`) on a grid of the two
+ratios tau and nu of the averaged equations (`reduced_motor`).
 """
 
 from dataclasses import replace
@@ -16,12 +16,12 @@ from studies.export.reduced_motor import index
 # of the exact mean, and the steady velocity of twente-contact within 5e-6 from 0.75 to 20 nm. With 361 rows 6e-4 at
 # 0.75 nm, next to the threshold; with 601 and 401 columns 3e-6, and a C file twice as long.
 ROWS, COLUMNS = 501, 301
-SMALLEST = 1e-6  # sqrt(|nu|) next to the jump
-LARGEST = 1.0 - 1e-4  # tau of the last row: beyond lies no load
+MIN_SIZE = 1e-6  # sqrt(|nu|) at which the two limits of the jump at nu = 0 are taken
+MAX_TAU = 1.0 - 1e-4  # of the last row of g, in place of 1, where the load is zero
 MAX_STEP, FAST_STEP = 1e-5, 1e-6  # s
 RING_STEPS = 30.0  # per period; 80 rings to 6e-4 of their amplitude, 15: 3e-2 (test_export_motor.py)
-DEAD_BOUNCE = 1e-3  # its share in the mean force is the square of it
-DIGITS = 9  # of the numbers in the tables: Python and C read the same ones
+DEAD_BOUNCE = 1e-3  # over the approach; changes the mean force by its square
+DIGITS = 9  # of the numbers in the tables, the same in Python and in C
 
 
 def force_tables(slider, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
@@ -31,16 +31,16 @@ def force_tables(slider, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
     loads[0], forces[0, 0], forces[1, 0] = 1.0, 1.0, -1.0  # tau = 0: no wave, friction has one direction
     sizes = np.linspace(0.0, 1.0, COLUMNS)
     for k in range(1, ROWS):
-        loads[k], forces[:, k] = mean_forces(slider, drive, min(taus[k], LARGEST), sizes)
+        loads[k], forces[:, k] = mean_forces(slider, drive, min(taus[k], MAX_TAU), sizes)
     loads[-1] = 0.0  # tau = 1: the wave no longer reaches the slider
     return loads, forces
 
 
 def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return the exact R and g, shape (2, k), at a ratio tau and at sqrt(|nu|) of either side.
+    """Return the exact R and g, shape (2, k), at a ratio tau and at ``sizes`` = sqrt(|nu|), for nu < 0 and nu > 0.
 
-    The ratios fix both, so any amplitude serves: that of the drive at a level of 1.  The slider is made heavy: its mass
-    does not enter the means, and averaging asks for a slow bounce.
+    R and g depend on the two ratios only; they are evaluated at the amplitude of a level of 1, with a heavy slider,
+    because the mass does not enter the means and averaging requires a slow bounce.
     """
     size = drive.amplitude
     height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size  # tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) solved for h
@@ -50,14 +50,14 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
     share = sum(loads) / (len(loads) * (height + size) ** exponent)
     heavy = replace(slider, preload=preload, load=0.0, mass=1e30 * preload * size, tangential_damping=0.0,
                     normal_damping=0.0, contact_damping=0.0)  # fmt: skip
-    nu = np.maximum(sizes, SMALLEST) ** 2
+    nu = np.maximum(sizes, MIN_SIZE) ** 2
     speeds = np.concatenate([-nu, nu]) * drive.saturation(slider) * size
     forces = contact.mean_traction(heavy, drive.orbits, speeds).reshape(2, -1)
     return share, forces / (slider.friction_coefficient * preload)
 
 
 def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
-    """Return parameters and tables as the model reads them."""
+    """Return the flat arrays of `reduced_motor`, parameters and tables; a mirrored drive has no table (None)."""
     p = np.zeros(index.FIRST_DRIVE + 2 * index.DRIVE_SIZE)
     contacts = len(drives[0].orbits)
     p[index.MASS], p[index.NORMAL_DAMPING] = slider.mass, slider.normal_damping
@@ -76,7 +76,7 @@ def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
         p[own + index.AMPLITUDE], p[own + index.SATURATION] = drive.amplitude, drive.saturation(slider)
         p[own + index.POWER], p[own + index.RESPONSE_STEP] = drive.power, drive.response_step
         p[own + index.FACING] = -1.0 if drive.mirrored else 1.0
-        if table is None:  # all places and numbers of the first but the sign
+        if table is None:  # as the first drive, except for the sign
             first = index.FIRST_DRIVE
             p[own : own + index.FACING] = p[first : first + index.FACING]
             continue
@@ -84,8 +84,8 @@ def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
         if drive.response is not None:
             p[own + index.RESPONSE_NODES] = len(drive.response)
             pieces[index.RESPONSE] = np.ascontiguousarray(drive.response).view(float)
-        for place, piece in pieces.items():
-            p[own + place] = length
+        for start_index, piece in pieces.items():
+            p[own + start_index] = length
             parts.append(piece)
             length += piece.size
     rounded = [float(f"{value:.{DIGITS}g}") for value in np.concatenate(parts)]

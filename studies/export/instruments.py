@@ -1,7 +1,7 @@
-"""What a lab's instruments would have recorded of a scene: a known truth to try an evaluation on.
+"""What a laboratory's instruments would record of a scene: data with known parameters, to test an evaluation.
 
 A vibrometer's scan (CSV, UFF), a network analyser's file (Touchstone), an encoder's trace of a burst (CSV), the field
-of the surface (VTU).  Noise is Gaussian, of a given share of the largest value, from a given seed.
+of the surface (VTU).  Noise is Gaussian; its standard deviation is a share of the largest value.
 """
 
 from dataclasses import dataclass, replace
@@ -31,12 +31,12 @@ LINES = 41  # of an area along y
 CLEAR = 0.5  # wavelengths from the fingers
 FREQUENCIES = 201
 SCANS = ("x", "y", "xy", "frequency")
-COARSE = 2  # points per wavelength of an area: places enough for the beam, not for the ripple
+COARSE = 2  # points per wavelength along x of an area: enough for the beam, not for the ripple
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recording:
-    """How instruments record, in the words of the command."""
+    """How instruments record: the options of the command as text."""
 
     # What a vibrometer scans. "x": from the driven transducer to the next one or the stator's end, 8 points per
     # wavelength; "y": across the beam at the slider; "xy": an area; "frequency": at the slider, over `band`
@@ -49,7 +49,7 @@ class Recording:
     z0: str | None = None  # reference impedance of a network analyser
 
     def __post_init__(self) -> None:
-        """Refuse a wrong noise before anything is computed."""
+        """Refuse a wrong noise before anything is computed; SceneError."""
         _ = self.share
 
     @property
@@ -70,22 +70,21 @@ class Recording:
 
     @property
     def remark(self) -> tuple[str, ...]:
-        """What a file says of its noise."""
-        if self.noise is None:
-            return ()
-        return (f"noise: standard deviation {self.share:g} of the largest value in each part, seed {self.seed}",)
+        """Remark on the noise in the head of a file."""
+        text = f"noise: standard deviation {self.share:g} of the largest value in each part, seed {self.seed}"
+        return () if self.noise is None else (text,)
 
-    def noisy(self, values: np.ndarray, more: int = 0) -> np.ndarray:
-        """Return real or complex values with noise; ``more`` is added to the seed."""
+    def noisy(self, values: np.ndarray, seed_offset: int = 0) -> np.ndarray:
+        """Return real or complex values with noise, whose seed is offset."""
         size = self.share * float(np.max(np.abs(values)))
         if size == 0.0 or self.seed is None:
             return values
-        random = np.random.default_rng(self.seed + more)
+        random = np.random.default_rng(self.seed + seed_offset)
         scatter = random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape)
         return values + size * (scatter if np.iscomplexobj(values) else scatter.real)
 
     def encoder(self, scene: Scene) -> dict[str, float]:
-        """Return bandwidth in Hz and sampling in s of the encoder, where they are given; SceneError without a burst."""
+        """Return the options of `recorded`: ``bandwidth`` in Hz, ``sampling`` in s; SceneError without a burst."""
         encoder = {
             option: Quantity(unit).read(f"--{option}", toml_value(value))
             for option, value, unit in (("bandwidth", self.bandwidth, "Hz"), ("sampling", self.sampling, "s"))
@@ -98,15 +97,15 @@ class Recording:
 
 
 def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
-    """Return scan.csv; with a slider, and no scan asked for, burst.csv of a burst and the motor's tables too."""
+    """Return scan.csv; with a slider and without ``recording.scan`` also burst.csv and the motor's tables."""
     encoder = recording.encoder(scene)
     files: dict[str, bytes | str] = {}
     answer: tuple[tuple[str, str], ...] = ()
     pictures: dict = {}
     if scene.transducer:
-        taken, remarks = virtual_scan(scene, recording, tolerance)
-        files["scan.csv"], answer = scan_csv(taken, remarks), _said(taken, remarks)
-        pictures["scan.png"] = lambda ax: _draw(taken, ax)
+        scan, remarks = virtual_scan(scene, recording, tolerance)
+        files["scan.csv"], answer = scan_csv(scan, remarks), _scan_answer(scan, remarks)
+        pictures["scan.png"] = lambda ax: _draw(scan, ax)
     elif recording.scan is not None:
         scene.refuse("transducer", "is missing: a scan is of a driven stator")
     if scene.slider is not None and recording.scan is None:
@@ -127,18 +126,19 @@ def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
 
 def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
     """Return NAME.uff, the virtual vibrometer's scan as datasets 58."""
-    taken, remarks = virtual_scan(scene, recording, tolerance)
+    scan, remarks = virtual_scan(scene, recording, tolerance)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "scan.uff"
-        scan_uff(taken, path, remarks)
+        scan_uff(scan, path, remarks)
         content = path.read_bytes()
     return Exported(
-        files={f"{name}.uff": content}, answer=_said(taken, remarks), pictures={"scan.png": lambda ax: _draw(taken, ax)}
-    )
+        files={f"{name}.uff": content}, answer=_scan_answer(scan, remarks),
+        pictures={"scan.png": lambda ax: _draw(scan, ax)},
+    )  # fmt: skip
 
 
 def expected_seconds(scene: Scene, recording: Recording, tolerance: float) -> float:
-    """Return the expected time in s of what is recorded over a band of frequencies."""
+    """Return the expected time in s of a recording over a band of frequencies."""
     resolved = passband.driven_scene(scene)
     return band_seconds(resolved, _frequencies(resolved, recording.band), tolerance=tolerance)
 
@@ -154,10 +154,10 @@ def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance
     remarks = (resolved.title or name, "ports: " + ", ".join(names), *recording.remark)
     text = fem.touchstone(at, recording.noisy(scattering), reference, remarks)
     span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
-    said = f"{len(at)} frequencies, {span}, ports {', '.join(names)}, {reference:g} ohm"
+    summary = f"{len(at)} frequencies, {span}, ports {', '.join(names)}, {reference:g} ohm"
     return Exported(
         files={f"{name}.s{len(names)}p": text},
-        answer=(("network", said), *(("noise", each) for each in recording.remark)),
+        answer=(("network", summary), *(("noise", each) for each in recording.remark)),
     )
 
 
@@ -172,8 +172,8 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     record = run(alone, tolerance=tolerance)
     with TemporaryDirectory() as folder:
         write_run(record, Path(folder), field=True)
-        kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
-    return Exported(files=dict(sorted(kept.items())), answer=(("field", ", ".join(sorted(kept))),))
+        files = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
+    return Exported(files=dict(sorted(files.items())), answer=(("field", ", ".join(sorted(files))),))
 
 
 def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[Scan, tuple[str, ...]]:
@@ -184,18 +184,18 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
     if recording.band is not None and kind != "frequency":
         raise SceneError("--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}")
     resolved = passband.driven_scene(scene)
-    empty = placed(resolved, _points(resolved, kind, recording.band))
-    motion = predicted_scan(resolved, empty, tolerance=tolerance)
+    points = placed(resolved, _points(resolved, kind, recording.band))
+    motion = predicted_scan(resolved, points, tolerance=tolerance)
     size = share * float(np.max(np.abs(motion)))
-    taken = replace(
-        empty, name="scan", values=recording.noisy(motion),
+    scan = replace(
+        points, name="scan", values=recording.noisy(motion),
         deviation=np.full(len(motion), size) if size > 0.0 else None,
     )  # fmt: skip
-    return taken, (resolved.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *recording.remark)
+    return scan, (resolved.title or "untitled", "u_z per volt of the source, peak, exp(+i omega t)", *recording.remark)
 
 
 def _points(scene: Scene, kind: str, band) -> Scan:
-    """Return a scan without values yet."""
+    """Return the points of a kind of scan, with values of zero."""
     wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
     driven, (place, middle) = scene.driven_transducer, scene.positions[0]
     around = ((each.name, each.center_xy[0], each.half_length) for each in scene.transducer)
@@ -221,37 +221,34 @@ def _points(scene: Scene, kind: str, band) -> Scan:
 
 
 def _frequencies(scene: Scene, band: str | None) -> np.ndarray:
-    """Return the frequencies of a band in Hz; without one those of the passband."""
+    """Return the frequencies of a band, or of the passband if it is None, in Hz."""
     return passband.frequencies(scene, None, FREQUENCIES) if band is None else passband.band_frequencies(scene, band)
 
 
 def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float) -> str:
-    """Return what an encoder records of the scene's burst at its largest level, as CSV.
-
-    ``encoder``: its ``bandwidth`` in Hz and its ``sampling`` in s, where it has them; they come before the noise.
-    """
+    """Return what an encoder records of the scene's burst at its largest level, as CSV; the noise is added last."""
     from studies.chain import run
 
     level = max(scene.levels)
     _, path = run(scene.at_level(level), tolerance=tolerance).trajectories[0]
     columns = {scene.level_column: np.full(len(path.time), level), "time_s": path.time}
-    for more, head, curve in (
+    for seed_offset, head, curve in (
         (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
     ):  # fmt: skip
-        columns[head] = recording.noisy(recorded(path.time, curve, path.time, **encoder), more)
+        columns[head] = recording.noisy(recorded(path.time, curve, path.time, **encoder), seed_offset)
     filters = tuple(f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items())
-    rows = {head: values[1:] for head, values in columns.items()}
-    return csv_text(rows, (scene.title, *filters, *recording.remark))
+    without_start = {head: values[1:] for head, values in columns.items()}
+    return csv_text(without_start, (scene.title, *filters, *recording.remark))
 
 
-def _said(taken: Scan, remarks) -> tuple:
-    return (("scan", f"{len(taken.x)} points over {taken.kind}"), *(("", each) for each in remarks[1:]))
+def _scan_answer(scan: Scan, remarks) -> tuple:
+    return (("scan", f"{len(scan.x)} points over {scan.kind}"), *(("", each) for each in remarks[1:]))
 
 
-def _draw(taken: Scan, ax):
+def _draw(scan: Scan, ax):
     from studies.record.plots import curve, finished
 
-    along = quantity({"frequency": "frequency_Hz", "y": "y_m"}.get(taken.kind, "x_m"))
-    up, sizes = quantity("amplitude_m_per_V"), np.abs(taken.values)
-    curve(ax, taken.coordinate * along.scale, sizes * up.scale, ".", "slip", "virtual vibrometer", size=2.5)
-    return finished(ax, along.axis, up.axis, f"What a vibrometer would record of {taken.component}", columns=1)
+    along = quantity({"frequency": "frequency_Hz", "y": "y_m"}.get(scan.kind, "x_m"))
+    up, sizes = quantity("amplitude_m_per_V"), np.abs(scan.values)
+    curve(ax, scan.coordinate * along.scale, sizes * up.scale, ".", "slip", "virtual vibrometer", size=2.5)
+    return finished(ax, along.axis, up.axis, f"What a vibrometer would record of {scan.component}", columns=1)

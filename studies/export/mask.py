@@ -23,9 +23,9 @@ from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 
 LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
-# in periods: largest default side of a pad; distance of a pad from the edge of the chip
+# in periods: largest default side of a pad, and smallest distance of a pad from the edge of the chip
 PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5
-SHOWN_SPANS = 3  # of what meshed pieces draw, in the warning
+SHOWN_SPANS = 3  # grooves and strips that the warning lists
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +33,7 @@ class Sizes:
     """Dimensions of a mask in m that a scene does not contain. None selects the default for each transducer."""
 
     busbar: float | None = None  # width of a busbar; by default one period
-    end_gap: float | None = (
-        None  # from the end of a finger to the other comb's busbar; by default the gap of two fingers
-    )
+    end_gap: float | None = None  # from a finger's end to the other comb's busbar; by default the gap of two fingers
     pad: float | None = None  # side of a square pad, 0 for none; by default four periods, less if the chip is too small
     mark: float = 2e-4  # length of an alignment cross, 0 for none
     margin: float = 3e-4  # distance from the centre of a cross to the edges of the chip
@@ -44,11 +42,11 @@ class Sizes:
     @classmethod
     def read(cls, settings: list[str]) -> "Sizes":
         """Return the sizes from settings ``key=value``, such as ``busbar="0.5 mm"``."""
-        known, values = [each.name for each in fields(cls)], {}
+        keys, values = [each.name for each in fields(cls)], {}
         for setting in settings:
             key, equals, text = (part.strip() for part in setting.partition("="))
-            if not equals or key not in known:
-                raise SceneError("--size", f"must be KEY=VALUE, got {setting!r}{nearest(key, known)}")
+            if not equals or key not in keys:
+                raise SceneError("--size", f"must be KEY=VALUE, got {setting!r}{nearest(key, keys)}")
             rule = Quantity("m", zero=key in ("pad", "mark"))
             values[key] = rule.read(f"size.{key}", toml_value(text))
         return cls(**values)
@@ -77,7 +75,7 @@ class Mask:
     shift: float  # largest displacement of a corner in x or y by snapping, m
     width_error: float  # largest change of a finger width by snapping, m
     gap: float  # smallest distance of neighbouring fingers after snapping, m
-    left_out: str = ""  # a sentence on what meshed pieces draw and the mask does not
+    left_out: str = ""  # a sentence on parts of meshed pieces that the mask does not contain
 
 
 def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
@@ -86,16 +84,16 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     Raises
     ------
     SceneError
-        If there is no transducer, a part lies outside the chip, or combs touch, also because of a coarse grid; if a
-        mesh of the whole stator draws other fingers than the transducers' blocks, which the mask follows.
+        If there is no transducer, a part lies outside the chip, combs touch (also because of a coarse grid), or a mesh
+        of the whole stator has other fingers than the transducers' blocks, from which the mask is drawn.
     """
     sizes = Sizes() if sizes is None else sizes
     if not scene.transducer:
         scene.refuse("transducer", "is missing: a mask draws transducers")
     resolved = resolve.resolved(scene)
     stator = fem_model.whole_stator(resolved)
-    for said in stator.other_fingers(fem_model.transducers(resolved)):
-        raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {said}")
+    for difference in stator.other_fingers(fem_model.transducers(resolved)):
+        raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {difference}")
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
     polygons = [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in exact]

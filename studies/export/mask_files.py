@@ -1,4 +1,4 @@
-"""The mask of a scene as a file, and as a picture on the beam that its transducers make."""
+"""The mask of a scene as a file, and as a picture over the beam of its transducers."""
 
 import logging
 from dataclasses import replace
@@ -84,8 +84,10 @@ def layer_name(polygon: Polygon) -> str:
 
 def layer_table(mask: Mask) -> str:
     """Return the layers of the GDSII file as CSV."""
-    rows = {(LAYERS[each.layer], datatype(mask, each)): layer_name(each) for each in mask.polygons}
-    return "layer,datatype,name\n" + "".join(f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items()))
+    names = {(LAYERS[each.layer], datatype(mask, each)): layer_name(each) for each in mask.polygons}
+    return "layer,datatype,name\n" + "".join(
+        f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(names.items())
+    )
 
 
 def _exported(drawn: Mask, files, scene: Scene, tolerance: float) -> Exported:
@@ -125,7 +127,7 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float) -> None:
 
 
 def draw(mask: Mask, ax, *, beam: bool) -> None:
-    """Draw a mask into an Axes in mm; ``beam`` says that the Axes already show a computed beam."""
+    """Draw a mask into an Axes in mm; ``beam``: True if the Axes already show the beam."""
     from matplotlib.collections import PolyCollection
 
     colours = {"+": "tab:red", "-": "tab:blue", "o": "tab:grey", "": "black"}

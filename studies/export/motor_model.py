@@ -1,7 +1,4 @@
-"""The averaged motor: a slider that the cycle means of the contact forces move, and where it is.
-
-What the model leaves out is in ``left_out``, with its size where it is known.
-"""
+"""The averaged motor: a slider moved by the cycle means of the contact forces, and its state over time."""
 
 from dataclasses import dataclass, field, replace
 
@@ -18,17 +15,17 @@ RESPONSE_STEP = 2.5e-7  # s; half of the cycle at 2 MHz
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """What drives the slider one way: a transducer at 1 V of its source, or a given wave of 1 m."""
+    """A drive in one direction: a transducer at 1 V of its source, or a prescribed wave of 1 m."""
 
     name: str  # of the transducer; "wave"
     orbits: tuple = field(repr=False)  # contact.Orbit of each contact for a level of 1
-    # the surface under the slider from the drive's beginning over its steady motion, at even times; None: at once
+    # step response of the surface under the slider over its steady motion, every `response_step`; None: immediate
     response: np.ndarray | None = field(default=None, repr=False)
     response_step: float = RESPONSE_STEP  # s
     settling: float = 0.0  # s to within 1 %
     power: float = 0.0  # into the transducer, W per V^2
     error: float = 0.0  # relative, of the orbits
-    mirrored: bool = False  # the mirror image of the drive before it, whose tables serve
+    mirrored: bool = False  # mirror image of the first drive; the two share tables
 
     @property
     def amplitude(self) -> float:
@@ -36,7 +33,7 @@ class Drive:
         return max(abs(orbit.normal) for orbit in self.orbits)
 
     def saturation(self, slider) -> float:
-        """Return the slider velocity per normal amplitude beyond which friction has one direction all through."""
+        """Return v_1: from the slider velocity v_1 |u_z| on, friction has one direction throughout the cycle."""
         fastest = max(abs(each.tangential) + slider.limit_slope * abs(each.normal) for each in self.orbits)
         return self.orbits[0].omega * fastest / self.amplitude
 
@@ -46,21 +43,21 @@ class AveragedMotor:
     """A motor whose slider follows the cycle means of the contact forces, for exports and the position loop."""
 
     scene: Scene = field(repr=False)  # as resolved
-    # As the contact's solvers take it: of one ball where several feel one motion
+    # for the contact's solvers: one ball if all balls have the same motion
     slider: contact.Slider = field(repr=False)
-    share: int  # equal sliders that the real one stands for; forces of the real slider are so many times larger
-    drives: tuple[Drive, ...]  # the first is that of positive levels, the second, if any, that of negative ones
+    share: int  # forces on the real slider over those on ``slider``
+    drives: tuple[Drive, ...]  # of positive levels, and if there are two, of negative levels
     levels: tuple[float, ...]  # of the scene, rising
     parameters: np.ndarray = field(repr=False)
     tables: np.ndarray = field(repr=False)
-    # Errors of the mean tangential force over mu preload at random points of the tables: largest (at kinks), and that
-    # which 99 % of the points keep
+    # Error of the mean tangential force over mu preload at random points of the tables: largest (at kinks), and 99 %
+    # quantile
     interpolation_error: tuple[float, float]
     # Largest change of the steady velocity over the scene's levels, relative to max(|v|, omega |u_x|/10): by
     # second-order averaging, and by the interpolation
     averaging_error: float
     velocity_error: float
-    left_out: tuple[str, ...]  # what the model does without
+    left_out: tuple[str, ...]  # neglected effects, with their size if it is known
 
     @property
     def title(self) -> str:
@@ -69,7 +66,7 @@ class AveragedMotor:
 
     @property
     def unit(self) -> str:
-        """Unit of the level: V, or m for a given wave."""
+        """Unit of the level: V, or m for a prescribed wave."""
         return "V" if self.scene.wave is None else "m"
 
     @property
@@ -80,9 +77,8 @@ class AveragedMotor:
     @property
     def load(self) -> float:
         """Load of the scene as a force along +x on the real slider, N: against the first drive's motion."""
-        return (
-            -float(np.copysign(self.slider.load, push(self.slider, self.orbits_at(self.levels[-1])))) * self.share + 0.0
-        )
+        direction = push(self.slider, self.orbits_at(self.levels[-1]))
+        return -float(np.copysign(self.slider.load, direction)) * self.share + 0.0
 
     def orbits_at(self, level: float) -> tuple:
         """Return the contacts' orbits at a level of the first drive."""
@@ -98,13 +94,13 @@ class AveragedMotor:
 
 @dataclass(frozen=True, kw_only=True)
 class MotorState:
-    """Where a motor is; `advance` moves it on."""
+    """State of a motor; `advance` changes it in place."""
 
     motor: AveragedMotor = field(repr=False)
     numbers: np.ndarray = field(repr=False)
 
     def advance(self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None) -> None:
-        """Move on by a duration in s under constant inputs.
+        """Advance by a duration in s under constant inputs.
 
         Parameters
         ----------
@@ -140,7 +136,7 @@ class MotorState:
     sticks = property(lambda self: bool(self.numbers[index.STICKS]))
 
     def copy(self) -> "MotorState":
-        """Return a state that moves on by itself."""
+        """Return an independent copy."""
         return replace(self, numbers=self.numbers.copy())
 
 
@@ -155,9 +151,9 @@ def push(slider: contact.Slider, orbits: tuple) -> float:
 
 
 def ring_speed(slider, contacts: int) -> float:
-    """Return the largest velocity in m/s of a slider that rings in contacts which stick on a surface at rest.
+    """Return the largest velocity in m/s of the tangential ringing of a slider that sticks on a surface at rest.
 
-    The energy that the contacts hold at the limit of slip, e/(e + 1) mu P x_max with x_max = c z and e = 3/2 for
+    The energy stored in the contacts at the limit of slip, e/(e + 1) mu P x_max with x_max = c z and e = 3/2 for
     spheres, 1 for flat punches, becomes kinetic energy m v^2/2.
     """
     exponent = force_exponent(slider)

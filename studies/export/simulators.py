@@ -29,36 +29,37 @@ def c_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
 
 
 def tables(motor: AveragedMotor) -> dict[str, str]:
-    """Return the tables of a motor as CSV files by name, units in the heads; see `studies.export.reduced_motor`."""
+    """Return the tables of a motor (`studies.export.reduced_motor`) as CSV text by file name."""
     head = "".join(f"# {line}\n" for line in description(motor))
     tau = np.linspace(0.0, 1.0, ROWS)
     nu = np.linspace(0.0, 1.0, COLUMNS) ** 2
-    slider, parts = motor.slider, {}
+    slider, files = motor.slider, {}
     for number, drive in enumerate(motor.drives):
-        place = motor.parameters[index.FIRST_DRIVE + number * index.DRIVE_SIZE :].astype(int)
-        loads = motor.tables[place[index.LOADS] :][:ROWS]
-        forces = motor.tables[place[index.FORCES] :][: 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS)
-        if place[index.FACING] < 0:
+        start = motor.parameters[index.FIRST_DRIVE + number * index.DRIVE_SIZE :].astype(int)
+        loads = motor.tables[start[index.LOADS] :][:ROWS]
+        forces = motor.tables[start[index.FORCES] :][: 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS)
+        if start[index.FACING] < 0:
             forces = -forces[::-1]
-        own = head + (
+        drive_head = head + (
             f"# drive {drive.name}: s = {drive.amplitude!r} m per {motor.unit}, v_1 = {drive.saturation(slider)!r} "
             "(m/s)/m\n# tau = sqrt(s)/(sqrt(s) + sqrt(h + s)), nu = V/(v_1 s), <P> = n K (h + s)^e R, Q = mu <P> g\n"
             f"# n K = {slider.normal_stiffness * len(drive.orbits) * motor.share!r} N/m^e, "
             f"e = {force_exponent(slider)}, mu = {slider.friction_coefficient!r}\n"
         )
         label = drive.name.replace(" ", "_")
-        parts[f"mean_load_{label}.csv"] = own + "tau,R\n" + _rows(np.column_stack([tau, loads]))
-        whole = np.hstack([forces[0, :, :0:-1], forces[1, :, 1:]])
+        files[f"mean_load_{label}.csv"] = drive_head + "tau,R\n" + _rows(np.column_stack([tau, loads]))
+        both_sides = np.hstack([forces[0, :, :0:-1], forces[1, :, 1:]])
         limits = np.column_stack([forces[0, :, 0], forces[1, :, 0]])
         signed = np.concatenate([-nu[:0:-1], nu[1:]])
         columns = ",".join(["tau", "g_at_0_from_below", "g_at_0_from_above", *(f"g_at_nu={v:.8g}" for v in signed)])
-        parts[f"mean_force_{label}.csv"] = own + columns + "\n" + _rows(np.column_stack([tau, limits, whole]))
+        files[f"mean_force_{label}.csv"] = (
+            drive_head + columns + "\n" + _rows(np.column_stack([tau, limits, both_sides]))
+        )
         if drive.response is not None:
-            response = drive.response
-            time = drive.response_step * np.arange(len(response))
-            numbers = np.column_stack([time, response.real, response.imag])
-            parts[f"ring_up_{label}.csv"] = own + "time_s,factor_real,factor_imaginary\n" + _rows(numbers)
-    return parts
+            time = drive.response_step * np.arange(len(drive.response))
+            numbers = np.column_stack([time, drive.response.real, drive.response.imag])
+            files[f"ring_up_{label}.csv"] = drive_head + "time_s,factor_real,factor_imaginary\n" + _rows(numbers)
+    return files
 
 
 def _rows(table: np.ndarray) -> str:

@@ -14,7 +14,7 @@ the slider towards +x) and its duration. There are four kinds:
 import math
 import runpy
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 from studies.refusal import SceneError, nearest
@@ -191,19 +191,15 @@ def controller(name: str, settings: dict[str, float]) -> Callable[[Reading], Com
     """
     if ":" in name and name.partition(":")[0].endswith(".py"):
         if settings:
-            raise SceneError("--loop", f"{next(iter(settings))} is no number of a controller of one's own")
+            raise SceneError("--loop", f"{next(iter(settings))} is no number of the loop, and {name} takes none")
         return _user_controller(name)
     if name not in CONTROLLERS:
         raise SceneError("--controller", f"{name!r} does not exist{nearest(name, [*CONTROLLERS, 'FILE.py:FUNCTION'])}")
-    known = CONTROLLERS[name]()
+    known = [each.name for each in fields(CONTROLLERS[name])]
     for key in settings:
-        if key not in known.__dataclass_fields__:
-            raise SceneError(
-                "--loop", f"{key} is no number of the loop or of {name}{nearest(key, known.__dataclass_fields__)}"
-            )
-    if "readings" in settings:
-        settings = settings | {"readings": int(settings["readings"])}
-    return replace(known, **settings)
+        if key not in known:
+            raise SceneError("--loop", f"{key} is no number of the loop or of {name}{nearest(key, known)}")
+    return CONTROLLERS[name](**{key: int(each) if key == "readings" else each for key, each in settings.items()})
 
 
 def _user_controller(name: str) -> Callable[[Reading], Command]:
@@ -215,29 +211,24 @@ def _user_controller(name: str) -> Callable[[Reading], Command]:
     try:
         content = runpy.run_path(file, run_name=f"sawmotor_controller_{path.stem}")
     except Exception as error:
-        text = " ".join(str(error).split())
-        raise SceneError("--controller", f"{file!r} cannot be run: {type(error).__name__}: {text}") from None
-    own = content.get(function)
-    if not callable(own):
+        reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise SceneError("--controller", f"{file!r} cannot be run: {reason}") from None
+    user_function = content.get(function)
+    if not callable(user_function):
         known = [name for name, each in content.items() if callable(each) and not name.startswith("_")]
         raise SceneError("--controller", f"{file!r} has no function {function!r}{nearest(function, known)}")
 
     def command(reading: Reading) -> Command:
         try:
-            answer = own(reading)
+            answer = user_function(reading)
         except Exception as error:
-            text = " ".join(str(error).split())
-            raise SceneError(
-                "--controller", f"{name} failed at {reading.time:g} s: {type(error).__name__}: {text}"
-            ) from None
+            reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            raise SceneError("--controller", f"{name} failed at {reading.time:g} s: {reason}") from None
         level, duration = answer if isinstance(answer, tuple) else (answer, reading.period)
-        numbers = (int, float)
-        if not (
-            isinstance(level, numbers) and isinstance(duration, numbers) and math.isfinite(level) and duration >= 0.0
-        ):
-            raise SceneError(
-                "--controller", f"{name} must return a finite level, or a level and a duration in s, got {answer!r}"
-            )
+        are_numbers = all(isinstance(each, (int, float)) for each in (level, duration))
+        if not (are_numbers and math.isfinite(level) and duration >= 0.0):
+            rule = "must return a finite level, or a level and a duration in s"
+            raise SceneError("--controller", f"{name} {rule}, got {answer!r}")
         return Command(level=float(level), duration=min(float(duration), MAX_BURST), phase="own")
 
     return command

@@ -1,16 +1,18 @@
 """Velocity, thrust and efficiency of a motor over any two of its parameters.
 
-Method: a sweep of the scene (``twente-contact`` by default) over two axes: amplitude and preload, or those given by
-``--over KEY=START:STOP:N`` twice. Each point gives the steady velocity, the blocked thrust, and the efficiency at half
-of this thrust. The closed forms of threshold and release give the factor by which the drive must change to reach them;
-their lines are drawn where this factor is 1. A star marks the operating point of the scene. Expected: the slider moves
-exactly where the drive exceeds the threshold, and leaves the surface in every cycle exactly where it exceeds the
+Method: a sweep of the scene (``twente-contact`` by default) over two axes: amplitude and preload, or those of two
+options ``--over KEY=START:STOP:N``. Each point gives the steady velocity, the blocked thrust, and the efficiency at
+half of this thrust. The closed forms of threshold and release give the factor by which the drive must change to reach
+them; their lines are drawn where this factor is 1. A star marks the operating point of the scene. Expected: the slider
+moves exactly where the drive exceeds the threshold, and leaves the surface in every cycle exactly where it exceeds the
 release; the thrust is at most mu times the preload. Run time: about 5 s.
 """
 
 import logging
 import math
+from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm
@@ -25,7 +27,7 @@ from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 from studies.sweeps import sweep
 from studies.sweeps.axes import axis, level_key
 
@@ -64,17 +66,18 @@ def run(
     axes = [axis(key, values) for key, values in (over or _default_axes(resolved_scene, level, counts)).items()]
     _check(axes)
     (x_key, y_key), (x, y) = (each.keys[0] for each in axes), (each.columns[0] for each in axes)
-    own = {f"own_{side}": _own(table, key) for side, key in (("x", x_key), ("y", y_key))}
-    has_level_axis = level in (x_key, y_key)
-    if not has_level_axis:
-        table = replaced(table, level, [max(resolved_scene.levels)])
+    title = resolved_scene.title
+    if level not in (x_key, y_key):
+        largest = max(resolved_scene.levels)
+        table = replaced(table, level, [largest])
+        title += f", {level.rpartition('.')[2].replace('_', ' ')} {si(largest, unit_of(rule_at(level)) or '')}"
     LOGGER.info(f"design map: {len(x) * len(y)} points")
 
-    def report(count, kept, failed, cost):
-        LOGGER.info(f"design map: {kept} of {count} points, {failed} failed")
+    def report(total, done, failed, _seconds):
+        LOGGER.info(f"design map: {done} of {total} points, {failed} failed")
 
-    words = ("limits", "thrust", "efficiency")
-    points = sweep(table, {y_key: y, x_key: x}, tolerance=tolerance, also=words, progress=report)
+    also = ("limits", "thrust", "efficiency")
+    points = sweep(table, {y_key: y, x_key: x}, tolerance=tolerance, also=also, progress=report)
     failed = f"{points.failed} of {points.points} points have no answer"
     columns, shape = points.columns(), (len(y), len(x))
     grid = {
@@ -82,46 +85,40 @@ def run(
         for name, column in columns.items()
         if name.endswith(("_factor", "_efficiency", "_m_per_s", "_N"))
     }
-    known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
+    known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: there is no threshold
     if not known.any():
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
-    factors = {f"{name}_factor": _as_lists(grid[f"{name}_factor"]) for name in ("threshold", "release")}
-    shared = {"x_key": x_key, "x": x, "y_key": y_key, "y": y, **own, **factors}
-    title = resolved_scene.title
-    if not has_level_axis:
-        name = level.rpartition(".")[2].replace("_", " ")
-        title += f", {name} {si(max(resolved_scene.levels), unit_of(rule_at(level)) or '')}"
+    shared = {
+        "x_key": x_key, "x": x, "y_key": y_key, "y": y, "own_x": _own(table, x_key), "own_y": _own(table, y_key),
+        **{key: _as_lists(grid[key]) for key in ("threshold_factor", "release_factor")},
+    }  # fmt: skip
     panels = [
-        Panel(
-            name=name,
-            title=title,
-            data=shared
-            | {"value": _as_lists(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale},
-        )
-        for name, (key, drawn) in PANELS.items()
-        if key in grid
-    ]
-    moving, above_threshold = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
-    leaves_surface, above_release = (
-        np.reshape(columns["regime"], shape) == "intermittent",
-        grid["release_factor"] < 1.0,
-    )
-    slider = resolved_scene.slider
+        Panel(name=name, title=title, data=shared | {
+            "value": _as_lists(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale,
+        })
+        for name, (key, drawn) in PANELS.items() if key in grid
+    ]  # fmt: skip
+    return panels, _findings(resolved_scene.slider, columns, grid, known, failed)
+
+
+def _findings(slider: Any, columns: dict, grid: dict, known: np.ndarray, failed: str) -> Iterator[Finding]:
+    """Yield the findings on regimes, efficiency and thrust at the points with a known answer, an array of bool."""
+    moves, leaves = grid["velocity_m_per_s"] != 0.0, np.reshape(columns["regime"], known.shape) == "intermittent"
+    agreement = {
+        "threshold": moves == (grid["threshold_factor"] < 1.0), "release": leaves == (grid["release_factor"] < 1.0)
+    }  # fmt: skip
+    for name, agrees in agreement.items():
+        yield judged(f"The closed form of the {name} separates the regimes.", "fraction of points on the expected side",
+                     np.mean(agrees[known]), holds=np.all(agrees[known]), expected="1", remark=failed)  # fmt: skip
+    yield judged("The load receives less power than the wave delivers.", "largest efficiency of the contact",
+                 np.nanmax(grid["contact_efficiency"][known]), low=0, high=1)  # fmt: skip
     preload, mu = (
-        np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
+        np.reshape(columns.get(f"slider.{key}", [value] * known.size), known.shape).astype(float)
         for key, value in (("preload", slider.preload_force), ("friction_coefficient", slider.static_coefficient))
     )
-    findings = (
-        *(judged(f"The closed form of the {name} separates the regimes.", "fraction of points on the expected side",
-                 np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
-          for name, right in (("threshold", moving == above_threshold), ("release", leaves_surface == above_release))),
-        judged("The load receives less power than the wave delivers.", "largest efficiency of the contact",
-               np.nanmax(grid["contact_efficiency"][known]), low=0, high=1),
-        judged("The blocked thrust is at most mu times the preload.", "largest blocked thrust over mu times preload",
-               np.nanmax((grid["thrust_N"] / (mu * preload))[known]), low=0, high=1 + 1e-9,
-               expected="above 0, up to 1"),
-    )  # fmt: skip
-    return panels, findings
+    yield judged("The blocked thrust is at most mu times the preload.", "largest blocked thrust over mu times preload",
+                 np.nanmax((grid["thrust_N"] / (mu * preload))[known]), low=0, high=1 + 1e-9,
+                 expected="above 0, up to 1")  # fmt: skip
 
 
 @of_record
@@ -191,7 +188,9 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
     factors = columns["threshold_factor"][0], columns["release_factor"][0]
     if None in factors:
-        raise SceneError("over", "must be given twice: this scene has no threshold or release to choose axes by")
+        raise SceneError(
+            "over", "must be given twice: this scene has no threshold or release, from which default axes follow"
+        )
     low, high = (max(scene.levels) * factor for factor in factors)
     return {
         level: np.geomspace(0.4 * low, 6.0 * high, counts[0]),

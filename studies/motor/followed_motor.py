@@ -1,16 +1,16 @@
-r"""A motor followed through every cycle of the wave in fixed steps: what the averaged motor is compared with.
+r"""A motor integrated through every cycle of the wave in fixed steps: the reference of the averaged motor.
 
 Model: the equations that `contact` solves, without averaging,
 
     m z_s'' = sum P_i - preload - d_n z_s',   z_i = u_z,i - z_s,   P_i = K z_i^e (1 + chi z_i') where z_i > 0
     m V'    = sum Q_i - d_t V + F,            x_i' = u_x,i' - V,    |x_i| <= c z_i,   Q_i of Cattaneo and Mindlin
 
-(signs as in `studies.export.reduced_motor`).  u_i = Re(sum_d e_d(t) U_i,d exp(i omega t)): each drive's envelope e_d is
-the step response of the surface under the slider, so that waves grow, fade and overlap as they do.  At time 0 the
+(signs as in `studies.export.reduced_motor`).  u_i = Re(sum_d e_d(t) U_i,d exp(i omega t)): each drive's envelope e_d
+follows from the step response of the surface under the slider, so that waves grow, fade and overlap.  At time 0 the
 first drive's u_z of the first contact passes zero upwards.
 
-Integration: Verlet's method with the deformation cut to its limit, `STEPS` per cycle of the wave, `STILL_STEPS` per
-period of the contact's fastest ring where there is none.  No code of `contact`'s solvers takes part.  Error against
+Integration: Verlet's method with the deformation cut to its limit, `STEPS` per cycle of the wave; without a wave,
+`REST_STEPS` per period of the contact's fastest ring.  It shares no code with the solvers of `contact`.  Error against
 `contact.step`: 1e-5 of a step and 5e-3 nm (tests/studies/test_positioning.py).
 """
 
@@ -23,10 +23,10 @@ from studies.export.reduced_motor import index
 
 # steps per cycle of the wave; error over 10 um of twente and back: 0.006 nm, with 800 steps 0.02, with 400 0.3 nm
 STEPS = 1600
-STILL_STEPS = 1000  # steps per period of the ring; differs by 1e-3 nm from 4000 steps
+REST_STEPS = 1000  # steps per period of the ring; differs by 1e-3 nm from 4000 steps
 NODES = 8  # nodes of the envelopes per cycle, with linear interpolation
-# indices of z_s, z_s', V, position, and of the first contact deformation
-HEIGHT, CLIMB, SPEED, PLACE, STRAIN = range(5)
+# indices of z_s, z_s', V, position along x, and of the first contact deformation
+HEIGHT, NORMAL_VELOCITY, VELOCITY, POSITION, STRAIN = range(5)
 
 
 class FollowedMotor:
@@ -40,17 +40,16 @@ class FollowedMotor:
         self.normal = start * np.array([[each.normal for each in drive.orbits] for drive in drives])
         self.tangential = start * np.array([[each.tangential for each in drive.orbits] for drive in drives])
         contacts = len(drives[0].orbits)
-        self.still_step = 1.0 / (
-            STILL_STEPS * max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
-        )
+        ring = max(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))  # Hz
+        self.rest_step = 1.0 / (REST_STEPS * ring)
         self.changes: list[list[tuple[float, float]]] = [[] for _ in drives]  # (time, change of the level)
         self.levels = [0.0] * len(drives)
         at_rest = motor.start(force=force, preload=preload)
         strain = np.full(contacts, at_rest.deformation)
         self.state = np.concatenate([[-at_rest.numbers[index.APPROACH], 0.0, 0.0, 0.0], strain])
 
-    position = property(lambda self: float(self.state[PLACE]))
-    velocity = property(lambda self: float(self.state[SPEED]))
+    position = property(lambda self: float(self.state[POSITION]))
+    velocity = property(lambda self: float(self.state[VELOCITY]))
     deformation = property(lambda self: float(np.mean(self.state[STRAIN:])))
 
     def advance(self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None) -> None:
@@ -67,7 +66,7 @@ class FollowedMotor:
         at = self.time + np.linspace(0.0, duration, count)
         envelopes = np.array([self._envelope(drive, at) for drive in range(len(motor.drives))])
         waves = np.any(envelopes, axis=1)
-        longest = 2.0 * np.pi / (self.omega * self.steps) if np.any(waves) else self.still_step
+        longest = 2.0 * np.pi / (self.omega * self.steps) if np.any(waves) else self.rest_step
         preload = motor.preload if preload is None else preload
         follow(
             p, self.state, self.normal[waves], self.tangential[waves], envelopes[waves], self.omega, self.time,
@@ -76,11 +75,11 @@ class FollowedMotor:
         self.time += duration
 
     def _envelope(self, drive: int, at: np.ndarray) -> np.ndarray:
-        """Return the complex factors on the orbits of a drive at some times, not before the present time."""
+        """Return the complex factors on the orbits of a drive at times in s, none before the present time."""
         response, step = self.motor.drives[drive].response, self.motor.drives[drive].response_step
         if response is None:
             return np.full(at.size, self.levels[drive], complex)
-        total, kept = np.zeros(at.size, complex), []
+        total, unsettled = np.zeros(at.size, complex), []
         settled = self.levels[drive] - sum(change for _, change in self.changes[drive])
         nodes = step * np.arange(len(response))
         for time, change in self.changes[drive]:
@@ -88,9 +87,9 @@ class FollowedMotor:
                 settled += change
             else:
                 total += change * np.interp(at - time, nodes, response)
-                kept.append((time, change))
-        self.changes[drive] = kept
-        return total + (settled if kept else self.levels[drive])
+                unsettled.append((time, change))
+        self.changes[drive] = unsettled
+        return total + (settled if unsettled else self.levels[drive])
 
 
 @compiled
@@ -105,20 +104,20 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
     mass, friction, c = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE]
     # values of the previous step: approach, u_x, rates of approach and deformation
     before = np.zeros((4, contacts))
-    push, pull = 0.0, 0.0
-    phase, turn = np.exp(1j * omega * time), np.exp(1j * omega * h)
+    normal_acceleration, acceleration = 0.0, 0.0
+    phase, rotation = np.exp(1j * omega * time), np.exp(1j * omega * h)
     for k in range(steps + 1):
         at = k * (nodes - 1) / steps
         node = min(int(at), nodes - 2)
         if k > 0:
-            phase *= turn
-            state[CLIMB] += 0.5 * h * push
-            state[SPEED] += 0.5 * h * pull
-            state[HEIGHT] += h * state[CLIMB]
-            state[PLACE] += h * state[SPEED]
+            phase *= rotation
+            state[NORMAL_VELOCITY] += 0.5 * h * normal_acceleration
+            state[VELOCITY] += 0.5 * h * acceleration
+            state[HEIGHT] += h * state[NORMAL_VELOCITY]
+            state[POSITION] += h * state[VELOCITY]
         total, drag = 0.0, 0.0
         for i in range(contacts):
-            u_z, u_x, rate_z, rate_x = 0.0, 0.0, -state[CLIMB], -state[SPEED]
+            u_z, u_x, rate_z, rate_x = 0.0, 0.0, -state[NORMAL_VELOCITY], -state[VELOCITY]
             for d in range(drives):
                 e = phase * (envelopes[d, node] + (at - node) * (envelopes[d, node + 1] - envelopes[d, node]))
                 z_part, x_part = e * normal[d, i], e * tangential[d, i]
@@ -129,12 +128,12 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
             z, z_old = u_z - state[HEIGHT], before[0, i]
             x = state[STRAIN + i]
             if k > 0:
-                moved = u_x - before[1, i] - h * state[SPEED]
+                moved = u_x - before[1, i] - h * state[VELOCITY]
                 if z_old <= 0.0:  # contact begins within the step
                     x += moved * max(z, 0.0) / (z - z_old) if z > z_old else 0.0
                 elif abs(x) < c * z_old:
                     x += moved
-                # it slipped: it sticks from the instant at which the slip velocity changes its sign within the step
+                # it slips, until the slip velocity changes its sign within the step
                 else:
                     side = 1.0 if x > 0.0 else -1.0
                     first, last = side * before[3, i] - c * before[2, i], side * rate_x - c * rate_z
@@ -149,8 +148,8 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
                     drag += friction * load * model.spring_share(x / (c * z), exponent)
             state[STRAIN + i] = x
             before[0, i], before[1, i], before[2, i], before[3, i] = z, u_x, rate_z, rate_x
-        push = (total - preload - p[index.NORMAL_DAMPING] * state[CLIMB]) / mass
-        pull = (drag + force - p[index.TANGENTIAL_DAMPING] * state[SPEED]) / mass
+        normal_acceleration = (total - preload - p[index.NORMAL_DAMPING] * state[NORMAL_VELOCITY]) / mass
+        acceleration = (drag + force - p[index.TANGENTIAL_DAMPING] * state[VELOCITY]) / mass
         if k > 0:
-            state[CLIMB] += 0.5 * h * push
-            state[SPEED] += 0.5 * h * pull
+            state[NORMAL_VELOCITY] += 0.5 * h * normal_acceleration
+            state[VELOCITY] += 0.5 * h * acceleration

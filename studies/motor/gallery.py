@@ -1,7 +1,7 @@
 """Pictures of a surface-acoustic-wave motor: field, orbits, contact and maps.
 
 Method: a scene with transducers and a slider (``twente`` by default) is run and drawn: the wave field (still, moving,
-and as a solid of the whole width), orbits at 12 places, the amplitude with its ripple, the profile through the depth
+and as a solid of the whole width), orbits at 12 positions, the amplitude with its ripple, the profile through the depth
 compared with the half-space, one contact in slow motion, start and stop, regimes, velocity, and the balances of power
 and energy. Expected: pictures only; other studies judge what they show.
 Run time: about a minute.
@@ -10,7 +10,6 @@ Run time: about a minute.
 import logging
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import contact
@@ -22,7 +21,7 @@ from studies.record.run_pictures import velocity
 from studies.scene import Scene
 from studies.stator import admittance
 from studies.study import Panel, StudyRecord
-from studies.view.contact_view import contact_moments
+from studies.view.contact_view import steady_history
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import run_field
 
@@ -43,12 +42,12 @@ class Gallery(StudyRecord):
     """Data of the pictures: run, wave field, contact and ledger at one voltage, bursts, and other studies."""
 
     record: Record = field(repr=False)
-    wave_field: "RunField" = field(repr=False)  # its RunField
+    wave_field: "RunField" = field(repr=False)
     voltage: float  # voltage of ``contact`` and ``ledger``, V
-    contact: tuple = field(repr=False)  # `contact_view.moments` and title
+    contact: tuple = field(repr=False)  # of `contact_view.steady_history`: waveforms and title
     bursts: tuple = field(repr=False)  # pairs (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
-    ledger: "Ledger" = field(repr=False)  # contact.Ledger of one cycle
+    ledger: "Ledger" = field(repr=False)  # of one cycle
     others: tuple = field(repr=False)  # pairs (study, panel)
     films: bool = True
 
@@ -76,7 +75,6 @@ def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True)
     voltage, *voltages = (
         min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)
     )
-    slow = contact_moments(record, level=voltage)
     LOGGER.info("bursts")
     slider = driven.slider
     acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
@@ -88,21 +86,14 @@ def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True)
         for level in dict.fromkeys(voltages)
     )
     studies = (regime_map, admittance) if maps else ()
+    panel = Panel(name="wave", title=loaded.title, data={"wavelength_m": wave_field.wavelength})
     return Gallery(
-        name="gallery",
-        panels=(Panel(name="wave", title=loaded.title, data={"wavelength_m": wave_field.wavelength}),),
-        findings=(),
-        record=record,
-        wave_field=wave_field,
-        voltage=voltage,
-        contact=slow,
-        bursts=bursts,
-        acceleration=acceleration,
+        name="gallery", panels=(panel,), findings=(), record=record, wave_field=wave_field, voltage=voltage,
+        contact=steady_history(record, level=voltage), bursts=bursts, acceleration=acceleration,
         ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
-        others=tuple((each, each.run(loaded).panels[0]) for each in studies),
-        films=films,
+        others=tuple((each, each.run(loaded).panels[0]) for each in studies), films=films,
         seconds=time.perf_counter() - start_time,
-    )
+    )  # fmt: skip
 
 
 def figure(record: Gallery, ax):
@@ -110,6 +101,4 @@ def figure(record: Gallery, ax):
     return velocity(record.record, ax)
 
 
-def draw(gallery: Gallery, folder: Path) -> None:
-    """Draw all pictures of the gallery into a directory."""
-    draw_all(gallery, folder)
+draw = draw_all  # all pictures of a gallery, into a directory

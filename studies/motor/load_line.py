@@ -17,7 +17,7 @@ import contact
 from studies.chain.pillar_points import PillarContact, moves
 from studies.record.plots import curve, family, finished
 from studies.record.quantities import quantity
-from studies.report.intermediate import load_axis, si
+from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
@@ -42,12 +42,12 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     on_pillars = partial(moves, driven) if resolved_scene.on_pillars else None
     for level in driven.spread(1.05, LINES, on_pillars):
-        LOGGER.info(f"load line: {driven.scene.named(level)}")
+        name = driven.scene.named(level)
+        LOGGER.info(f"load line: {name}")
         if resolved_scene.on_pillars:
-            lines[driven.scene.named(level)] = PillarContact.of(driven).load_line(level, points)
-            continue
-        line = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
-        lines[driven.scene.named(level)] = line
+            lines[name] = PillarContact.of(driven).load_line(level, points)
+        else:
+            lines[name] = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
     if resolved_scene.on_pillars:
         slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
     balls = resolved_scene.slider.share
@@ -68,13 +68,11 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
     stalls = {key: balls * line.blocked_thrust for key, line in lines.items()}
     best, line = max(lines.items(), key=lambda each: np.max(each[1].efficiency))
     best_index = int(np.argmax(line.efficiency))
+    load, speed = si(balls * line.load[best_index], "N", 3), si(abs(line.velocity[best_index]), "m/s", 3)
+    efficiency = f"{100 * line.efficiency[best_index]:.3g} %: at {best}, under {load}, at {speed}"
     answer = [
         ("blocked thrust", ", ".join(f"{si(stall, 'N', 4)} at {key}" for key, stall in stalls.items())),
-        (
-            "efficiency",
-            f"of the contact at most {100 * line.efficiency[best_index]:.3g} %: at {best}, under "
-            f"{si(balls * line.load[best_index], 'N', 3)}, at {si(abs(line.velocity[best_index]), 'm/s', 3)}",
-        ),
+        ("efficiency", f"of the contact at most {efficiency}"),
     ]
     panels = [
         Panel(name=file, title=f"{resolved_scene.title}: {title}", data={
@@ -95,7 +93,7 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
     data = record.data
-    factor, label = load_axis(max(max(load) for load in data["load_N"].values()))
+    factor, label = key_axis("slider.load", max(max(load) for load in data["load_N"].values()))
     for name, load, colour in family(data["load_N"]):
         values = np.asarray(data["value"][name]) * data["factor"]
         curve(ax, np.asarray(load) * factor, values, ".-", colour, name)

@@ -44,7 +44,7 @@ class Loop:
 
 @dataclass(frozen=True, kw_only=True)
 class Drives:
-    """The drives of a motor as the loop sees them."""
+    """Data of a motor's drives for the loop."""
 
     powers: tuple[float, float] = (0.0, 0.0)  # of the first and of the second drive, W per squared unit of the level
     direction: float = 1.0  # sign of the velocity under the first drive
@@ -85,10 +85,10 @@ def moved(
     target : float
         Position, m.
     control : callable
-        The controller: asked at the end of each burst, and otherwise each period, for the next `Command`. It keeps what
-        it needs in ``reading.memory``, where ``settled`` says that it is content.
+        The controller: called at the end of each burst, and otherwise each period, for the next `Command`. Its state is
+        in ``reading.memory``, where it sets ``settled`` when the error needs no correction.
     numbers : MotorNumbers
-        What the controller knows of the motor.
+        The motor's numbers for the controller.
     loop : Loop
     drives : Drives
     """
@@ -102,7 +102,7 @@ def moved(
     samples, energy, cycles, settled_time = [(0.0, start, motor.velocity, 0.0)], 0.0, 0.0, 0.0
     last = "rest"
 
-    def push(duration, level):
+    def advance(duration, level):
         nonlocal energy, cycles
         if duration <= 0.0:
             return
@@ -131,16 +131,16 @@ def moved(
         if driven and (command.phase in ("burst", "step") or last != command.phase):
             bursts[command.phase] = bursts.get(command.phase, 0) + 1
         last = command.phase if driven else "rest"
-        push(duration, level)
+        advance(duration, level)
         # the controller is not called during a burst
         periods = max(1, math.ceil(duration / loop.period - 1e-9))
-        push(periods * loop.period - duration, 0.0)
+        advance(periods * loop.period - duration, 0.0)
         measured += [motor.position] * (periods - 1)
         settled_time = settled_time + loop.period if memory.get("settled") and not driven else 0.0
         if settled_time >= loop.hold:
             break
-    table = np.array(samples)
-    return _judged(table, start, target, bursts, energy, cycles, bool(memory.get("settled")))
+    return _evaluated(np.array(samples), target, bursts=bursts, energy=energy, cycles=cycles,
+                      settled=bool(memory.get("settled")))  # fmt: skip
 
 
 def replayed(motor: Moving, moves: tuple[Move, ...], loop: Loop) -> list[np.ndarray]:
@@ -156,23 +156,22 @@ def replayed(motor: Moving, moves: tuple[Move, ...], loop: Loop) -> list[np.ndar
     return positions
 
 
-def _judged(table, start: float, target: float, bursts, energy: float, cycles: float, settled: bool) -> Move:
-    time, position = table[:, 0], table[:, 1]
-    error = np.abs(position - target)
+def _evaluated(samples: np.ndarray, target: float, *, settled: bool, **totals) -> Move:
+    """Return a move with its settling times, overshoot, error at rest and ring from its samples, (k, 4)."""
+    time, position, velocity, level = samples.T
+    start = float(position[0])
     within = {}
     for band in BANDS:
-        outside = np.flatnonzero(error > band)
+        outside = np.flatnonzero(np.abs(position - target) > band)
         last = int(outside[-1]) + 1 if outside.size else 0
         within[band] = float(time[last]) if last < len(time) else math.nan
-    sign = math.copysign(1.0, target - start)
     tail = position[time >= time[-1] * (1.0 - REST_SHARE)] if len(time) > 1 else position
     if settled:  # average over the second half of the time since the last burst
-        driven = np.flatnonzero(table[:, 3] != 0.0)
+        driven = np.flatnonzero(level != 0.0)
         undriven = position[(driven[-1] + 1 if driven.size else 0) :]
         tail = undriven[len(undriven) // 2 :]
     return Move(
-        start=start, target=target, time=time, position=position, velocity=table[:, 2], level=table[:, 3],
-        within=within, overshoot=max(0.0, float(np.max((position - target) * sign))),
-        error_at_rest=float(np.mean(tail)) - target, ring=0.5 * float(np.ptp(tail)), bursts=bursts, energy=energy,
-        cycles=cycles, settled=settled,
+        start=start, target=target, time=time, position=position, velocity=velocity, level=level, within=within,
+        overshoot=max(0.0, float(np.max((position - target) * math.copysign(1.0, target - start)))),
+        error_at_rest=float(np.mean(tail)) - target, ring=0.5 * float(np.ptp(tail)), settled=settled, **totals,
     )  # fmt: skip

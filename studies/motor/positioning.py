@@ -26,20 +26,21 @@ from dataclasses import fields, replace
 import numpy as np
 
 import contact
-from studies.chain import fem_model, resolve
+from studies.chain.resolve import resolved
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
 from studies.export.motor_model import AveragedMotor, push, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
+from studies.motor.stroke import slider_range
 from studies.record.plots import COLOURS, curve, finished
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 
@@ -78,32 +79,24 @@ def run(
         Of the slider velocity, for the stator.
     """
     settings, make_controller = read_loop(loop or [], controller)
-    distance = None
-    if target is not None:
-        displacement = toml_value(target) if isinstance(target, str) else target
-        distance = Quantity("m", negative=True).read("--target", displacement)
-        if distance == 0.0:
-            raise SceneError("--target", "must not be 0: that is where the slider stands")
-        refuse_beyond(scene, distance)
+    distance = None if target is None else _read_target(target, scene)
     first = first_drive(scene, tolerance=tolerance)
     one_way = scene.wave is None and not other_drives(scene)
     direction = math.copysign(1.0, push(first.slider, first.at(max(first.levels))))
-    if one_way and distance is not None and distance * direction < 0.0:
+    if distance is None:
+        distance = DEFAULT_TARGET * direction
+        refuse_beyond(scene, distance)
+    elif one_way and distance * direction < 0.0:
         sign, there = ("negative", "-10 um") if distance > 0.0 else ("positive", "10 um")
         rule = f'must be {sign}, such as "{there}": one transducer drives the slider that way alone'
         raise SceneError("--target", f"{rule}, got {distance * 1e6:.4g} um")
     motor = averaged_motor(scene, tolerance=tolerance, first=first)
     numbers = motor_numbers(motor)
     reach = numbers.speed_per_level * (numbers.level - numbers.dead_zone) * settings.limit
-    if distance is not None and abs(distance) > reach:
-        raise SceneError(
-            "--target",
-            f"must be within {reach * 1e3:.4g} mm, which the motor travels at full speed in the time limit "
-            f"of {settings.limit:g} s (--loop limit=...), got {distance * 1e3:.4g} mm",
-        )
-    if distance is None:
-        distance = DEFAULT_TARGET * direction
-        refuse_beyond(scene, distance)
+    if target is not None and abs(distance) > reach:
+        rule = f"must be within {reach * 1e3:.4g} mm, which the motor travels at full speed in the time limit"
+        got = f"of {settings.limit:g} s (--loop limit=...), got {distance * 1e3:.4g} mm"
+        raise SceneError("--target", f"{rule} {got}")
     LOGGER.info("positioning: the way there and back")
     state = FollowedMotor(motor, preload=settings.preload)
     drives = Drives(
@@ -120,7 +113,16 @@ def run(
     LOGGER.info("positioning: steps of short bursts")
     steps = short_bursts(first, motor, cycles)
     scatter = step_scatter(scene, motor)
-    findings = [
+    difference = steps.pop("difference")
+    answer = [line for name, move in moves.items() for line in _move_in_words(name, move)]
+    answer += _errors_in_words(motor, error, averaging)
+    answer += steps_in_words(steps, difference, scatter)
+    return _panels(motor, moves, steps), _findings(moves, error, difference), answer
+
+
+def _findings(moves: dict[str, Move], error: float, difference: float) -> list[Finding]:
+    """Return the findings on rest at the target, the error of the positions and the difference of the steps, m."""
+    return [
         *(judged(f"The slider comes to rest at the target ({name}).", "mean error at rest, m",
                  abs(move.error_at_rest), high=MAX_REST_ERROR,
                  holds=None if not move.settled and abs(move.error_at_rest) < MAX_REST_ERROR else True,
@@ -129,17 +131,13 @@ def run(
         judged("The positions agree with a computation with half as many steps per cycle.",
                "largest difference, m", error, high=MAX_POSITION_ERROR),
         judged("The averaged motor makes the same steps as the exact contact.",
-               "largest difference of a step, m", steps.pop("difference"), holds=None,
+               "largest difference of a step, m", difference, holds=None,
                expected="0.3 nm for a wave that fades, up to two elastic deformations for one that stops at once"),
     ]  # fmt: skip
-    answer = [line for name, move in moves.items() for line in _move_in_words(name, move)]
-    answer += _errors_in_words(motor, error, averaging)
-    answer += steps_in_words(steps, float(findings[-1].found), scatter)
-    return _panels(motor, moves, steps), findings, answer
 
 
 def _difference(moves: dict[str, Move], other, loop: Loop) -> tuple[float, float]:
-    """Return how far another motor under the same drive is from the moves, m: the largest distance and the last."""
+    """Return the largest and the last distance in m of another motor under the same drive from the moves."""
     positions = replayed(other, tuple(moves.values()), loop)
     differences = [abs(move.position - each) for move, each in zip(moves.values(), positions, strict=True)]
     return float(max(np.max(each) for each in differences)), float(differences[-1][-1])
@@ -164,24 +162,24 @@ def read_loop(settings: list[str], name: str):
     return Loop(**loop_settings), lambda: controller(name, controller_settings)
 
 
-def refuse_beyond(scene: Scene, distance: float) -> None:
-    """Raise an error for a target at which a ball would leave the stator or lie on fingers.
+def _read_target(target: str | float, scene: Scene) -> float:
+    """Return the displacement of a target in m; a SceneError for one that the slider cannot be moved to."""
+    displacement = toml_value(target) if isinstance(target, str) else target
+    distance = Quantity("m", negative=True).read("--target", displacement)
+    if distance == 0.0:
+        raise SceneError("--target", "must not be 0: that is the position of the slider")
+    refuse_beyond(scene, distance)
+    return distance
 
-    Raises
-    ------
-    SceneError
-        Naming the distances that the stator allows.
-    """
+
+def refuse_beyond(scene: Scene, distance: float) -> None:
+    """Raise a SceneError, with the allowed distances, if a ball at the target would leave the free surface."""
     if scene.stator is None or scene.slider is None:
         return
-    resolved = resolve.resolved(scene)
-    places = [x for x, _ in resolved.slider.contact_positions]
-    fingers = () if resolved.crossed else [(each.center_xy[0], each.half_length) for each in resolved.transducer]
-    rows = [(middle - half, middle + half) for middle, half in fingers]
-    left, right = fem_model.free_span(rows, resolved.slider.center[0], resolved.stator.length)
-    low, high = left - min(places), right - max(places)
+    resolved_scene = resolved(scene)
+    low, high = (end - resolved_scene.slider.center[0] for end in slider_range(resolved_scene))
     if not low < distance < high:
-        rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its place"
+        rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its position"
         raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")
 
 
@@ -218,7 +216,7 @@ def _panels(motor: AveragedMotor, moves: dict[str, Move], steps: dict) -> list[P
 
 
 def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
-    """Yield lines of text on settling times, overshoot, error at rest and drive of a move."""
+    """Yield label and text of each line on a move: settling times, overshoot, error at rest, drive."""
     times = ", ".join(
         f"{band * 1e9:g} nm " + ("never" if math.isnan(time) else f"after {time * 1e3:.4g} ms")
         for band, time in move.within.items()
@@ -232,7 +230,7 @@ def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
 
 
 def _errors_in_words(motor: AveragedMotor, error: float, averaging: tuple[float, float]) -> list[tuple[str, str]]:
-    """Return lines of text on the error of the positions and on the difference of the averaged motor."""
+    """Return label and text of each line on the error of the positions and on the averaged motor."""
     largest, last = averaging
     speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
     return [

@@ -1,6 +1,6 @@
 """Regimes of the slider (stick, slip, intermittent contact, hopping) against amplitude and preload.
 
-Method: the slider of a scene (``twente-contact`` by default) on the orbits of its given wave or of its stator's wave,
+Method: the slider of a scene (``twente-contact`` by default) on the orbits of its [wave] or of its stator's wave,
 on a grid of amplitudes and preloads. Steady states come from averaging with its second-order correction. They are
 compared with the closed forms of the threshold, A sqrt(r^2 + c^2) = c |h|, of the release, A = h, and of hopping, in
 which the slider rides above the surface at rest (h < 0, contact for less than half of each cycle). The levels of the
@@ -53,31 +53,30 @@ def run(
     operating_preload = slider.preload
     if operating_preload == 0.0 or slider.static_coefficient == 0.0:
         resolved_scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
-    at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
+    at, loads, operating = _grid(driven, per_metre, amplitudes, preloads)
     LOGGER.info(f"regime map: {at.size * loads.size} steady states")
-    loaded = [replace(slider, preload=float(preload)) for preload in loads]
+    sliders = [replace(slider, preload=float(preload)) for preload in loads]
     # for each point (preload, amplitude): index of the slider, and 0, the only set of orbits
     which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
-    tiled = np.tile(at, (loads.size, 1))
-    states = contact.steady_sweep(loaded, [per_metre], which=which, factors=tiled, wave_errors=[0.0])
+    factors = np.tile(at, (loads.size, 1))
+    states = contact.steady_sweep(sliders, [per_metre], which=which, factors=factors, wave_errors=[0.0])
     kind = np.where((states.regime == "intermittent") & (states.height < 0.0), "hopping", states.regime)
     kind[states.held] = "stick"  # with different orbits, some balls can slip while the slider does not move
     shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
-    factors = {
-        name: [question(s, per_metre) for s in loaded]
-        for name, question in (("threshold", contact.threshold), ("release", contact.release))
-    }
-    # hopping: at h = 0 the mean of max(cos, 0)^1.5 over a cycle carries the preload, of all contacts together
-    lines = {name: np.array([factor.value for factor in line]) for name, line in factors.items()} | {
-        "hopping": np.array([s.rest_approach(1) for s in loaded]) / (shares * HALF_WAVE) ** (2.0 / 3.0)
+    release = [contact.release(s, per_metre) for s in sliders]
+    lines = {
+        "threshold": np.array([contact.threshold(s, per_metre).value for s in sliders]),
+        "release": np.array([each.value for each in release]),
+        # at h = 0 the mean of max(cos, 0)^1.5 over a cycle carries the preload, of all contacts together
+        "hopping": np.array([s.rest_approach(1) for s in sliders]) / (shares * HALF_WAVE) ** (2.0 / 3.0),
     }
     # A point below the threshold sticks, one below the release slips, one below hopping is intermittent: `np.select`
     # takes the first line, in this order, that the amplitude does not reach.
     below = [at[None, :] < line[:, None] for line in lines.values()]
     # a point within the error of a line may lie on either side
-    error = np.array([factor.error / factor.value for factor in factors["release"]])[:, None]
+    error = np.array([each.error / each.value for each in release])[:, None]
     # the simulated points are averaged, but the lines hold for the exact motion
-    bounce = np.array([s.normal_resonance(len(per_metre)) / per_metre[0].frequency for s in loaded])[:, None]
+    bounce = np.array([s.normal_resonance(len(per_metre)) / per_metre[0].frequency for s in sliders])[:, None]
     error = np.maximum(error, averaged_threshold_error(bounce, 0.0))
     close = [abs(at[None, :] / line[:, None] - 1.0) <= error for line in lines.values()]
     known, expected = (kind != "unknown") & ~np.any(close, axis=0), np.select(below, KINDS[:3], KINDS[3])
@@ -91,36 +90,36 @@ def run(
                       "within the error of a line"),
         judged("Averaging gives the steady velocity of the full motion.",
                f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
-               _worst(loaded, per_metre, at, states, checked), high=1e-6),
+               _largest_difference(sliders, per_metre, at, states, checked), high=1e-6),
     )  # fmt: skip
     panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data={
         "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(),
         "velocity_m_per_s": [[v if np.isfinite(v) else None for v in row] for row in states.velocity.tolist()],
-        "lines_m": lines, "operating_amplitude_m": reach, "operating_preload_N": operating_preload,
+        "lines_m": lines, "operating_amplitude_m": operating, "operating_preload_N": operating_preload,
     })  # fmt: skip
     return (panel,), findings
 
 
 def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
     """Return amplitudes and preloads of a grid that covers all regimes, and the amplitudes of the scene."""
-    reach = driven.amplitude * np.array(driven.levels)
+    operating = driven.amplitude * np.array(driven.levels)
     threshold = contact.threshold_factor(driven.slider, per_metre)
     release = contact.release_factor(driven.slider, per_metre)
     if not (np.isfinite(threshold) and np.isfinite(release) and threshold > 0.0):
         driven.scene.refuse(
             driven.scene.level_key, "must move the surface in both directions, so that the slider can start and part"
         )
-    at = np.geomspace(min(0.4 * threshold, 0.8 * reach[0]), max(6.0 * release, 1.2 * reach[-1]), amplitudes)
-    return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
+    at = np.geomspace(min(0.4 * threshold, 0.8 * operating[0]), max(6.0 * release, 1.2 * operating[-1]), amplitudes)
+    return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), operating
 
 
-def _worst(loaded, per_metre, amplitudes, states, checked: int) -> float:
+def _largest_difference(sliders, per_metre, amplitudes, states, checked: int) -> float:
     """Return the largest difference from the event-driven method over a selection of moving points."""
     moving = np.argwhere(np.abs(np.nan_to_num(states.velocity)) > 0.0)
     differences = [0.0]
     for i, j in moving[:: max(1, len(moving) // checked)][:checked]:
         orbits = bridge.scaled(per_metre, float(amplitudes[j]))
-        full = contact.steady(loaded[i], orbits, tolerance=1e-6).velocity
+        full = contact.steady(sliders[i], orbits, tolerance=1e-6).velocity
         differences.append(abs(full - states.velocity[i, j]) / contact.reference_speed(full, orbits[:1]))
     return float(max(differences))
 
@@ -139,8 +138,8 @@ def figure(record: Panel, ax):
         ax.plot(A[j], preload[i], "x", color=COLOURS["line"], markersize=5.0, label="unknown (averaged)")
     for (name, values), style in zip(data["lines_m"].items(), (":", "--", "-."), strict=True):
         curve(ax, np.asarray(values) * across.scale, preload, style, "line", f"{name} (theory)")
-    ours = np.asarray(data["operating_amplitude_m"]) * across.scale
-    own(ax, ours, np.full(ours.size, data["operating_preload_N"] * up.scale), "operating points")
+    operating = np.asarray(data["operating_amplitude_m"]) * across.scale
+    own(ax, operating, np.full(operating.size, data["operating_preload_N"] * up.scale), "operating points")
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)

@@ -19,6 +19,7 @@ from studies.scene.keys import LEVELS, tolerances
 
 LOGGER = logging.getLogger(__name__)
 
+TIME_STEP = 2e-6  # s, between the positions of which the largest is taken after a burst
 DRAWS = 24  # number of random motors within the tolerances, for the scatter
 SCATTER_CYCLES = 100
 
@@ -38,19 +39,19 @@ def short_bursts(driven: DrivenContact, motor: AveragedMotor, cycles: tuple[int,
     for number in cycles:
         state = motor.start()
         state.advance(number / frequency, level)
-        reached, time_step = 0.0, 2e-6
-        for _ in range(math.ceil((decay_time + 2e-4) / time_step)):
-            state.advance(time_step, 0.0)
-            reached = max(reached, state.position, -state.position, key=abs)
+        distance = 0.0
+        for _ in range(math.ceil((decay_time + 2e-4) / TIME_STEP)):
+            state.advance(TIME_STEP, 0.0)
+            distance = max(distance, abs(state.position))
         state.advance(0.02, 0.0)
-        largest.append(math.copysign(reached, exact[-1].displacement))
+        largest.append(math.copysign(distance, exact[-1].displacement))
         remaining.append(state.position + state.deformation)
-    displacements = np.array([each.displacement for each in exact])
+    displacements, averaged = np.array([each.displacement for each in exact]), np.array(remaining)
     return {
-        "cycles": np.array(cycles), "exact_m": displacements, "averaged_m": np.array(remaining),
+        "cycles": np.array(cycles), "exact_m": displacements, "averaged_m": averaged,
         "farthest_m": np.array(largest), "ring_m": np.array([each.ring for each in exact]),
         "elastic_m": motor.slider.limit_slope * motor.slider.rest_approach(len(drive.orbits)),
-        "difference": float(np.max(np.abs(np.array(remaining) - displacements))),
+        "difference": float(np.max(np.abs(averaged - displacements))),
     }  # fmt: skip
 
 
@@ -59,31 +60,30 @@ def step_scatter(scene: Scene, motor: AveragedMotor) -> tuple[float, float] | No
     if scene.uncertain is None:
         return None
     LOGGER.info("positioning: scatter by the tolerances")
-    known = tolerances(resolved(scene))
-    uncertain_inputs = tuple(each for each in known if each.key in LEVELS or not of_stator(each.key))
-    if not uncertain_inputs:
+    inputs = tuple(each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key))
+    if not inputs:
         return None
     contacts = ChangedContacts(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2)
     steps = []
-    for sample in sampled(uncertain_inputs, DRAWS):  # as if the inputs varied from step to step by their uncertainty
+    for sample in sampled(inputs, DRAWS):  # as if the inputs varied from step to step by their uncertainty
         factor, changes = without_level(sample)
         driven = contacts.contact(changes)
-        orbits = driven.at(factor * motor.levels[-1])
-        steps.append(contact.step(driven.slider, orbits, cycles=SCATTER_CYCLES).displacement)
+        step = contact.step(driven.slider, driven.at(factor * motor.levels[-1]), cycles=SCATTER_CYCLES)
+        steps.append(step.displacement)
     return float(np.mean(steps)), float(np.std(steps, ddof=1))
 
 
 def steps_in_words(steps: dict, difference: float, scatter: tuple[float, float] | None) -> list[tuple[str, str]]:
-    """Return the results on short bursts as pairs of a label and a line of text."""
-    rows = [("elastic", f"the contacts deform by {steps['elastic_m'] * 1e9:.3g} nm before they slip")]
+    """Return label and text of each line on short bursts."""
+    lines = [("elastic", f"the contacts deform by {steps['elastic_m'] * 1e9:.3g} nm before they slip")]
     elastic = np.flatnonzero(np.abs(steps["exact_m"]) < steps["elastic_m"])
     if elastic.size:
         k = int(elastic[-1])
         farthest, remaining = (f"{steps[key][k] * 1e9:+.3g} nm" for key in ("farthest_m", "exact_m"))
         text = f"{steps['cycles'][k]} cycles move the slider by up to {farthest}; it moves back to {remaining}"
-        rows.append(("", text))
-    rows.append(("", f"the averaged motor's steps differ by at most {difference * 1e9:.2g} nm from the exact ones"))
+        lines.append(("", text))
+    lines.append(("", f"the averaged motor's steps differ by at most {difference * 1e9:.2g} nm from the exact ones"))
     if scatter is not None:
         mean, deviation = (f"{value * 1e9:.{digits}g}" for value, digits in zip(scatter, (4, 3), strict=True))
-        rows.append(("scatter", f"{SCATTER_CYCLES} cycles: {mean} +- {deviation} nm due to [uncertain]"))
-    return rows
+        lines.append(("scatter", f"{SCATTER_CYCLES} cycles: {mean} +- {deviation} nm due to [uncertain]"))
+    return lines

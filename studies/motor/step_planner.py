@@ -50,7 +50,7 @@ def run(
     scene: Scene, *, cycles: tuple[int, ...] = CYCLES, wanted: tuple[float, ...] = WANTED, lines: int = 4,
     tolerance: float = 1e-3,
 ) -> Answered:  # fmt: skip
-    """Return the steps of given numbers of cycles, and the numbers of cycles for given steps.
+    """Return the step of each number of cycles, and the number of cycles for each wanted step.
 
     Parameters
     ----------

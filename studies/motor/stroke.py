@@ -1,8 +1,8 @@
-"""How fast the slider runs at every place of the stator.
+"""How fast the slider runs at every position on the stator.
 
 Method: the slider of a scene (``twente`` by default) is placed at many positions between the driven transducer and the
-next transducer or the end of the stator. Around each position, four points cover half a wavelength, which is the period
-of a standing wave. At each point, the surface motion under each ball (of the finite aperture if it is known) gives the
+next transducer or the end of the stator. Around each position, four points cover half a wavelength, the period of a
+standing wave. At each point, the surface motion under each ball (of the finite aperture if it is known) gives the
 steady velocity at up to three voltages of the scene. The figure shows the mean and the range over half a wavelength. A
 dashed line shows a slider that starts at the position of the scene and travels through the field; because of its mass
 it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 30 s.
@@ -44,10 +44,10 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     """
     driven = driven_contact(scene, tolerance=tolerance)
     if driven.record is None:
-        driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
+        driven.scene.refuse("wave", "must be absent: along the wave of a [wave] all positions are alike")
     resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
     along, center = WaveAlong.under(resolved_scene.slider, motion), resolved_scene.slider.center[0]
-    low, high = _span(resolved_scene, along.wavelength)
+    low, high = slider_range(resolved_scene, CLEAR * along.wavelength)
     half_wavelength = along.wavelength / 2
     positions = np.linspace(low + half_wavelength / 2, high - half_wavelength / 2, count)
     ripple = half_wavelength * ((np.arange(WITHIN) + 0.5) / WITHIN - 0.5)
@@ -58,12 +58,12 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     for level in driven.spread(1.05, LINES):
         name = driven.scene.named(level)
         LOGGER.info(f"stroke: {name}")
-        rows = averaged([(slider, each, 0.0, level) for each in orbits])
-        velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
-        velocity_at_center = float(rows[-1][0])
+        states = averaged([(slider, each, 0.0, level) for each in orbits])
+        velocities[name] = np.array([velocity for velocity, *_ in states[:-1]]).reshape(count, WITHIN)
+        velocity_at_center = float(states[-1][0])
         path = travelled(slider, along, level, duration, duration * velocity_at_center)
         paths[name], speeds[name] = center + path.displacement, path.velocity
-    amplitude = np.reshape([np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]], (count, WITHIN))
+    amplitude = np.reshape([np.mean([abs(each.normal) for each in balls]) for balls in orbits[:-1]], (count, WITHIN))
     balls = np.array([x for x, _ in resolved_scene.slider.contact_positions])
     section = [np.mean([abs(motion.wave.motion(x)[1]) for x in balls + shift]) for shift in shifts[:-1]]
     panels = (
@@ -92,12 +92,15 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     return panels, findings
 
 
-def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
-    """Return the range of the slider centre in m in which all balls stay on the free surface of the stator."""
+def slider_range(scene: Scene, clear: float = 0.0) -> tuple[float, float]:
+    """Return the range of the slider's centre in m in which all balls stay on the free surface about the slider.
+
+    ``clear``: least distance from the fingers, m.  Rotated transducers do not limit the range.
+    """
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.contact_positions]
-    rows = [each.extent for each in fem_model.transducers(scene)]
-    left, right = fem_model.free_span(rows, center, scene.stator.length, CLEAR * wavelength)
+    extents = [] if scene.crossed else [each.extent for each in fem_model.transducers(scene)]
+    left, right = fem_model.free_span(extents, center, scene.stator.length, clear)
     return left - min(balls), right - max(balls)
 
 
@@ -113,8 +116,8 @@ def figure(record: Panel, ax):
         ax.fill_between(x, *ends, color=COLOURS["slip"], label=label, **band)
         ax.set_ylim(0, 1.05 * scale * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))
         name = "finite aperture" if data["finite_aperture"] else "under the balls"
-        rows = (("section_m_per_V", "--", "stick", "plane section"), ("amplitude_m_per_V", "-", "slip", name))
-        return lines(ax, record, "position_m", rows, "normal_m_per_V")
+        curves = (("section_m_per_V", "--", "stick", "plane section"), ("amplitude_m_per_V", "-", "slip", name))
+        return lines(ax, record, "position_m", curves, "normal_m_per_V")
     for name, velocity, colour in family(data["velocity_m_per_s"]):
         curve(ax, x, velocity * up.scale, "-", colour, f"{name}, steady")
         ends = (data[key][name] * up.scale for key in ("slowest_m_per_s", "fastest_m_per_s"))
@@ -122,5 +125,5 @@ def figure(record: Panel, ax):
         path, velocity = data["path_m"][name], data["path_velocity_m_per_s"][name]
         curve(ax, path * across.scale, velocity * up.scale, "--", "line")
     ax.fill_between([], [], color=COLOURS["line"], label=label, **band)
-    curve(ax, [], [], "--", "line", "starting at the scene's place")
+    curve(ax, [], [], "--", "line", "starting at the scene's position")
     return finished(ax, across.axis, up.axis, record.title)

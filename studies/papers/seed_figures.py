@@ -2,7 +2,7 @@
 
 P. J. Feenstra and P. C. Breedveld, *Analysis of a Surface Acoustic Wave Motor*: Figs 2, 5(a), 5(b), 6(a), 6(b), 7(a)
 and 7(b), each with sentences of the paper and the numbers that confirm or contradict them.
-Method: the slider of ``twente-contact`` on its given wave. The paper states neither its dampers nor its ratio of
+Method: the slider of ``twente-contact`` on its prescribed wave. The paper states neither its dampers nor its ratio of
 amplitudes; those of the scene are used. Expected: all statements are confirmed except the damping in Fig. 7(b). With
 the elastic law, only R_t damps the ring, and an R_t that is large enough to be visible would stop the motor; the losses
 of a hysteretic law have the right size. Run time: about 15 s.

@@ -1,10 +1,9 @@
-"""The files of a run: run.json, tables, field, and the scene that runs again; written from a record and read back."""
+"""The files of a run, written from a record and read back: run.json, tables, field, and the resolved scene."""
 
 import csv
 import json
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,16 +21,7 @@ if TYPE_CHECKING:
 
 
 def write_run(record: "Record", folder: Path, *, field: bool) -> None:
-    """Write a run's files into a directory.
-
-    Parameters
-    ----------
-    record : Record
-    folder : Path
-        Exists and is empty.
-    field : bool
-        Whether the interior field is rebuilt and kept.
-    """
+    """Write a run's files into an empty directory; ``field``: also the interior field, which is rebuilt for it."""
     write_json(folder / "run.json", record.to_dict())
     remark = f"as resolved; sawmotor run scene.toml --tolerance {record.tolerance!r} gives the same numbers"
     scene = document(record.scene.to_table(), remarks=(remark,))
@@ -65,7 +55,7 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
 
 
 def flat(values: dict) -> dict:
-    """Return numbers or arrays by name, complex ones as ``..._re`` and ``..._im``, lists as ``..._0``, ``..._1``."""
+    """Return numbers or arrays by name: complex ones as ``..._re`` and ``..._im``, lists as ``..._0``, ``..._1``."""
     columns: dict = {}
     for key, value in values.items():
         if isinstance(value, (list, tuple)):
@@ -84,30 +74,19 @@ def write_columns(path: Path, columns: dict) -> None:
 
 
 def write_table(path: Path, keys, rows) -> None:
-    """Write a table as CSV, numbers to the last digit."""
+    """Write a table as CSV, numbers with all digits."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(keys)
         writer.writerows(rows)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Motion:
-    """Motion of the slider over a burst, as ``trajectory.csv`` keeps it.
+class Motion(NamedTuple):
+    """Motion of the slider over a burst, as in ``trajectory.csv``; arrays of shape (k,)."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (k,)
-        s from the start of the burst.
-    velocity : ndarray, shape (k,)
-        Of the slider, m/s.
-    position : ndarray, shape (k,)
-        Normal position of the slider, m.
-    """
-
-    time: np.ndarray
-    velocity: np.ndarray
-    position: np.ndarray
+    time: np.ndarray  # s from the start of the burst
+    velocity: np.ndarray  # m/s
+    position: np.ndarray  # of the slider along z, m
 
 
 def read_run(folder: Path) -> dict:
@@ -141,12 +120,9 @@ def read_run(folder: Path) -> dict:
     for key in ("left_out", "model_error", "warnings"):
         fields[key] = tuple(whole.get(key, ()))
     fields |= {"scene": scene, "versions": whole.get("provenance", {})}
-    for name in ("surface.csv", "profile.csv"):
-        if (folder / name).exists():
-            fields["surface"] = _columns(folder / name)
-    for name in ("pillars", "slider_wave"):
+    for name in ("surface", "profile", "pillars", "slider_wave"):
         if (folder / f"{name}.csv").exists():
-            fields[name] = _columns(folder / f"{name}.csv")
+            fields["surface" if name == "profile" else name] = _columns(folder / f"{name}.csv")
     if (folder / "trajectory.csv").exists():
         fields["trajectories"] = _trajectories(folder / "trajectory.csv")
     return fields
@@ -185,10 +161,7 @@ def _columns(path: Path) -> dict:
 
 def _trajectories(path: Path) -> tuple:
     """Return level and motion of each burst."""
-    table = list(_table(path).values())
-    levels, time, velocity, position = table
+    levels, *columns = _table(path).values()
     return tuple(
-        (float(level), Motion(time=time[at], velocity=velocity[at], position=position[at]))
-        for level in dict.fromkeys(levels.tolist())
-        for at in [levels == level]
+        (level, Motion(*(column[levels == level] for column in columns))) for level in dict.fromkeys(levels.tolist())
     )

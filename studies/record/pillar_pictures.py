@@ -20,7 +20,7 @@ POWERS = (
 
 
 def _at_last_level(record: "Record") -> str:
-    """Return the level whose pillars and waves a record keeps, for a title."""
+    """Return the level of a record's pillars and waves, the last that has an answer, for a title."""
     levels = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
     return f" at {quantity(record.level).with_unit(levels[-1])}" if levels else ""
 

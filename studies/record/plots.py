@@ -13,7 +13,7 @@ import numpy as np
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 
-# Okabe and Ito's palette: told apart by the colour-blind and in grey
+# Palette of Okabe and Ito, which can be distinguished with colour blindness and in grey
 COLOURS = {"stick": "#999999", "slip": "#0072B2", "intermittent": "#D55E00", "line": "#000000", "second": "#009E73"}
 PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of curves
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
@@ -27,10 +27,8 @@ def refuse_without_toolkit(what: str, instead: str) -> None:
     from matplotlib import pyplot
 
     if pyplot.get_backend().lower() == "agg":
-        raise RunError(
-            f"{what} needs a toolkit that matplotlib can use: pip install PySide6 on a machine with a display; "
-            f"{instead}"
-        )
+        remedy = "pip install PySide6 on a machine with a display"
+        raise RunError(f"{what} needs a toolkit that matplotlib can use: {remedy}; {instead}")
 
 
 def show(*drawings: Callable) -> None:
@@ -106,7 +104,7 @@ def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bo
 
 
 def titled(ax, title: str) -> None:
-    """Write a title, in as many lines as the figure's width asks for."""
+    """Write a title, wrapped to the figure's width."""
     columns = int(TITLE_COLUMNS * ax.figure.get_figwidth())
     lines = [textwrap.fill(line, columns) for line in title.splitlines()]
     # matplotlib finds the height only where an axis lies above: it measures all ticks for it, three times a picture
@@ -126,23 +124,23 @@ def arrow(ax, tail, head, colour: str, *, width: float = 1.6) -> None:
 
 
 def own(ax, x, y, label: str) -> None:
-    """Draw the points at which the scene itself stands, as stars."""
+    """Draw the points of the scene's own values, as stars."""
     star = {"color": "#CC79A7", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.4}
     ax.plot(x, y, "*", linestyle="none", label=label, **star)
 
 
 def shaded(ax, start: float, stop: float, label: str | None = None, *, colour: str = "stick") -> None:
-    """Shade what lies between two places of the horizontal axis: a transducer, a band."""
+    """Shade an interval of the horizontal axis, such as a transducer or a band."""
     ax.axvspan(start, stop, color=COLOURS[colour], alpha=0.25, linewidth=0, label=label)
 
 
-def lines(ax, panel, across: str, rows, up: str, *, columns: int = 4):
+def lines(ax, panel, across: str, curves, up: str, *, columns: int = 4):
     """Draw columns of a study's panel over a quantity, complex ones by their size, and finish the Axes.
 
-    ``rows`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
+    ``curves`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
     """
     along, height = quantity(across), quantity(up)
-    for key, style, colour, name in rows:
+    for key, style, colour, name in curves:
         y = np.asarray(panel.data[key]) * height.scale
         curve(ax, panel.data[across] * along.scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
     return finished(ax, along.axis, height.axis, panel.title, columns=columns)

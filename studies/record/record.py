@@ -1,6 +1,6 @@
-"""The record of a run: what ``run.json`` holds, as arrays, tables, pictures and files.
+"""The record of a run: the content of ``run.json`` as arrays, tables, pictures and files.
 
-Drawing and writing belong to ``report``, which is imported when it is asked for.
+The modules that draw and write are imported when they are needed.
 """
 
 import math
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Of run.json, in their order, and attributes of a record
+# Blocks of run.json in their order, which are attributes of a record
 BLOCKS = (
     "tolerance", "wave", "electrical", "points", "summary", "uncertainty", "measured", "error", "model_error",
     "warnings", "seconds", "left_out", "shortfall",
@@ -39,27 +39,27 @@ class Record:
     scene : Scene
         As resolved: it runs again to the same numbers at the same tolerance.
     tolerance : float
-        Of the last quantity, that the run was asked to keep.
+        Bound of the relative error of the last quantity.
     wave, electrical, summary : dict
         As in run.json: quantities in SI units, named with their unit.
     points : tuple of dict
-        One per voltage or given amplitude.
+        One per voltage or prescribed amplitude.
     error : dict
         ``relative`` and its ``parts``, those of the worst point.
     seconds : dict
-        By part of the chain; the parts add up to ``total``.
+        Of each part of the chain and in ``total``.
     left_out : tuple of str
-        What the model does without, and why.
+        Effects that the model neglects, and why.
     warnings : tuple of str
-        What a user should know before trusting or building it, each with its number and a remedy.
+        Doubts about the answer, each with its number and a remedy.
     model_error : tuple of dict
-        Effects that the model leaves out, each with its estimated ``size`` for this scene; apart from ``error``.
+        Neglected effects, each with its estimated ``size`` for this scene; not part of ``error``.
     uncertainty : dict
-        With [uncertain]: the method of the bands, the tolerances and what each makes of the velocity.
+        With [uncertain]: the method of the bands, the tolerances and the effect of each on the velocity.
     measured : dict
-        Measured points beside the predicted ones, where a file of them was given.
+        Measured points beside the predicted ones, from a file of measurements.
     shortfall : str
-        Why this is no answer within its tolerance; empty when it is one.
+        Why this is no answer within its tolerance; empty if it is one.
     refused : bool
         True if the shortfall holds for the whole answer: a node of the wave, a field that the model does not resolve,
         or a neglected effect as large as the answer; False after `load`.
@@ -112,7 +112,7 @@ class Record:
 
     @property
     def level(self) -> str:
-        """Key of the points that says how hard the motor is driven."""
+        """Key of the points for the level: voltage or amplitude."""
         return self.scene.level_column
 
     @property
@@ -131,12 +131,12 @@ class Record:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the slider sticks at every point: then there is no velocity that could have an error."""
+        """Whether the slider sticks at every point, so that no velocity has an error."""
         return bool(self.points) and all(point.get("regime") == "stick" for point in self.points)
 
     @property
     def exit_code(self) -> int:
-        """Exit code of the command: 0, or 1 for an answer that misses its tolerance, or 3 for none at all."""
+        """Exit code of the command: 0, 1 for an answer that misses its tolerance, 3 for no answer."""
         if not self.shortfall:
             return 0
         answered = not self.points or any("relative_error" in point for point in self.points)
@@ -144,7 +144,7 @@ class Record:
 
     @property
     def remark(self) -> str:
-        """The shortfall, under the name that the records of studies have for it."""
+        """The shortfall, under the name of the same attribute of a `StudyRecord`."""
         return self.shortfall
 
     def to_dict(self) -> dict:
@@ -161,7 +161,7 @@ class Record:
 
     @property
     def voltage(self) -> np.ndarray:
-        """Peak voltage of the source at each point, V; NaN where the wave is given."""
+        """Peak voltage of the source at each point, V; NaN with a prescribed wave."""
         return self.column("voltage_V")
 
     @property
@@ -171,7 +171,7 @@ class Record:
 
     @property
     def tangential_amplitude(self) -> np.ndarray:
-        """Tangential amplitude of the surface at the same place, m."""
+        """Tangential amplitude of the surface at the same position, m."""
         return self.column("tangential_amplitude_m")
 
     @property
@@ -279,20 +279,20 @@ class Record:
         return next(iter(pictures(self).values()))(ax)
 
     def save(self, folder: str | Path, *, field: bool = False, pictures: bool = False) -> list[str]:
-        """Write the files of the run into a directory; files that are not of this program stay there.
+        """Write the files of the run into a directory; files of the user stay there.
 
         Parameters
         ----------
         folder : path
         field : bool
-            Whether the interior field is rebuilt and kept as ``field.vtu``.
+            True also writes the interior field, ``field.vtu``, which is rebuilt for it.
         pictures : bool
-            Whether the pictures are drawn too.
+            True also draws the pictures.
 
         Returns
         -------
         list of str
-            What became of the files that were there.
+            Sentences on files that were replaced, renamed or left.
 
         Raises
         ------
@@ -314,7 +314,7 @@ class Record:
 
     @classmethod
     def load(cls, folder: str | Path) -> Self:
-        """Read the record that a run left in a directory; the stator's field is not kept there.
+        """Read the record of a run from its directory, without the stator's field.
 
         Raises
         ------

@@ -15,13 +15,13 @@ from studies.record.quantities import quantity
 if TYPE_CHECKING:
     from studies.record import Record
 
-MAX_WAVELENGTHS = 40  # of a surface whose ripple a picture of this width resolves
+MAX_WAVELENGTHS = 40  # length of a surface whose ripple a picture of this width resolves
 WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
 def pictures(record: "Record") -> dict[str, Callable]:
-    """Return what draws the pictures of a run on an Axes, by the name of their file; the main result first."""
+    """Return the functions that draw the pictures of a run on an Axes, by file name; the main result first."""
     drawings = {"velocity": velocity} if record.scene.slider is not None else {}
     if record.trajectories:
         drawings["trajectory"] = trajectories
@@ -53,7 +53,7 @@ def measured_picture(record: "Record", ax):
 
 
 def draw_scan(block: dict, ax):
-    """Draw a scan over its prediction: magnitudes over the place or the frequency."""
+    """Draw a scan over its prediction: magnitudes over the position or the frequency."""
     points = block["scan"]
     by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
     key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
@@ -121,13 +121,11 @@ def _power_axis(record: "Record", ax) -> None:
         return
     from matplotlib.ticker import MaxNLocator
 
-    upper = ax.secondary_xaxis(
-        "top",
-        functions=(
-            lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
-            lambda power: np.sqrt(np.maximum(power, 0.0) / available),
-        ),
+    functions = (
+        lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
+        lambda power: np.sqrt(np.maximum(power, 0.0) / available),
     )
+    upper = ax.secondary_xaxis("top", functions=functions)
     upper.xaxis.set_major_locator(MaxNLocator(6))
     upper.set_xlabel(quantity("available_power_W").axis)
 
@@ -135,10 +133,10 @@ def _power_axis(record: "Record", ax) -> None:
 def _measured(record: "Record", ax, scale: float) -> None:
     """Draw measured points with their errors, and a line through the prediction that they are compared with."""
     points = record.measured["points"]
-    known = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
-    known |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
+    predicted = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
+    predicted |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
     speed = quantity("velocity_m_per_s").scale
-    at, speeds = zip(*sorted(known.items()), strict=True)
+    at, speeds = zip(*sorted(predicted.items()), strict=True)
     curve(ax, [x * scale for x in at], [v * speed for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * speed for point in points] if "error_m_per_s" in points[0] else None
     at, speeds = _shown(points, record.level, "velocity_m_per_s")
@@ -192,12 +190,10 @@ def surface(record: "Record", ax, *, curves: bool = False):
         top = 1 / WINDOW_ROOM if rippled else 1.0
         ax.axvline(scene.slider.center[0] * scale, ymax=top, color=COLOURS["line"], linestyle=":", label="slider")
     if "section_normal_m_per_V" in record.wave and scene.slider is not None:
-        place = [scene.slider.center[0] * scale]
-        for part, colour, label_of_part in (
-            ("normal", "slip", "finite aperture"),
-            ("tangential", "intermittent", None),
-        ):
-            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
+        position = [scene.slider.center[0] * scale]
+        parts = (("normal", "slip", "finite aperture"), ("tangential", "intermittent", None))
+        for part, colour, label_of_part in parts:
+            curve(ax, position, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave['frequency_Hz'])}"
     return finished(ax, label, up.axis, title, columns=3, grid=False)
@@ -243,10 +239,10 @@ def profile(record: "Record", ax):
 
 
 def errors(record: "Record", ax):
-    """Draw the estimated error of each point, with what was asked for."""
-    known = [point for point in record.points if point.get("relative_error")]
-    at, sizes = _shown(known, record.level, "relative_error")
+    """Draw the estimated error of each point, with the tolerance."""
+    points = [point for point in record.points if point.get("relative_error")]
+    at, sizes = _shown(points, record.level, "relative_error")
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
-    ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
+    ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="tolerance")
     ax.set_yscale("log")
     return finished(ax, quantity(record.level).axis, quantity("relative_error").axis, record.scene.title)

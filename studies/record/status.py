@@ -1,4 +1,4 @@
-"""The kinds of a point's status: in run.json, in the rows of a sweep, and in the counts of both."""
+"""The status of a point: in run.json, in the rows of a sweep, and in the counts of both."""
 
 from enum import StrEnum
 

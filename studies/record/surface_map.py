@@ -1,9 +1,9 @@
-"""The beam over the whole surface: its motion on a grid of places (x, y)."""
+"""The beam over the whole surface: its motion on a grid of points (x, y)."""
 
 import numpy as np
 
-PER_WAVELENGTH = 4, 6  # places along x; along x and y where beams cross
-LINES = 81  # places across the width where they do not
+PER_WAVELENGTH = 4, 6  # points along x; along x and y where beams cross
+LINES = 81  # points across the width where they do not
 
 
 def surface_map(beam, stator, per_wavelength: tuple[int, int] = PER_WAVELENGTH):

@@ -185,10 +185,8 @@ def _uncertainty(block: dict):
     yield "uncertainty", f"bands of 95 %: {method}"
     for key, count in block.get("bent", {}).items():
         at = f" at {count} points" if count else ""
-        yield (
-            "",
-            f"the answer is nonlinear within the tolerance of {key}{at}: the band includes its middle and its ends;",
-        )
+        nonlinear = f"the answer is nonlinear within the tolerance of {key}{at}"
+        yield "", f"{nonlinear}: the band includes its middle and its ends;"
         yield "", 'uncertain.method = "sampled" is more accurate'
     widths, velocity = block.get("velocity_half_width_m_per_s", {}), quantity("velocity_m_per_s")
     for key, size in block["tolerances"].items():

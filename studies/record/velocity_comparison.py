@@ -27,7 +27,7 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
     if measured.quantity in ("burst", "position"):
         if scene.burst is None:
             setting = f'--set {scene.source_key}.burst="0.1 s"'
-            raise SceneError(OPTION, f"{measured.name!r} holds a burst: {setting} says how long it was")
+            raise SceneError(OPTION, f"{measured.name!r} holds a burst: {setting} sets its duration")
         return
     if measured.quantity != "velocity":
         raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
@@ -36,14 +36,14 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
 
 
 def deviations(measured: np.ndarray, predicted: np.ndarray, unit: str) -> dict[str, float]:
-    """Return how far measured values lie from predicted ones, both in a unit that the columns are named with.
+    """Return the deviations of measured values from predicted ones, with keys that end in the ``unit`` of both.
 
     ``measured_over_predicted`` is the ratio by least squares; like the relative deviation, it is absent if all
     predictions are 0.
     """
-    gap, largest = measured - predicted, float(np.max(np.abs(predicted)))
-    rms = float(np.sqrt(np.mean(gap**2)))
-    columns = {f"rms_deviation_{unit}": rms, f"mean_deviation_{unit}": float(np.mean(gap))}
+    difference, largest = measured - predicted, float(np.max(np.abs(predicted)))
+    rms = float(np.sqrt(np.mean(difference**2)))
+    columns = {f"rms_deviation_{unit}": rms, f"mean_deviation_{unit}": float(np.mean(difference))}
     if largest > 0.0:
         columns["rms_deviation_relative"] = rms / largest
         columns["measured_over_predicted"] = float(np.sum(measured * predicted) / np.sum(predicted**2))

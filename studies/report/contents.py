@@ -25,8 +25,8 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         pairs = f"{each.finger_pairs} pairs, {kind}, period {each.wavelength * 1e3:.6g} mm"
         yield "transducer", [f"{each.name}: {pairs}, {driven}"]
     for piece in scene.piece:
-        places = ", ".join(f"{position * 1e3:g}" for position in piece.position)
-        yield "piece", [f"{piece.label}: its x = 0 at {places} mm"]
+        positions = ", ".join(f"{position * 1e3:g}" for position in piece.position)
+        yield "piece", [f"{piece.label}: its x = 0 at {positions} mm"]
     yield "frequency", [f"{scene.frequency / 1e6:g} MHz"]
     if scene.levels:
         shown = quantity(scene.level_column)

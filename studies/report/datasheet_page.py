@@ -1,11 +1,13 @@
 """The datasheet of a motor as a self-contained HTML page (A4 when printed): table, characteristics and limits."""
 
+from functools import partial
+
 from studies.record.plots import COLOURS, as_uri, curve, family, finished
 from studies.record.quantities import quantity
 from studies.record.run_pictures import velocity
 from studies.record.text import sentences
 from studies.report.datasheet import GROUPS, SETTLED, Datasheet
-from studies.report.intermediate import load_axis
+from studies.report.intermediate import key_axis
 from studies.report.page import rendered
 from studies.results.content import provenance
 
@@ -16,18 +18,16 @@ PICTURE = (4.1, 3.4)  # inches
 def page(sheet: Datasheet) -> str:
     """Return the HTML page of a datasheet."""
     record = sheet.record
-    drawn = (
-        (lambda ax: speed(sheet, ax), "speed against drive"),
-        (lambda ax: load_lines(sheet, ax), "speed against load"),
-        (lambda ax: start_and_stop(sheet, ax), "start and stop"),
-    )
+    drawn = {"speed against drive": speed, "speed against load": load_lines, "start and stop": start_and_stop}
     return rendered(
         TEMPLATE,
         title=record.scene.title or "A motor",
         rated=sheet.driven.scene.named(sheet.rated),
         record=record,
         groups={title: [row.texts() for row in sheet.rows if row.group == group] for group, title in GROUPS.items()},
-        pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
+        pictures=[
+            {"data": as_uri(partial(draw, sheet), size=PICTURE), "caption": caption} for caption, draw in drawn.items()
+        ],
         model_error=sentences(record),
         version=provenance()["version"],
     )
@@ -43,7 +43,7 @@ def speed(sheet: Datasheet, ax):
 def load_lines(sheet: Datasheet, ax):
     """Draw speed against load at some levels of the drive."""
     up = quantity("velocity_m_per_s")
-    factor, label = load_axis(max(sheet.balls * line.load[-1] for line in sheet.lines.values()))
+    factor, label = key_axis("slider.load", max(sheet.balls * line.load[-1] for line in sheet.lines.values()))
     for name, line, colour in family(sheet.lines):
         curve(ax, sheet.balls * line.load * factor, line.velocity * up.scale, ".-", colour, name)
     ax.set_xlim(left=0)

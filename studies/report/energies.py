@@ -42,15 +42,14 @@ def balances(record: Record) -> tuple[Balance, ...]:
         return ()
     driven = DrivenContact.of_run(record)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
+    power = scene.slider.share * scene.frequency
+    shown = {name: text for name, text in LEDGER.items() if name not in STORED}
     results = []
     moving = record.moving_levels
     if len(moving) > MAX_POINTS:
         moving = [moving[0], moving[len(moving) // 2], moving[-1]]
     for level in moving:
-        options = {"tolerance": record.tolerance * SHARE, "method": method}
-        state = contact.steady(driven.slider, driven.at(level), **options)
-        power = scene.slider.share * scene.frequency
-        shown = {name: text for name, text in LEDGER.items() if name not in STORED}
+        state = contact.steady(driven.slider, driven.at(level), tolerance=record.tolerance * SHARE, method=method)
         entries = tuple((text, getattr(state.ledger, name) * power) for name, text in shown.items())
         results.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
     return tuple(results)

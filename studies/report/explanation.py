@@ -3,7 +3,7 @@
 Unknowns, lines and pieces follow from the geometry and are those of the run. The final discretisation of the stator is
 known only after the run; the plan assumes the one that ordinary layouts need. The time of the stator is the number of
 operations of its dense linear algebra divided by a measured speed. The time of a contact point grows with the number of
-contacts at different places. An event-driven burst takes about 5e-5 s per cycle of the wave.
+contacts at different positions. An event-driven burst takes about 5e-5 s per cycle of the wave.
 """
 
 import textwrap
@@ -45,7 +45,7 @@ MESH = 7
 BEAM, ABSORBED_BEAM, CUT_BEAM = 1.5e10, 7.5e10, 3.5e10
 BEAM_BYTES = 30e6  # of the beam model, for each transducer
 BAND = 10  # number of solutions that equals the work for a band of frequencies
-PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; total memory over that of the stored blocks
+PROCESS, MEMORY_FACTOR = 90e6, 1.35  # bytes of Python with its libraries; total memory over that of the stored blocks
 MINUTE = 60.0  # s
 WIDTH = 110  # characters per line of the list of neglected effects
 HEADS = {
@@ -90,8 +90,8 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
 
             number = layout(slider).x.size
             seconds += PILLAR * number * len(scene.levels)
-            block_bytes += PILLAR_BYTES * number / KEPT
-        contacts = len(set(slider.offsets))  # contacts at the same place move identically
+            block_bytes += PILLAR_BYTES * number / MEMORY_FACTOR
+        contacts = len(set(slider.offsets))  # contacts at the same position move identically
         facts = [f"{slider.law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
@@ -100,12 +100,11 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
             facts.append(f"its kernels are compiled first, {contact.kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
         parts.append({"name": "contact", "facts": facts})
+    stator_seconds = operations / SPEED
     expected = {
-        "seconds": seconds + operations / SPEED,
-        "stator_seconds": operations / SPEED,
-        "seconds_within": TIME_WITHIN,
-    }
-    expected |= {"bytes": PROCESS + KEPT * block_bytes, "bytes_within": MEMORY_WITHIN}
+        "seconds": seconds + stator_seconds, "stator_seconds": stator_seconds, "seconds_within": TIME_WITHIN,
+        "bytes": PROCESS + MEMORY_FACTOR * block_bytes, "bytes_within": MEMORY_WITHIN,
+    }  # fmt: skip
     return {
         "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
         "left_out": left_out(scene, **left_out_options), "expected": expected,
@@ -151,13 +150,13 @@ def announced(expected: float, more: str = "") -> tuple[str, ...]:
 
 def explanation(plan: dict) -> str:
     """Return the text that ``sawmotor run --explain`` prints."""
-    rows, expected = [], plan["expected"]
+    entries, expected = [], plan["expected"]
     for part in plan["parts"]:
         sizes = [[f"{each[key]:.4g}" if key == "megabytes" else str(each[key]) for key in HEADS]
                  for each in part.get("levels", ())]  # fmt: skip
         lines = [*part["facts"], *(table([list(HEADS.values()), *sizes]) if sizes else ())]
-        rows += [(part["name"], lines), ("", [""])]
-    rows += [
+        entries += [(part["name"], lines), ("", [""])]
+    entries += [
         ("left out", [line for each in plan["left_out"] for line in textwrap.wrap(each, WIDTH)]),
         ("error", [f"at most {plan['tolerance']:.1e}, as required by the tolerance"]),
         ("expected time", [f"{expected['seconds']:.2g} s without bursts, within a factor of {TIME_WITHIN:g} (number of "
@@ -166,51 +165,47 @@ def explanation(plan: dict) -> str:
                              f"{MEMORY_WITHIN:g}"]),
     ]  # fmt: skip
     title = plan["title"] or "no title"
-    return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(rows)])
+    return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(entries)])
 
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
     slider, (along, _) = scene.slider, fem_model.first_section(scene, (0.0, 0.0))
-    stator, row = fem_model.whole_stator(along), fem_model.transducers(along)
+    stator, transducers = fem_model.whole_stator(along), fem_model.transducers(along)
     sections = len(fem_model.transducer_groups(scene)) if scene.crossed else 1
     resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
     sizes = {
-        k: fem.stator_size(stator, row, frequency=scene.frequency, resolution=fem.LEVELS[k]) for k in {*resolutions, 1}
+        k: fem.stator_size(stator, transducers, frequency=scene.frequency, resolution=fem.LEVELS[k])
+        for k in {*resolutions, 1}
     }
-    finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in row)
-    facts = (
-        _stator_text(scene),
-        *(
-            [
-                f"{_counted(len(finest.meshes), 'meshed piece')}, {len(finest.distinct_meshes)} of them condensed: "
-                f"{finest.meshes[0].unknowns} unknowns in the first on the finest discretisation"
-            ]
-            if finest.meshes
-            else ()
-        ),
-        f"fingers: {fingers}, of {_counted(len(row), 'transducer')} of {_counted(finest.scatterers, 'kind')}",
-        *(
-            [f"{sections} sections, one for each row of parallel transducers; the sizes are those of the first"]
-            if scene.crossed
-            else ()
-        ),
+    finest, fingers = sizes[resolutions[-1]], sum(len(each.signs) for each in transducers)
+    facts = [_stator_text(scene)]
+    if finest.meshes:
+        facts.append(
+            f"{_counted(len(finest.meshes), 'meshed piece')}, {len(finest.distinct_meshes)} of them condensed: "
+            f"{finest.meshes[0].unknowns} unknowns in the first on the finest discretisation"
+        )
+    facts.append(
+        f"fingers: {fingers}, of {_counted(len(transducers), 'transducer')} of {_counted(finest.scatterers, 'kind')}"
+    )
+    if scene.crossed:
+        grouping = "one for each group of parallel transducers; the sizes are those of the first"
+        facts.append(f"{sections} sections, {grouping}")
+    facts += [
         "two discretisations, whose difference is the error; a third if it exceeds the tolerance",
         f"fields {', '.join(finest.section.solid.fields)}; finite elements under the fingers, in "
         f"{'complex' if finest.complex else 'real'} arithmetic, and guided modes between them",
-    )
+    ]
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
-    operations, block_bytes = (
-        sections * sum(_operations(sizes[k]) for k in resolutions),
-        sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:]),
-    )
+    operations = sections * sum(_operations(sizes[k]) for k in resolutions)
+    block_bytes = sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:])
     reason = fem_model.section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})
-        block_bytes += BEAM_BYTES * len(scene.transducer) / KEPT
+        block_bytes += BEAM_BYTES * len(scene.transducer) / MEMORY_FACTOR
         isotropic_beam = ABSORBED_BEAM if stator.absorbs_below else BEAM
         operations += isotropic_beam if fem.isotropic_about_normal(stator.solid) else CUT_BEAM
     left_out_options = {"beam": not reason, "reason": reason}
@@ -220,10 +215,8 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
             left_out_options["ringing"] = RingUp(error=0.0)
             how = "frequency response over a band; the number of frequencies, and so the time, is not known in advance"
             parts.append({"name": "ring-up", "facts": [how]})
-            operations, block_bytes = (
-                operations + BAND * _operations(sizes[1]),
-                block_bytes + 5 * sizes[1].block_bytes,
-            )
+            operations += BAND * _operations(sizes[1])
+            block_bytes += 5 * sizes[1].block_bytes
     return parts, left_out_options, operations, block_bytes
 
 

@@ -9,7 +9,7 @@ from studies.scene.keys import rule_at, unit_of
 
 PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 CLOSED = "closed form"
-GIVEN = "as given or resolved"
+SPECIFIED = "as specified or resolved"
 
 
 class Number(NamedTuple):
@@ -45,18 +45,6 @@ def prefixed(size: float) -> tuple[int, str]:
     """
     power = 3 * math.floor(math.log10(size) / 3 + 1e-12)
     return (power, PREFIXES[power]) if power in PREFIXES else (0, "")
-
-
-def load_axis(largest: float) -> tuple[float, str]:
-    """Return the factor and the label of an axis of loads, with a prefix that suits the largest load (N).
-
-    Examples
-    --------
-    >>> load_axis(1.2), load_axis(3e-4)
-    ((1.0, 'load (N)'), (1000000.0, 'load (µN)'))
-    """
-    factor, unit = scaled_unit(largest, "N")
-    return factor, f"load ({unit})"
 
 
 def key_axis(key: str, largest: float) -> tuple[float, str]:
@@ -97,7 +85,7 @@ def intermediate_numbers(record: Record) -> tuple[Number, ...]:
         stages["stator"] = _free(record)
     if record.scene.slider is not None:
         stages["contact"] = _contact(record)
-    return tuple(Number(stage, *row) for stage, rows in stages.items() for row in rows)
+    return tuple(Number(stage, *entry) for stage, entries in stages.items() for entry in entries)
 
 
 def _error(size: float) -> str:
@@ -105,29 +93,23 @@ def _error(size: float) -> str:
 
 
 def _drive(record: Record):
-    yield "frequency", si(record.scene.frequency, "Hz", 9), GIVEN
+    yield "frequency", si(record.scene.frequency, "Hz", 9), SPECIFIED
     for each in record.scene.transducer:
-        yield f"period of transducer {each.name}", si(each.wavelength, "m", 8), GIVEN
+        yield f"period of transducer {each.name}", si(each.wavelength, "m", 8), SPECIFIED
 
 
 def _stator(record: Record):
     wave, electrical, wave_solution = record.wave, record.electrical, record.surface_wave
     motion, electrical_error = _error(wave["relative_error"]), electrical["admittance_relative_error"]
     comb_voltage, power_residual = electrical["comb_voltage_per_volt"], _error(electrical["power_residual"])
-    yield (
-        "discretisation",
-        f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns",
-        "that of the numbers below",
-    )
+    sizes = f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns"
+    yield "discretisation", sizes, "that of the numbers below"
     # eigenvalues and modes converge faster than the driven motion, whose error is therefore an upper bound
     yield "phase velocity of the surface mode", si(wave["phase_velocity_m_per_s"], "m/s", 9), motion
     yield "|u_x/u_z| of the surface mode", f"{wave['surface_ratio']:.6g}", motion
     yield "admittance", _complex(electrical["admittance_S"], "S"), _error(electrical_error)
-    yield (
-        "voltage between the combs, per volt",
-        _complex(comb_voltage, "V"),
-        _error(electrical_error * abs(1 - comb_voltage)),
-    )
+    error = _error(electrical_error * abs(1 - comb_voltage))
+    yield "voltage between the electrodes, per volt", _complex(comb_voltage, "V"), error
     for name, key in (
         ("delivered by the source", "power_W_per_V2"),
         ("lost in the solid and absorbed", "power_dissipated_W_per_V2"),
@@ -135,8 +117,8 @@ def _stator(record: Record):
     ):
         yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"residual of the balance {power_residual}"
     for name, key in (
-        ("u_z at the slider's place, per volt", "normal_m_per_V"),
-        ("u_x at the slider's place, per volt", "tangential_m_per_V"),
+        ("u_z at the slider's position, per volt", "normal_m_per_V"),
+        ("u_x at the slider's position, per volt", "tangential_m_per_V"),
         ("part of the surface mode in u_z", "rayleigh_normal_m_per_V"),
     ):
         if key in wave:
@@ -162,8 +144,8 @@ def _contact(record: Record):
     # `sawmotor check` prints the moduli of the two surfaces alone
     compliant = block.pillars is not None and block.pillars.height is not None
     bodies = " with the compliance of a pillar's height" if compliant else ""
-    yield f"modulus E*{bodies}", si(slider.effective_modulus, "Pa"), GIVEN
-    yield f"modulus G*{bodies}", si(slider.tangential_modulus, "Pa"), GIVEN
+    yield f"modulus E*{bodies}", si(slider.effective_modulus, "Pa"), SPECIFIED
+    yield f"modulus G*{bodies}", si(slider.tangential_modulus, "Pa"), SPECIFIED
     yield f"normal force on a contact at rest{average_note}", si(normal_force, "N"), CLOSED
     yield f"approach at rest{highest_note}", si(depth, "m"), CLOSED
     yield "radius of the contact at rest", si(slider.contact_radius(depth), "m"), CLOSED

@@ -113,9 +113,8 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
         ready = True
         yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
     except Timeout:
-        raise RunError(
-            f"another run is writing into {str(target)!r}: wait for it, or name another directory with --out"
-        ) from None
+        hint = "wait for it, or name another directory with --out"
+        raise RunError(f"another run is writing into {str(target)!r}: {hint}") from None
     except OSError as error:
         sentence = f"the result directory {str(path)!r} cannot be written: {error.strerror or error}"
         raise (RunError(sentence) if ready else SceneError("", sentence)) from None
@@ -166,9 +165,8 @@ def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None
     former = read_manifest(target / READY) or read_manifest(target)
     kinds = [kind for mark, kind in MARKS.items() if mark in names]
     if names - HIDDEN and not kinds and not former:
-        raise SceneError(
-            "", f"the result directory {str(target)!r} holds files that are not a result of sawmotor; name another"
-        )
+        hint = "files that are not a result of sawmotor; name another"
+        raise SceneError("", f"the result directory {str(target)!r} holds {hint}")
     if named_by_user:
         return
     if former and _origin(former) != origin.described(target):

@@ -1,7 +1,7 @@
 """A block of a scene: a frozen dataclass whose fields are the keys of a TOML table.
 
-A field is declared ``mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]``: its type once read, the
-rule that reads it, and its meaning, which the reference of all keys and the JSON Schema show.
+A field is declared ``mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]``: the type of
+its value, the rule that reads it, and its meaning, which the reference of all keys and the JSON Schema show.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from typing import ClassVar, NoReturn, Self, get_args
 
 from studies.refusal import SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule, read_each
-from studies.scene.synonyms import meant
+from studies.scene.synonyms import key_for
 from studies.scene.uncertain import stated_schema
 
 
@@ -22,11 +22,11 @@ class Key:
     name: str
     rule: Rule  # how it is read
     meaning: str  # one sentence
-    required: bool  # whether it must be given when its block is
-    default: object  # its value when absent; None where absence means something of its own
+    required: bool  # True if its block is refused without it
+    default: object  # its value when absent; None where its meaning says what absence does
 
 
-_KEYS: dict[type, dict[str, Key]] = {}
+_KEYS: dict[type, dict[str, Key]] = {}  # functools.cache would take no class for mypy
 
 
 def keys_of(kind: type) -> dict[str, Key]:
@@ -42,11 +42,11 @@ def keys_of(kind: type) -> dict[str, Key]:
 
 
 class UnreadError(Exception):
-    """A check used the value of a key that is missing or was refused: the check is skipped."""
+    """Raised when a check uses a key that is missing or was refused: the check is skipped."""
 
 
 class Unread:
-    """Stands for a value that is missing or was refused, while the others are checked; any use of it raises."""
+    """Replaces a value that is missing or was refused while the others are checked; any use of it raises."""
 
 
 def _refuse(*_):
@@ -62,8 +62,8 @@ for operation in OPERATIONS.split():
 class Block:
     """Base of the blocks: reads every field by its rule, then checks them together."""
 
-    block: ClassVar[str]  # its path in a scene
-    # Each yields key and rule of what single keys allow but together contradict; by default the methods ``check_...``
+    block: ClassVar[str]  # path in a scene
+    # Checks of several keys together: each yields key and rule of what it refuses; by default the methods ``check_...``
     checks: ClassVar[tuple[Callable[["Block"], Iterator[tuple[str, str]]], ...]] = ()
 
     def __init_subclass__(cls) -> None:
@@ -98,7 +98,7 @@ class Block:
 
     @classmethod
     def from_table(cls, path: str, table) -> Self:
-        """Build the block from a TOML table found at a path.
+        """Build the block from the TOML table at a path of a scene.
 
         Raises
         ------
@@ -110,12 +110,12 @@ class Block:
         known, problems, at = keys_of(cls), [], f"{path}." if path else ""
         misspelt = set()
         for word in (word for word in table if word not in known):
-            key, hint = _meant(word, cls)
+            key, hint = _intended(word, cls)
             misspelt.add(key)
             problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
         absent = [name for name, key in known.items() if key.required and name not in table]
         for name in absent:
-            if name not in misspelt:  # else the misspelt word is refused, with this key as the hint
+            if name not in misspelt:  # otherwise the refusal of the misspelt word names this key
                 rule = f"is required and missing: give {known[name].rule.expected}"
                 problems.append(SceneError(f"{at}{name}", rule))
         values = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
@@ -149,9 +149,9 @@ def block_schema(kind: type[Block]) -> dict:
     return schema | ({"required": required} if required else {}) | {"additionalProperties": False}
 
 
-def _meant(word: str, kind: type[Block]) -> tuple[str | None, str]:
-    """Return the key of a block that was probably meant by an unknown one, and the hint to be given."""
-    key = meant(word, keys_of(kind))
+def _intended(word: str, kind: type[Block]) -> tuple[str | None, str]:
+    """Return the key of a block that an unknown word probably stands for, and the hint in its refusal."""
+    key = key_for(word, keys_of(kind))
     homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
     if key is None and homes:
         return None, f"; {word} belongs in [{'] or ['.join(homes)}]"
@@ -160,7 +160,7 @@ def _meant(word: str, kind: type[Block]) -> tuple[str | None, str]:
 
 
 class Within(Rule):
-    """A block inside a block; of several kinds the one that has most of the table's keys."""
+    """A block inside a block; of several kinds the one that has most keys in common with the table."""
 
     def __init__(self, *kinds: type[Block]):
         self.kinds = kinds

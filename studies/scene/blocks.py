@@ -17,6 +17,10 @@ MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones t
 ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | FixedList(
     (NUMBER,) * 3, "three angles [phi, theta, psi] in degrees"
 )
+DENSITY = Annotated[float, Quantity("kg/m^3"), "Mass density."]
+QUALITY = Annotated[
+    float | None, Quantity(), "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss."
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,12 +32,8 @@ class PiezoelectricSolid(Block):
     stiffness: Annotated[tuple, matrix(6, 6), "Stiffness at constant electric field, c^E, in Pa."]
     coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
     permittivity: Annotated[tuple, matrix(3, 3), "Permittivity at constant strain, eps^S, relative to that of vacuum."]
-    density: Annotated[float, Quantity("kg/m^3"), "Mass density."]
-    mechanical_quality: Annotated[
-        float | None,
-        Quantity(),
-        "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss.",
-    ] = None
+    density: DENSITY
+    mechanical_quality: QUALITY = None
     dielectric_loss: Annotated[
         float | None,
         Quantity(zero=True),
@@ -49,20 +49,16 @@ class IsotropicSolid(Block):
     name: Annotated[str, TEXT, "Name of the material in results."] = "user's isotropic solid"
     youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
     poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
-    density: Annotated[float, Quantity("kg/m^3"), "Mass density."]
-    mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no loss."
-    ] = None
+    density: DENSITY
+    mechanical_quality: QUALITY = None
 
     def check_stable(self) -> Any:
         if self.poisson_ratio <= -1:
             yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
 
 
-SOLIDS = Named(
-    'a table of solids by surface group such as { strip = "aluminium" }',
-    TEXT | Within(PiezoelectricSolid, IsotropicSolid),
-)
+MATERIAL = TEXT | Within(PiezoelectricSolid, IsotropicSolid)
+SOLIDS = Named('a table of solids by surface group such as { strip = "aluminium" }', MATERIAL)
 CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
@@ -74,7 +70,7 @@ class Stator(Block):
     block: ClassVar[str] = "stator"
     material: Annotated[
         str | PiezoelectricSolid | IsotropicSolid,
-        TEXT | Within(PiezoelectricSolid, IsotropicSolid),
+        MATERIAL,
         "Name of a material of the catalogue below, or a table of material constants.",
     ]
     orientation: Annotated[
@@ -143,7 +139,7 @@ class Stator(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):
-    """Two interleaved combs of fingers on the surface; the block is given once for each transducer."""
+    """Two interleaved combs of fingers on the surface; one block for each transducer."""
 
     block: ClassVar[str] = "transducer"
     name: Annotated[str, TEXT, "Name of the transducer, to which [drive] refers."]
@@ -237,7 +233,7 @@ class Transducer(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Piece(Block):
-    """A part of the section given as a mesh: a groove, a strip, an end, or all of it; one block for each file."""
+    """A meshed part of the section: a groove, a strip, an end, or all of it; one block for each file."""
 
     block: ClassVar[str] = "piece"
     name: Annotated[str | None, TEXT, "Name of the piece in messages. Absent: the name of the file."] = None

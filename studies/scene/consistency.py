@@ -16,7 +16,7 @@ def _mm(length: float) -> str:
 
 
 def check_uncertain(scene) -> Refused:
-    """Refuse tolerances without a velocity."""
+    """Refuse tolerances without a slider, whose velocity has the bands."""
     if scene.uncertain is not None and scene.slider is None:
         yield "uncertain", "needs a [slider]: its bands are those of the velocity"
 
@@ -30,15 +30,15 @@ def check_prescribed_wave(scene) -> Refused:
     blocks = ("stator", "transducer", "piece", "drive")
     computed = [f"[{key}]" for key in blocks if getattr(scene, key) not in (None, ())]
     if computed:
-        yield "wave", f"must not stand beside {', '.join(computed)}: the surface motion is given or computed"
+        yield "wave", f"must not stand beside {', '.join(computed)}: the surface motion is prescribed or computed"
     slider = scene.slider
     if slider is None:
-        yield "slider", "is missing: a given [wave] without a slider leaves nothing to compute"
+        yield "slider", "is missing: with a [wave] only the slider is computed"
         return
     if slider.position is not None:
-        yield "slider.position", "must be absent with [wave]: the motion is given where the slider is"
+        yield "slider.position", "must be absent with [wave]: the motion is prescribed at the slider"
     if slider.ball is not None:
-        yield "slider.ball", "must not be given with [wave]: there is no stator; give both moduli in Pa"
+        yield "slider.ball", "must be absent with [wave]: there is no stator; give both moduli in Pa"
     if slider.pillars is not None:
         yield from _pillars_on_prescribed_wave(scene.wave, slider)
     elif not isinstance(slider.contacts, int):

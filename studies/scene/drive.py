@@ -18,7 +18,7 @@ SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 d
 
 @dataclass(frozen=True, kw_only=True)
 class Element(Block):
-    """One element of a ladder between the source and its transducer; the block is given once for each, in order."""
+    """One element of a ladder between the source and its transducer; one block for each, in order."""
 
     block: ClassVar[str] = "drive.match"
     series_L: Annotated[float | None, Quantity("H"), "Inductance in series."] = None

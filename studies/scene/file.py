@@ -1,4 +1,4 @@
-"""A scene file: its TOML table, and the line of every key for what is said about it."""
+"""A scene file: its TOML table, and the line of every key for messages."""
 
 import re
 import tomllib
@@ -14,7 +14,7 @@ from studies.scene.override import replaced, setting_of, walk
 from studies.scene.syntax import explained
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-# Keys that name a file; slider.law does where it ends with .py
+# Keys that name a file, slider.law only with a value that ends with .py
 FILES = re.compile(r"piece\.\d+\.file|slider\.law|slider\.pillars\.file")
 SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their first line
 
@@ -23,19 +23,19 @@ SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their firs
 class SceneFile:
     """The TOML document of a scene, not yet checked."""
 
-    path: Path  # where it was read
+    path: Path
     table: dict = field(repr=False)  # its keys and values
     lines: dict[str, int] = field(repr=False)  # line of every dotted key
-    # Keys that the command line changed: what is wrong with them is not in the file
+    # Keys that the command line changed: their faults are not in the file
     changed: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, source: str | Path) -> Self:
-        """Read a file, or a scene that ships, by its name; SceneError if it cannot be found, decoded or parsed."""
+        """Read a file or a shipped scene; SceneError if it does not exist or cannot be decoded or parsed."""
         path = scene_path(source)
         text = _text(path)
         try:
-            table = _with_whole_paths(tomllib.loads(text), path)
+            table = _with_absolute_paths(tomllib.loads(text), path)
             return cls(path=path, table=table, lines=key_lines(text))
         except tomllib.TOMLDecodeError as error:
             line, sentence = explained(text, error)
@@ -53,7 +53,7 @@ class SceneFile:
 
     @contextmanager
     def located(self) -> Iterator[None]:
-        """Give every fault found inside the file and the line of its key, in the order of the lines."""
+        """Add file and line to every fault raised inside, and order the faults by line."""
         try:
             yield
         except SceneError as error:
@@ -67,11 +67,11 @@ class SceneFile:
             raise SceneError.together(problem for _, problem in located) from None
 
 
-def _with_whole_paths(table: dict, scene: Path) -> dict:
-    """Return a scene's table with the files of its meshes, law and pillars from the root on: it runs from anywhere."""
+def _with_absolute_paths(table: dict, scene: Path) -> dict:
+    """Return a scene's table with absolute paths of its files, so that it runs in any working directory."""
     for key, name in walk(table):
-        named = FILES.fullmatch(key) is not None and isinstance(name, str) and name != ""
-        if named and (key != "slider.law" or name.endswith(".py")) and not Path(name).is_absolute():
+        is_file = FILES.fullmatch(key) is not None and isinstance(name, str) and name != ""
+        if is_file and (key != "slider.law" or name.endswith(".py")) and not Path(name).is_absolute():
             table = replaced(table, key, str((scene.parent / name).resolve()))
     return table
 
@@ -82,7 +82,7 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def scene_path(source: str | Path) -> Path:
-    """Return the file of a scene, given its path or the name of one that ships."""
+    """Return the file of a scene from its path or shipped name."""
     if not isinstance(source, (str, Path)):
         raise SceneError("", f"a scene is a Scene, a file or the name of one that ships, got {shown(source)}")
     shipped, path = shipped_scenes(), Path(source)
@@ -91,25 +91,24 @@ def scene_path(source: str | Path) -> Path:
     if str(source) in shipped:
         return shipped[str(source)]
     if path.is_dir():
-        inside = path / "scene.toml"  # a run leaves its scene there
-        hint = f"; did you mean {str(inside)!r}?" if inside.is_file() else ""
+        resolved = path / "scene.toml"  # of a run
+        hint = f"; did you mean {str(resolved)!r}?" if resolved.is_file() else ""
         raise SceneError("", f"{shown(str(source))} is a directory, not a scene file{hint}")
-    here = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-    raise SceneError(
-        "", f"no scene file or shipped scene is named {shown(str(source))}{nearest(str(source), [*here, *shipped])}"
-    )
+    beside = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+    hint = nearest(str(source), [*beside, *shipped])
+    raise SceneError("", f"no scene file or shipped scene is named {shown(str(source))}{hint}")
 
 
 def copied(name: str, file: Path) -> list[Path]:
-    """Write a scene that ships into a new file, with the comment that tells an editor where its JSON Schema is.
+    """Write a shipped scene into a new file, with the comment by which an editor finds the JSON Schema.
 
-    The meshes that it names are written beside it, each with the script of the same name that drew it.
+    Its meshes are written beside it, each with the script of the same name that made it.
 
     Returns
     -------
     list of Path
-        The files that were written, the scene first. A mesh or script that is there already with the same
-        content is left as it is.
+        The files that were written, the scene first. A mesh or script that exists with the same content is left
+        as it is.
 
     Raises
     ------

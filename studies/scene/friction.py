@@ -1,4 +1,4 @@
-"""The friction of a slider where it is more than a number or a word: a table, or a law of the user's own."""
+"""The friction of a slider that is not a number or a word: a table, or a law of the user."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
@@ -41,12 +41,12 @@ class Friction(Block):
                 if getattr(self, present) is not None and getattr(self, missing) is None:
                     yield missing, f"is required and missing: {present} is given"
         if self.sliding is None and self.high_pressure is None and self.speed is None and self.pressure is None:
-            yield ("static", "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well")
+            yield "static", "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well"
 
 
 @dataclass(frozen=True, kw_only=True)
 class LawText(Block):
-    """A tangential law of one's own, with its text, as a resolved scene keeps it."""
+    """A tangential law of the user with its source, as a resolved scene keeps it."""
 
     block: ClassVar[str] = "slider.law"
     name: Annotated[str, TEXT, "Name of the file."]
@@ -62,7 +62,7 @@ class LawText(Block):
 
 
 class LawFile(Rule):
-    """A file of Python that holds a tangential law; what is read is its text."""
+    """A Python file with a tangential law, read as its source."""
 
     expected = 'a file such as "my_law.py", from the scene\'s folder'
 

@@ -11,27 +11,27 @@ LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 
 
 def rule_at(key: str) -> Rule:
-    """Return the rule of a scene's key, its lists of blocks numbered from 0; SceneError if there is none."""
+    """Return the rule of a scene's key, lists of blocks numbered from 0; SceneError for an unknown key."""
     rule: Rule = Within(Scene)
-    done, parts = "", key.split(".")
+    path, parts = "", key.split(".")
     while parts:
         holder = next((each for each in getattr(rule, "rules", (rule,)) if isinstance(each, (Blocks, Within))), None)
         if holder is None:
-            raise SceneError(key, f"is no key of a scene: {done} holds no keys")
+            raise SceneError(key, f"is no key of a scene: {path} holds no keys")
         if isinstance(holder, Blocks):
             index, *parts = parts
             if not index.isdigit() or not parts:
                 first = next(iter(keys_of(*holder.kinds)))
-                raise SceneError(done, f"is a list: say which one and its key, as in {done}.0.{first}")
-            done = f"{done}.{index}"
+                raise SceneError(path, f"is a list: say which one and its key, as in {path}.0.{first}")
+            path = f"{path}.{index}"
         name, *parts = parts
         known = {name: one for kind in holder.kinds for name, one in keys_of(kind).items()}
-        done = f"{done}.{name}" if done else name
+        path = f"{path}.{name}" if path else name
         if name not in known:
-            raise SceneError(done, f"is no key of a scene{nearest(name, known)}")
+            raise SceneError(path, f"is no key of a scene{nearest(name, known)}")
         rule = known[name].rule
     if isinstance(rule, (Blocks, Within)):
-        raise SceneError(done, "is a block: name one of its keys")
+        raise SceneError(path, "is a block: name one of its keys")
     return rule
 
 
@@ -41,7 +41,7 @@ def unit_of(rule: Rule) -> str | None:
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the tolerances of a resolved scene; refuse keys without a number, and intervals beyond a key's rule."""
+    """Return the tolerances of a resolved scene; refuse keys that are no number, and intervals beyond a key's rule."""
     numbers, table = [], scene.to_table()
     for key, text in scene.uncertain or ():
         path = f"uncertain.{key}"

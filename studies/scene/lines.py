@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from studies.scene.override import walk
 
-CLOSINGS = ("", "]", "]]", "]]]", '"""', '"""]', "'''", "''']")  # of what a statement of several lines leaves open
+CLOSINGS = ("", "]", "]]", "]]]", '"""', '"""]', "'''", "''']")  # of an unfinished statement of several lines
 
 
 def key_lines(text: str) -> dict[str, int]:
@@ -18,7 +18,7 @@ def key_lines(text: str) -> dict[str, int]:
     4
     """
     lines: dict[str, int] = {}
-    entries: Counter[str] = Counter()  # of every list of blocks, so far
+    entries: Counter[str] = Counter()  # number of blocks so far in every list of blocks
     block = statement = ""
     for number, line in enumerate(text.split("\n"), 1):
         statement += f"{line}\n"

@@ -11,7 +11,7 @@ from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.ranges import read_range
 from studies.scene.rule import Rule, choice, entries_of, read_each
 
-# In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
+# In SI units: no quantity of a motor is larger, or smaller than its inverse; products of a few stay finite.
 MAX_SIZE = 1e30
 DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
 PHASED = re.compile(rf"\s*({DIGITS})\s+at\s+([+-]?{DIGITS})\s*(deg|rad)\s*")
@@ -163,7 +163,7 @@ AMPLITUDE = NUMBER | Phased() | FixedList((NUMBER, NUMBER), "[real, imaginary pa
 
 @dataclass(frozen=True)
 class Listed(Rule):
-    """One value or a list that is not empty; ``ranged`` allows ``"START:STOP:N"``, ``distinct`` only a list."""
+    """One value or a list that is not empty; ``ranged`` also allows ``"START:STOP:N"``, ``distinct`` only a list."""
 
     each: Rule
     distinct: bool = False
@@ -177,7 +177,7 @@ class Listed(Rule):
 
     def read(self, path, value):
         if self.ranged and isinstance(value, str) and ":" in value:
-            value = read_range(path, value, self.unit).values
+            value = read_range(path, value, self.unit)
         entries = None if isinstance(value, complex) else entries_of(value)
         if entries is None:
             return (self._alone(path, value),)

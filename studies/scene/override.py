@@ -9,7 +9,7 @@ from studies.refusal import SceneError, nearest, shown
 
 
 def toml_value(text: str):
-    """Return what a text means as a TOML value; what is not TOML is the text itself.
+    """Return a text as a TOML value; a text that is not TOML stays a string.
 
     Examples
     --------
@@ -23,36 +23,39 @@ def toml_value(text: str):
     except (tomllib.TOMLDecodeError, RecursionError, ValueError):
         return text
     value = document.get("value") if list(document) == ["value"] else text
-    # 10:50:20 is a time of day to TOML, and to everybody else START:STOP:N
+    # 10:50:20 is a time of day in TOML, here START:STOP:N
     return text if isinstance(value, date | time) else value
 
 
 def setting_of(text: str) -> tuple[str, object]:
     """Return key and value of ``KEY=VALUE``, the key a dotted path."""
-    wanted = "KEY=VALUE with a dotted key"
-    key, value = parts_of("--set", text, wanted)
+    form = "KEY=VALUE with a dotted key"
+    key, value = parts_of("--set", text, form)
     keys = [part.strip() for part in key.split(".")]
     if not all(keys):
-        raise SceneError("--set", f"must be {wanted}, got {shown(text)}")
+        raise SceneError("--set", f"must be {form}, got {shown(text)}")
     return ".".join(keys), toml_value(value)
 
 
-def replaced(holder, key: str, value, done: str = ""):
-    """Return a copy of a scene's table with the value at a dotted key replaced; entries of lists count from 0."""
+def replaced(holder, key: str, value, path: str = ""):
+    """Return a copy of a scene's table with the value at a dotted key replaced, entries of lists numbered from 0.
+
+    ``path``: dotted key of the holder in the scene.
+    """
     key, dot, rest = key.partition(".")
-    here = f"{done}.{key}" if done else key
+    here = f"{path}.{key}" if path else key
     if isinstance(holder, list):
         if not (key.isascii() and key.isdigit() and len(key) < 10 and int(key) < len(holder)):
-            raise SceneError(here, f"is no entry of {done}: its {len(holder)} entries are numbered from 0")
+            raise SceneError(here, f"is no entry of {path}: its {len(holder)} entries are numbered from 0")
         inner = replaced(holder[int(key)], rest, value, here) if dot else value
         return [inner if index == int(key) else entry for index, entry in enumerate(holder)]
     if isinstance(holder, dict):
         return holder | {key: replaced(holder.get(key, {}), rest, value, here) if dot else value}
-    raise SceneError(here, f"cannot be set: {done} is {shown(holder)} and holds no keys")
+    raise SceneError(here, f"cannot be set: {path} is {shown(holder)} and holds no keys")
 
 
 def merged(holder, changes):
-    """Return a scene's table with changes key by key; None removes a key, and a list of blocks is changed by names."""
+    """Return a scene's table with changed keys; None removes a key, and blocks of a list are changed by their names."""
     if isinstance(changes, dict) and isinstance(holder, dict):
         whole = holder | {key: merged(holder.get(key), value) for key, value in changes.items()}
         return {key: value for key, value in whole.items() if value is not None}
@@ -86,8 +89,8 @@ def walk(value, path: str = "") -> Iterator[tuple[str, Any]]:
         yield from walk(inner, here)
 
 
-def parts_of(option: str, text: str, wanted: str) -> tuple[str, str]:
-    """Return key and value, as texts, of ``KEY=VALUE`` given with an option.
+def parts_of(option: str, text: str, form: str) -> tuple[str, str]:
+    """Return key and value, as texts, of the ``KEY=VALUE`` of an option; ``form`` describes it in the refusal.
 
     Examples
     --------
@@ -96,7 +99,7 @@ def parts_of(option: str, text: str, wanted: str) -> tuple[str, str]:
     """
     key, sign, value = (part.strip() for part in text.partition("="))
     if not sign or not key:
-        raise SceneError(option, f"must be {wanted}, got {shown(text)}")
+        raise SceneError(option, f"must be {form}, got {shown(text)}")
     return key, value
 
 

@@ -8,8 +8,8 @@ from studies.scene.numbers import FixedList, Quantity
 from studies.scene.rule import FLAG, TEXT, Count, Plain
 
 MAX_PILLARS = 1_000_000
-TOUCHING = 1e-9  # relative: pillars of this much less distance than their diameter still stand side by side
-SEED = 2003  # of heights that scatter where the scene gives none
+TOUCHING = 1e-9  # relative: pillars whose pitch is less than their diameter by up to this touch and do not overlap
+SEED = 2003  # default of the random heights
 PAIR = Quantity("m") | FixedList((Quantity("m"),) * 2, "[along, across]")
 GRID = ("pitch", "rows", "columns", "area", "height_scatter", "seed")
 
@@ -104,10 +104,8 @@ class Pillars(Block):
             return
         along, across = self.counts
         if min(along, across) < 1:
-            yield (
-                "area",
-                f"must hold at least one pillar, got {as_lengths(self.area)} m at a pitch of {self.pitches} m",
-            )
+            area = as_lengths(self.area)
+            yield "area", f"must hold at least one pillar, got {area} m at a pitch of {self.pitches} m"
         elif along * across > MAX_PILLARS:
             yield "rows", f"times columns must be at most {MAX_PILLARS} pillars, got {along} x {across}"
 

@@ -1,8 +1,8 @@
 """A number in SI units, or a string with a unit, read as one SI number.
 
 The units of everyday scenes are in a table of powers of ten, read with decimal arithmetic: ``"0.089 g"`` is
-the float 8.9e-05 itself, and nothing is imported.  Any other unit is left to pint, imported on the spot
-(0.3 s); the table is tested against it.
+exactly the float 8.9e-05, without an import.  Any other unit is converted by pint, which is imported for it
+(0.3 s); the table is tested against pint.
 """
 
 import math
@@ -12,7 +12,7 @@ from functools import cache
 
 from studies.refusal import SceneError, resembling, shown
 
-# What a unit measures, an example, and the usual units of its dimension as powers of ten.
+# By SI unit: what it measures, an example, and the usual units of its dimension as powers of ten
 UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "m": ("a length", "5 mm", {"m": 0, "cm": -2, "mm": -3, "um": -6, "µm": -6, "nm": -9, "pm": -12}),
     "s": ("a time", "20 ms", {"s": 0, "ms": -3, "us": -6, "µs": -6, "ns": -9}),
@@ -99,7 +99,7 @@ def _from_text(path: str, text: str, unit: str) -> float:
 
 @cache
 def _factor(name: str, unit: str) -> float:
-    """Ask pint for a unit in terms of the SI unit; LookupError says why it cannot serve."""
+    """Return the factor of a unit to the SI unit, by pint; LookupError with the reason where there is none."""
     if UNIT.fullmatch(name) is None:
         raise LookupError(f"{shown(name)} is no unit")
     import pint

@@ -1,10 +1,9 @@
-"""Parse a range ``START:STOP:N`` or ``START:STOP:N:log``: values of a sweep, or the frequencies of a band.
+"""The range ``START:STOP:N`` or ``START:STOP:N:log``: levels of a scene, values of a sweep, frequencies of a band.
 
 `studies.chain.passband.band_frequencies` adds what a band has of its own: MHz without a unit, and its limits.
 """
 
 import math
-from dataclasses import dataclass
 
 from studies.refusal import SceneError, shown
 from studies.scene.quantity import si_value
@@ -12,35 +11,14 @@ from studies.scene.quantity import si_value
 MAX_COUNT = 10_000_000
 
 
-@dataclass(frozen=True)
-class Range:
-    """Evenly or logarithmically spaced numbers between two ends, in SI units."""
+def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> list[float]:
+    """Return the numbers of a range in SI units, evenly spaced, with exact ends.
 
-    low: float
-    high: float
-    count: int
-    logarithmic: bool
-
-    def at(self, part: float, of: float = 1.0) -> float:
-        """Return the number at the fraction ``part / of`` of the range; the two ends are exact."""
-        if part in (0, of):
-            return self.high if part else self.low
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** (part / of)
-        return self.low + (self.high - self.low) * part / of
-
-    @property
-    def values(self) -> list[float]:
-        """All numbers, evenly spaced."""
-        return [self.at(k, max(self.count - 1, 1)) for k in range(self.count)]
-
-
-def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> Range:
-    """Parse a range; ``bare`` is the factor to SI units of numbers without a unit.
+    ``bare``: factor to SI units of numbers without a unit.
 
     Examples
     --------
-    >>> read_range("drive.voltage", "5:60:12", "V").values[:3]
+    >>> read_range("drive.voltage", "5:60:12", "V")[:3]
     [5.0, 10.0, 15.0]
     """
     parts = [part.strip() for part in text.split(":")]
@@ -56,12 +34,17 @@ def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> Range:
         raise SceneError(path, f"must have a unit at both ends or at neither, got {shown(text)}")
     if logarithmic and not min(ends) > 0:
         raise SceneError(path, f"must lie above 0 for even steps of the logarithm, got {shown(text)}")
-    number = parts[2]
+    number, (low, high) = parts[2], ends
     if not (number.isascii() and number.isdigit() and 1 <= int(number[:9]) <= MAX_COUNT):
         raise SceneError(path, f"must ask for 1 to {MAX_COUNT} values, got {shown(number)}")
-    if int(number) == 1 and ends[0] != ends[1]:
+    steps = int(number) - 1
+    if steps == 0 and low != high:
         raise SceneError(path, f"must ask for at least 2 values between different ends, got {shown(text)}")
-    return Range(ends[0], ends[1], int(number), logarithmic)
+    if logarithmic:
+        between = [low * (high / low) ** (k / steps) for k in range(1, steps)]
+    else:
+        between = [low + (high - low) * k / steps for k in range(1, steps)]
+    return [low, *between, high] if steps else [low]
 
 
 def is_number(text) -> bool:

@@ -35,7 +35,7 @@ MARK = "<!-- From here on: generated from the blocks and the catalogue by `pytho
 
 
 def reference() -> str:
-    """Return the text of ``studies/scenes/README.md``: what is written there by hand, and the tables after it."""
+    """Return the text of ``studies/scenes/README.md``: the part that is written by hand, and the tables."""
     parts = [PAGE.read_text(encoding="utf-8").partition(MARK)[0] + MARK]
     for header, kind in BLOCKS.items():
         name = f"`{header}`" if header.startswith("[") and "," not in header else header
@@ -62,16 +62,9 @@ def _materials() -> str:
     rows = [("name", "kind", "density (kg/m^3)", "Q", "tan delta", "source")]
     for name, solid in fem.catalogue().items():
         lossless = solid.mechanical_quality == float("inf")
-        rows.append(
-            (
-                f"`{name}`",
-                "piezoelectric" if solid.coupling.any() else "isotropic",
-                f"{solid.density:g}",
-                "lossless" if lossless else f"{solid.mechanical_quality:g}",
-                f"{solid.dielectric_loss:g}",
-                solid.source,
-            )
-        )
+        kind, quality = "piezoelectric" if solid.coupling.any() else "isotropic", f"{solid.mechanical_quality:g}"
+        numbers = (f"{solid.density:g}", "lossless" if lossless else quality, f"{solid.dielectric_loss:g}")
+        rows.append((f"`{name}`", kind, *numbers, solid.source))
     text = "`stator.mechanical_quality` and `stator.dielectric_loss` replace a material's own Q and tan delta. "
     text += "Sets of constants of one material differ between authors by more than this program's errors.\n\n"
     return text + _table(rows)

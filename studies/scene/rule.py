@@ -1,7 +1,7 @@
-"""The rules that a key of a scene obeys: how its value is read, what is allowed, how it is written back.
+"""The rules of the keys of a scene: how a value is read, what is allowed, how it is written back.
 
-A rule's ``read(path, value)`` returns the value in SI units, immutable, or raises SceneError; it accepts what
-a TOML file holds and what it returned before.  ``written(value)`` is the inverse, in terms of a TOML document.
+A rule's ``read(path, value)`` returns the value in SI units, immutable, or raises SceneError; it accepts
+values of a TOML file and values that it has returned.  ``written(value)`` is the inverse, in terms of a TOML document.
 ``expected`` says in words what is allowed, ``range`` in fewer, ``schema()`` as JSON Schema (draft 2020-12).
 ``Quantity("N") | choice("weight")`` takes what either takes; the rules of numbers are in ``numbers``.
 """
@@ -15,10 +15,10 @@ from studies.refusal import SceneError, all_answers, resembling, shown
 
 
 class Rule:
-    """What a value may be."""
+    """The rule of a value."""
 
     expected: str  # as a noun: ``a length in m, positive (a number, or a string such as "5 mm")``
-    words: tuple[str, ...] = ()  # the texts that it takes, if they are few
+    words: tuple[str, ...] = ()  # the texts that it takes, of a choice
     unit = ""  # the SI unit of its numbers
     number: "Rule | None" = None  # of a single number: a Quantity or a Count; None where it takes none
     each: "Rule | None" = None  # of the entries of a list
@@ -27,7 +27,7 @@ class Rule:
         raise NotImplementedError
 
     def takes(self, value) -> bool:
-        """Return whether, among several rules, this one is to read a value or to refuse it."""
+        """Return whether this rule, of several in `Either`, reads or refuses a value."""
         raise NotImplementedError
 
     def written(self, value):
@@ -55,7 +55,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class Either(Rule):
-    """What one of several rules takes."""
+    """A value that one of several rules takes."""
 
     rules: tuple[Rule, ...]
 
@@ -82,7 +82,7 @@ class Either(Rule):
 
 @dataclass(frozen=True)
 class Plain(Rule):
-    """A value that a test takes as it is."""
+    """A value that is kept unchanged if a test holds."""
 
     expected: str
     holds: Callable
@@ -121,7 +121,7 @@ def choice(*words: str) -> Rule:
 
 
 def signs(allowed: str) -> Rule:
-    """Return the rule of a row of signs, at least one."""
+    """Return the rule of a text of the allowed signs, at least one."""
     return Plain(
         f"a text of the signs {' '.join(allowed)}",
         lambda value: isinstance(value, str) and value != "" and not set(value) - set(allowed),
@@ -135,7 +135,7 @@ FLAG = Plain("true or false", lambda value: isinstance(value, bool), {"type": "b
 
 @dataclass(frozen=True)
 class Named(Rule):
-    """A table of values by name, at least one; read as pairs in the order given."""
+    """A table of values by name, at least one; read as pairs in the order of the file."""
 
     expected: str
     value: Rule
@@ -162,6 +162,6 @@ def entries_of(value) -> list | None:
 
 
 def read_each(rules, path: str, values, names=None) -> tuple:
-    """Return the entries of a list, or of a table with names, as rules read them; one error carries all faults."""
+    """Return the entries of a list, or of a table with names, read by a rule each; one error carries all faults."""
     each = zip(names or range(len(rules)), rules, values, strict=True)
     return tuple(all_answers(partial(rule.read, f"{path}.{name}", value) for name, rule, value in each))

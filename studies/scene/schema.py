@@ -1,7 +1,7 @@
 """A JSON Schema (draft 2020-12) of a scene file, for completion and checks in an editor.
 
-It holds what the rules of the single keys say. What keys must not say together, and the geometry, only the program
-checks. Quantities may have the usual units; the program reads every unit of the right dimension.
+It holds the rules of single keys; combinations of keys and the geometry are checked by the program alone. Quantities
+may have the usual units; the program reads every unit of the right dimension.
 """
 
 import json

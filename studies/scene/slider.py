@@ -39,8 +39,8 @@ class Damping(Block):
 class Slider(Block):
     """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
 
-    Keys that what touches the stator decides, such as ``radius`` and ``pillars``, are None where they are absent; as
-    of the blocks of a scene, their types say Any instead.
+    Keys that depend on the kind of contact, such as ``radius`` and ``pillars``, are None where they are absent; their
+    types are written Any, as those of the blocks of a scene.
     """
 
     block: ClassVar[str] = "slider"
@@ -48,7 +48,7 @@ class Slider(Block):
         float | tuple[float, float] | Any,
         surface_position(),
         "Position of the slider's centre: x from the left end of the stator, or [x, y] with y from the middle line."
-        " Required with a stator; absent with a given wave.",
+        " Required with a stator; absent with [wave].",
     ] = None
     shape: Annotated[
         str,
@@ -93,9 +93,7 @@ class Slider(Block):
         float | Any, Quantity("Pa"), "G* of the two bodies, 1/G* = sum of (2 - nu)/G; required unless ball is given."
     ] = None
     ball: Annotated[
-        str | None,
-        TEXT,
-        'Material of the balls, such as "steel", from which both moduli follow; not with a given wave.',
+        str | None, TEXT, 'Material of the balls, such as "steel", from which both moduli follow; not with [wave].'
     ] = None
     law: Annotated[
         str | LawText,
@@ -115,7 +113,7 @@ class Slider(Block):
         str,
         choice("auto", "exact", "stepped", "averaged"),
         "Integration of the slider's motion. exact: from event to event; stepped: fixed time steps; averaged: over "
-        "cycles of the wave; auto: chosen by error and cost.",
+        "cycles of the wave; auto: selected by error and cost.",
     ] = "auto"
     travel: Annotated[
         bool | None,
@@ -176,10 +174,8 @@ class Slider(Block):
         if self.backing == "soft" and self.loading == "harmonics":
             yield "loading", 'must be true or false where slider.backing is "soft"'
         if self.backing == "soft" and self.tilt != "held":
-            yield (
-                "tilt",
-                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
-            )
+            rule = 'must be "held" where slider.backing is "soft", which has no plane to tilt'
+            yield "tilt", f'{rule}, got "{self.tilt}"'
 
     def check_punch(self) -> Any:
         if self.shape == "punch" and self.law == "hysteretic":
@@ -205,7 +201,7 @@ class Slider(Block):
         if number == 0:
             yield "heights", "needs slider.contacts as a list of positions, one per height"
         elif number != len(self.heights):
-            yield ("heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}")
+            yield "heights", f"must hold one height for each of the {number} contacts, got {len(self.heights)}"
 
     def check_moduli(self) -> Any:
         for key in ("effective_modulus", "tangential_modulus"):
@@ -233,9 +229,7 @@ class Slider(Block):
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the contacts from the slider's centre, m; a mere number of contacts is at the centre."""
-        if (
-            self.contacts is None
-        ):  # pillars: the wave is computed at the centre and propagated from row to row of pillars
+        if self.contacts is None:  # pillars: the wave is computed at the centre and propagated from there
             return ((0.0, 0.0),)
         if isinstance(self.contacts, int):
             return ((0.0, 0.0),) * self.contacts
@@ -243,7 +237,7 @@ class Slider(Block):
 
     @property
     def share(self) -> int:
-        """Number of contacts that each computed one stands for: of a mere number of them, which move alike, all."""
+        """Number of contacts that each computed contact represents: all, if only their number is specified."""
         return self.contacts if isinstance(self.contacts, int) else 1
 
     @property

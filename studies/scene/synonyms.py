@@ -1,4 +1,4 @@
-"""Words that people write for a key of a scene, and the keys that they may mean."""
+"""Words that users write instead of a key of a scene, and the keys that they may stand for."""
 
 TABLE = """
 amplitude: normal_amplitude voltage; angle cut poling: orientation; balls: contacts ball;
@@ -15,12 +15,12 @@ SYNONYMS = {
 }
 
 
-def meant(word: str, known) -> str | None:
+def key_for(word: str, known) -> str | None:
     """Return the known key that a word stands for, or None.
 
     Examples
     --------
-    >>> meant("metallized", ["method", "metallisation"]), meant("mu", ["friction_coefficient"])
+    >>> key_for("metallized", ["method", "metallisation"]), key_for("mu", ["friction_coefficient"])
     ('metallisation', 'friction_coefficient')
     """
     lowered = str(word).lower()

@@ -1,9 +1,9 @@
-"""Syntax errors of a scene file in the words of somebody who writes a motor down, not of a TOML parser."""
+"""Syntax errors of a scene file in plain sentences that say what to write."""
 
 import re
 
 VALUE = re.compile(r"^\s*(?P<key>[^=#]*?)\s*=\s*(?P<value>.*?)\s*(?:#.*)?$")
-PLACE = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)")
+POSITION = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)")
 NUMBER = r"[+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 CURLY = "\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}\N{DOUBLE LOW-9 QUOTATION MARK}"
 
@@ -11,7 +11,7 @@ CURLY = "\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}\N{DOUBLE 
 def explained(text: str, error: Exception) -> tuple[int, str]:
     """Return the line of a syntax error (from 1) and a sentence that says what to write.
 
-    ``text``: the document; ``error``: what the parser said.
+    ``text``: the document; ``error``: that of the parser.
 
     Examples
     --------
@@ -22,22 +22,21 @@ def explained(text: str, error: Exception) -> tuple[int, str]:
     ...     explained("friction = .15", error)
     (1, 'a number needs a digit before its point: write 0.15')
     """
-    said = str(error)
-    match = PLACE.search(said)
+    match = POSITION.search(str(error))
     lines = text.splitlines() or [""]
     number = int(match[1]) if match and match[1] else len(lines)
-    plain = PLACE.sub("", said).strip()[:160]
+    message = POSITION.sub("", str(error)).strip()[:160]
     line = lines[min(number, len(lines)) - 1]
-    advice = _advice(line, plain)
+    advice = _advice(line, message)
     if advice is None and number > 1 and not line.strip():
         number, line = number - 1, lines[number - 2]  # the parser stops at the line after an unfinished one
-        advice = _advice(line, plain)
+        advice = _advice(line, message)
     quoted = " ".join(line.split())[:60]
-    return number, advice or f"is not TOML: {plain[:1].lower()}{plain[1:]}, in {quoted!r}"
+    return number, advice or f"is not TOML: {message[:1].lower()}{message[1:]}, in {quoted!r}"
 
 
-def _advice(line: str, said: str) -> str | None:
-    if said.startswith(("Cannot overwrite", "Cannot declare", "Cannot mutate", "Cannot redefine")):
+def _advice(line: str, message: str) -> str | None:
+    if message.startswith(("Cannot overwrite", "Cannot declare", "Cannot mutate", "Cannot redefine")):
         name = line.strip().split("=")[0].strip()
         return f"{name} is given twice: keep one of the two (several transducers are written [[transducer]])"
     if any(quote in line for quote in CURLY):

@@ -1,4 +1,4 @@
-"""Writing a table as a TOML document (reading is tomllib's)."""
+"""A table as a TOML document (tomllib only reads)."""
 
 import json
 import re

@@ -1,7 +1,7 @@
 """Tolerances of a scene's numbers: the block ``[uncertain]``, or ``"0.08 +- 0.02"`` at a key itself.
 
-A tolerance is the half width of the interval that holds a number with 95 % probability, normally distributed; of
-several at once, they are independent.
+A tolerance is the half width of the interval that holds a number with 95 % probability, normally distributed; those
+of several numbers are independent.
 """
 
 import re
@@ -19,7 +19,7 @@ from studies.scene.rule import Count, Rule, choice
 OPTIONS = {"method": choice("linear", "sampled"), "samples": Count(100_000)}
 DEFAULTS = {"method": "linear", "samples": 500}
 SIGN = r"(?:\+-|\+/-|±)"
-# with blanks about the sign: "0+-0" is a pattern of fingers
+# with blanks around the sign: "0+-0" is a pattern of fingers
 STATED = re.compile(r"\s*([+-]?[\d.][^%]*?)(?:\s+(?:\+-|\+/-)\s+|\s*±\s*)([\d.].*?)\s*")
 ALONE = re.compile(rf"\s*{SIGN}?\s*([\d.].*?)\s*")
 
@@ -37,7 +37,7 @@ class Uncertain(Rule):
     """Tolerances by key of the scene, with ``method`` and ``samples``."""
 
     def read(self, path, value):
-        """Return pairs of key and option or text, in the order given."""
+        """Return pairs of key and option or text, in the order of the file."""
         if not isinstance(value, (dict, tuple)):
             raise SceneError(path, f"must be a block of keys, got {shown(value)}")
         pairs = value
@@ -86,7 +86,7 @@ def half_width(path: str, stated: float | str, value: float, unit: str) -> float
 
 
 def stated_schema(rule: Rule) -> list[dict]:
-    """Return the JSON Schema of ``"VALUE +- TOLERANCE"`` at a key, in a list; empty where it takes no number."""
+    """Return the JSON Schema of ``"VALUE +- TOLERANCE"`` at a key, in a list; empty for a key without a number."""
     if rule.each or not isinstance(rule.number, Quantity):
         return []
     sign, value = rf"(\s+\+/?-\s+|\s*±\s*){DIGITS}", rf"^\s*[+-]?{DIGITS}"

@@ -37,7 +37,7 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
         Frequencies.
     """
     if scene.stator is None:
-        scene.refuse("stator", "is missing: a given wave has no section to guide it")
+        scene.refuse("stator", "is missing: a prescribed wave has no section to guide it")
     scene = resolve.resolved(scene)
     stator, drive = fem_model.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive

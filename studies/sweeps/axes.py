@@ -81,7 +81,7 @@ def _ranged(key, rule, text):
     unit = unit_of(rule)
     if unit is None:
         raise SceneError(f"over {key}", f"takes words: give a list with commas, got {shown(text)}")
-    steps = read_range(f"over {key}", text, unit).values
+    steps = read_range(f"over {key}", text, unit)
     if isinstance(rule.number, Count):
         if any(abs(step - round(step)) > 1e-9 for step in steps):
             raise SceneError(f"over {key}", f"must fall on whole numbers, got {shown(text)}")

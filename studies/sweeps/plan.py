@@ -140,7 +140,7 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     Raises
     ------
     SceneError
-        For what is wrong whatever the point.
+        For a fault of all points.
     """
     for word in also:
         if word not in ALSO:

@@ -150,9 +150,8 @@ def _lock(folder: Path) -> FileLock:
         lock.acquire()
         return lock
     except Timeout:
-        raise RunError(
-            f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another directory"
-        ) from None
+        hint = "wait for it, or name another directory"
+        raise RunError(f"another sweep{_owner(folder)} is writing into {str(folder)!r}: {hint}") from None
     except OSError as error:
         raise SceneError("out", f"cannot write {str(folder)!r}: {error.strerror}") from None
 

@@ -24,7 +24,7 @@ from studies.view.contact_view import contact_writers
 from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import palette, quantity
-from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
+from studies.view.run_field import NO_STATOR, recomputed_motion, run_field, saved_run
 from studies.view.views import limits, near, span_views, views
 from studies.view.window import open_window
 
@@ -55,7 +55,7 @@ def view(folder: str | Path, wanted: Wanted, *, note: Callable[[str], None] = wa
     RunError
         If something is missing on this machine.
     """
-    record = left_run(folder)
+    record = saved_run(folder)
     show = wanted.show or ("field" if record.scene.stator is not None else "contact")
     wanted.check(show)
     quantity(wanted.quantity)
@@ -92,9 +92,8 @@ def _field_writers(record: Record, wanted: Wanted, show: str, note) -> dict[str,
     options: dict[str, Any] = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
     def still(file) -> None:
-        stretches = views(field) if span is None else span_views(field, span)
-        stretches = () if show == "solid" else stretches
-        Picture(field, stretches, size=wanted.size or STILL_SIZE, **options).save(file, whole=bool(wanted.size))
+        shown = () if show == "solid" else views(field) if span is None else span_views(field, span)
+        Picture(field, shown, size=wanted.size or STILL_SIZE, **options).save(file, whole=bool(wanted.size))
 
     def film(file) -> None:
         picture = Picture(field, span_views(field, span), size=wanted.size or MOVIE_SIZE, **options)
@@ -112,8 +111,8 @@ def _field_writers(record: Record, wanted: Wanted, show: str, note) -> dict[str,
         field_data.save(field, file, span=span, surface=wanted.surface, instants=instants, note=note)
 
     def window() -> None:
-        stretch = () if show == "solid" else span_views(field, span or near(field))[-1:]
-        open_window(Picture(field, stretch, size=WINDOW_SIZE, framed=False, **options))
+        shown = () if show == "solid" else span_views(field, span or near(field))[-1:]
+        open_window(Picture(field, shown, size=WINDOW_SIZE, framed=False, **options))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 
@@ -125,7 +124,7 @@ def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
         raise SceneError("--show", "beam needs a driven stator: this run has none")
     LOGGER.info("solving the stator")
     try:
-        motion = motion_again(record)
+        motion = recomputed_motion(record)
         beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None

@@ -2,7 +2,7 @@
 
 The slow motion shows the ball, the orbit of the surface and the forces at the same instant. Heights, u_x, z and x are
 to scale in nm. The radius of the ball is not to scale, because the ball would look flat. The history of a contact is a
-table of columns in SI units, see `moments`.
+table of columns in SI units, see `history_columns`.
 """
 
 import logging
@@ -27,7 +27,7 @@ from studies.record.quantities import Quantity, quantity
 from studies.refusal import SceneError
 from studies.report.page import rendered
 from studies.view import movie
-from studies.view.run_field import motion_again
+from studies.view.run_field import recomputed_motion
 
 LOGGER = logging.getLogger(__name__)
 
@@ -58,7 +58,7 @@ LETTERS = "abcdefgh"  # marks of the snapshots
 
 def contact_writers(record: Record, wanted) -> dict[str, Callable]:
     """Return functions that write the contact of a run, by option, and the function that opens a window."""
-    history, title = contact_moments(record, level=wanted.level)
+    history, title = steady_history(record, level=wanted.level)
 
     def film(file) -> None:
         film_contact(history, title, wanted.frames or FRAMES, file, rate=RATE)
@@ -84,7 +84,7 @@ def contact_writers(record: Record, wanted) -> dict[str, Callable]:
     }
 
 
-def contact_moments(record: Record, *, level: float | None):
+def steady_history(record: Record, *, level: float | None):
     """Return the history of the first contact over two cycles of the steady state, and a title.
 
     ``level`` is a voltage in V, or the amplitude in m for a scene with a [wave]. None selects the largest level.
@@ -97,7 +97,7 @@ def contact_moments(record: Record, *, level: float | None):
         raise SceneError("--voltage", "must be above 0: at 0 nothing moves")
     if scene.wave is None and record.surface_motion is None:
         LOGGER.info("solving the stator")
-        motion = motion_again(record)
+        motion = recomputed_motion(record)
         if motion.beam is None:
             motion = surface_motion(motion.wave, scene.stator, scene.slider.contact_positions)
         record = replace(record, surface_motion=motion)
@@ -110,7 +110,7 @@ def contact_moments(record: Record, *, level: float | None):
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
         )
     motion_text = f"slider at {_drawn('velocity_m_per_s').with_unit(speed)}" if speed else "slider held at rest"
-    return moments(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
+    return history_columns(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
 
 
 def film_contact(history, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:
@@ -133,7 +133,7 @@ def _window(history, title: str) -> None:
     pyplot.show()
 
 
-def moments(history, contact: int = 0) -> dict[str, np.ndarray]:
+def history_columns(history, contact: int = 0) -> dict[str, np.ndarray]:
     """Return one contact of a `contact.History` (stage "start" or "steady") as columns of a table.
 
     The time starts at an upward zero crossing of u_z under the first contact.

@@ -42,25 +42,20 @@ def save(
 
     ``note`` receives a message with the expected size before a large file is written.
     """
-    file = Path(file)
-    energies = not surface
-    if span is None:
-        field = run.with_energies if energies else run.field
+    file, kind = Path(file), Path(file).suffix.lower()
+    if span is not None:
+        field = run.compute(span=span, per_wavelength=LINES, energies=not surface)
     else:
-        field = run.compute(span=span, per_wavelength=LINES, energies=energies)
+        field = run.field if surface else run.with_energies
     size = expected_size(field, file, instants)
     if size > LARGE and not surface:
-        advice = (
-            "--surface writes the surface alone, --span a part"
-            if file.suffix.lower() == ".csv"
-            else "--span writes a part"
-        )
+        advice = "--surface writes the surface alone, --span a part" if kind == ".csv" else "--span writes a part"
         note(f"writing about {size / 1e6:.0f} MB to {file}, {field.potential.size} nodes; {advice}")
     if surface:
         write_columns(file, surface_columns(field))
-    elif file.suffix.lower() == ".csv":
+    elif kind == ".csv":
         write_columns(file, columns(field))
-    elif file.suffix.lower() == ".vtu":
+    elif kind == ".vtu":
         write_vtu(field, file)
     else:
         _write_series(field, file, instants)

@@ -41,18 +41,18 @@ def draw_all(gallery, folder: Path) -> None:
     """Draw the pictures of a gallery into a directory."""
     run, record = gallery.wave_field, gallery.record
     title = record.scene.title
-    places = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
+    positions = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
     energies = run.with_energies
     passing = energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * run.aperture
     power = record.electrical["power_W_per_V2"]
-    ledger, balance = ledger_rows(gallery.ledger)
+    ledger, balance = ledger_entries(gallery.ledger)
     for picture, figure in (
-        ("orbits", orbits(places, *np.array([run.surface(x) for x in places]).T, title=title)),
+        ("orbits", orbits(positions, *np.array([run.surface(x) for x in positions]).T, title=title)),
         ("amplitude", amplitude(record, wavelength=run.wavelength, focus=run.focus)),
         ("depth", _depth(run)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
-        ("power", bars(power_rows(record.electrical), quantity("transducer_power_W_per_V2"),
+        ("power", bars(powers(record.electrical), quantity("transducer_power_W_per_V2"),
                        f"{title}\npower of the driven transducer")),
         ("power_flow", power_along(run.field.x, passing, covered=run.spans, fed=power, title=title)),
         ("ledger", bars(ledger, quantity("cycle_energy_J"),
@@ -74,10 +74,10 @@ def draw_all(gallery, folder: Path) -> None:
         _films(gallery, folder)
 
 
-def orbits(places, tangential, normal, *, title: str):
+def orbits(positions, tangential, normal, *, title: str):
     """Draw the orbits of surface points at positions in m, from complex u_x and u_z in m per V."""
-    columns = min(6, len(places))
-    rows = -(-len(places) // columns)
+    columns = min(6, len(positions))
+    rows = -(-len(positions) // columns)
     size, shared = ((1.35 * columns + 0.6, 1.55 * rows + 0.7), {"sharex": True, "sharey": True, "squeeze": False})
     figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
     is_anticlockwise = anticlockwise(tangential, normal)
@@ -85,7 +85,7 @@ def orbits(places, tangential, normal, *, title: str):
     components = up.scale * np.array([tangential, normal])
     limit = 1.15 * abs(components).max()
     for number, ax in enumerate(axes.flat):
-        if number >= len(places):
+        if number >= len(positions):
             ax.set_visible(False)
             continue
         motion, colour = components[:, number, None], "slip" if is_anticlockwise[number] else "intermittent"
@@ -96,7 +96,7 @@ def orbits(places, tangential, normal, *, title: str):
         tail, head = (motion * np.exp(1j * (crest + np.array([-0.35, 0.35])))).real.T
         arrow(ax, tail, head, COLOURS[colour], width=1.0)
         ax.plot([0], [0], "+", color=COLOURS["line"], markersize=5)
-        ax.set_title(f"x = {along.with_unit(places[number])}", fontsize="small")
+        ax.set_title(f"x = {along.with_unit(positions[number])}", fontsize="small")
         ax.set(aspect="equal", xlim=(-limit, limit), ylim=(-limit, limit))
         ax.tick_params(labelsize="x-small")
         ax.grid(alpha=0.3)
@@ -124,13 +124,13 @@ def anticlockwise(tangential, normal) -> np.ndarray:
 def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     """Draw |u_x| and |u_z| along the surface, and within 4 wavelengths of ``focus`` = (name, position in m)."""
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
-    name, place = focus
-    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
+    name, middle = focus
+    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - middle) <= wavelength])
     surface(record, whole)
     surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
-    near.set_xlim(*(np.array([place - 4 * wavelength, place + 4 * wavelength]) * quantity("x_m").scale))
+    near.set_xlim(*((middle + np.array([-4, 4]) * wavelength) * quantity("x_m").scale))
     ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
     titled(near, f"within 4 wavelengths of the {name}: {ripple}")
     return figure
@@ -173,39 +173,39 @@ def start_and_stop(trajectories, *, acceleration: float, title: str):
     return figure
 
 
-def power_rows(electrical: dict) -> list[tuple[str, float, str]]:
+def powers(electrical: dict) -> list[tuple[str, float, str]]:
     """Return (name, power in W per V^2, colour) for the source, the radiated and the dissipated power."""
     return [
         (name, electrical[f"power_{key}W_per_V2"], COLOURS[colour])
         for name, key, colour in (
-            ("given by the source", "", "slip"),
+            ("delivered by the source", "", "slip"),
             ("sent out beyond the transducers", "radiated_", "second"),
             ("lost in the solid", "dissipated_", "intermittent"),
         )
     ]
 
 
-def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
+def ledger_entries(ledger) -> tuple[list[tuple[str, float, str]], str]:
     """Return (name, energy in J, colour) for one cycle of the contact, and a text on the residual of the balance."""
     energies = {key: getattr(ledger, key) for key in LEDGER}
     largest = max(map(abs, energies.values())) or 1.0
-    rows = [
+    entries = [
         (name, energies[key], COLOURS["slip" if key in SUPPLIED else "intermittent"])
         for key, name in LEDGER.items()
         if key in SUPPLIED or abs(energies[key]) > 1e-6 * largest
     ]
     missed = sum(energies[key] * (1 if key in SUPPLIED else -1) for key in LEDGER)
-    return rows, f"balance to {abs(missed) / largest:.0e} of the largest"
+    return entries, f"balance to {abs(missed) / largest:.0e} of the largest"
 
 
-def bars(rows, drawn: Quantity, title: str, *, remark: str = ""):
-    """Draw a bar chart of rows (name, value in SI units, colour); ``remark`` follows the label of the axis."""
-    figure, ax = new_figure(7.2, 1.2 + 0.33 * len(rows))
-    names, sizes, colours = zip(*rows, strict=True)
-    positions, values = np.arange(len(rows))[::-1], [size * drawn.scale for size in sizes]
-    bar_container = ax.barh(positions, values, color=colours, height=0.62)
+def bars(entries, drawn: Quantity, title: str, *, remark: str = ""):
+    """Draw a bar chart of entries (name, value in SI units, colour); ``remark`` follows the label of the axis."""
+    figure, ax = new_figure(7.2, 1.2 + 0.33 * len(entries))
+    names, sizes, colours = zip(*entries, strict=True)
+    heights, values = np.arange(len(entries))[::-1], [size * drawn.scale for size in sizes]
+    bar_container = ax.barh(heights, values, color=colours, height=0.62)
     ax.bar_label(bar_container, [*map(drawn.with_unit, sizes)], padding=3, fontsize="small")
-    ax.set_yticks(positions, names)
+    ax.set_yticks(heights, names)
     low, high = min([0.0, *values]), max([0.0, *values])
     extent = (high - low) or 1.0
     ax.axvline(0, color=COLOURS["line"], linewidth=0.8)
@@ -244,9 +244,9 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(run):
     """Draw the depth profiles of the free wave and of the driven stator, compared with that of the half-space."""
-    stator, scene, (name, place) = fem_model.stator(run.scene.stator), run.scene, run.focus
+    stator, scene, (name, middle) = fem_model.stator(run.scene.stator), run.scene, run.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
-    line = run.field.displacement[np.searchsorted(run.field.x, place - 1e-9)]
+    line = run.field.displacement[np.searchsorted(run.field.x, middle - 1e-9)]
 
     def parts(u):
         return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}

@@ -30,8 +30,8 @@ class Electrode:
 class Ball:
     """A ball of the slider."""
 
-    place: float  # x of the contact, m
-    lateral: float  # y of the contact, m
+    x: float  # of the contact, along the section or the stator, m
+    y: float  # of the contact, m
     radius: float  # m
     # |u_z| of the surface under the ball, m per V; the ball is drawn on the crests of the enlarged wave
     crest: float
@@ -57,9 +57,9 @@ def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider on the surface of the section or, with ``spreads``, of the beam."""
     listed = []
     for x, y in () if run.scene.slider is None else run.scene.slider.contact_positions:
-        place = x if spreads else run.in_section((x, y))
-        crest = abs(run.beam.motion(x, y)[2] if spreads else run.surface(place)[1])
-        listed.append(Ball(place=place, lateral=y, radius=run.radius, crest=crest))
+        along = x if spreads else run.in_section((x, y))
+        crest = abs(run.beam.motion(x, y)[2] if spreads else run.surface(along)[1])
+        listed.append(Ball(x=along, y=y, radius=run.radius, crest=crest))
     return tuple(listed)
 
 

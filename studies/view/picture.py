@@ -26,12 +26,15 @@ from studies.refusal import needed
 from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import Piece, Sheet, beam_sheet, magnification, mesh_sheets, piece, sheets, strips
-from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, frames
+from studies.view.section import SectionPart, Sheet, beam_sheet, magnification, mesh_sheets, sheets, strips
+from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, View, frames, right_edge
 
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # points per wavelength in a picture of the solid
-LETTERS = 13  # font size in pixels
+LETTERS, MIN_LETTERS = 13, 10  # font size in pixels, and the smallest of a caption
+MIN_SOLID_LETTERS = 8  # smallest font size in points of the captions of a solid or a window
+CAPTION_LINE, MIN_VIEW = 14, 90  # height of a caption's line, and least height of a view below a long caption, pixels
+SLENDER = 1.9  # height of a letter over its mean width
 LEGEND_MARGIN, LEGEND_LINE = 22, 20  # pixels: above the legend of the fingers, and of each of its lines
 # Pixels per wavelength below which a picture of the solid shows the amplitude instead of the wave, whose stripes would
 # be aliased
@@ -80,7 +83,8 @@ class Picture:
         self.factor = magnification(run) if factor is None else factor
         self.spreads = self.solid and run.beam is not None
         self._length = run.scene.stator.length if self.spreads else run.length
-        self.frames = frames(run, views, size=size, framed=framed)
+        self._heading = self._first_caption(views) if views and framed else ""
+        self.frames = frames(run, views, size=size, framed=framed, head=CAPTION_LINE * self._heading.count("\n"))
         # the first renderer draws texts and rulers in pixels; without frames it also draws the field
         shape = 1 + framed * len(self.frames), 1
         self.plotter = self.pyvista.Plotter(off_screen=framed or None, window_size=size, shape=shape, border=False)
@@ -104,7 +108,7 @@ class Picture:
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
         self._moving: list = []
-        self.pieces: list = []
+        self.parts: list = []
         if not self.spreads:
             self.shade = shade(self.run, name)
         for number, frame in enumerate(self.frames):
@@ -114,8 +118,8 @@ class Picture:
                 self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self.size[0] < MIN_PIXELS * waves)
                 self._add_sheet(sheet)
             else:
-                drawn = self._section_part(frame)
-                self.pieces.append(drawn)
+                drawn = self._part_of(frame)
+                self.parts.append(drawn)
                 meshed = mesh_sheets(self.run, drawn, self.shade, solid=self.solid)
                 for sheet in [*sheets(self.run, drawn, solid=self.solid), *meshed]:
                     self._add_sheet(sheet)
@@ -148,7 +152,7 @@ class Picture:
         for each in self._moving:
             each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * phase_factor).real)
             if each.amplitude is not None:
-                wave = (each.amplitude * phase_factor**self.shade.quantity.turns).real
+                wave = (each.amplitude * phase_factor**self.shade.quantity.harmonic).real
                 each.mesh["shade"][:] = each.mean + wave
 
     def image(self, phase: float) -> np.ndarray:
@@ -178,7 +182,7 @@ class Picture:
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
 
-    def _section_part(self, frame: Frame) -> Piece:
+    def _part_of(self, frame: Frame) -> SectionPart:
         """Return the part of the section that a view or the solid shows."""
         run, span, bottom = self.run, (0.0, self.run.length), self.run.field.z[0]
         spacing = run.wavelength / LINES
@@ -194,7 +198,7 @@ class Picture:
             else:
                 margin = run.length
             span = max(start - margin, 0.0), min(stop + margin, run.length)
-        return piece(run, self.shade, span=span, bottom=bottom, spacing=spacing)
+        return SectionPart.of(run, self.shade, span=span, bottom=bottom, spacing=spacing)
 
     def _add_sheet(self, sheet: Sheet) -> None:
         """Add a sheet to the plotter."""
@@ -308,27 +312,40 @@ class Picture:
                 letters.ShallowCopy(self.pyvista.TextProperty(color="black"))
                 letters.SetFontSize(LETTERS)
 
+    def _named(self, view: View) -> str:
+        """Return the name of a view, with the number of its fingers."""
+        fingers = overlays.shown_fingers(self.run, view.start, view.stop)
+        return f"{view.name}, {fingers}" if fingers else view.name
+
+    def _first_caption(self, views) -> str:
+        """Return the caption of the first view, with scene and drive, in lines that are legible in a narrow picture."""
+        run, (width, height) = self.run, self.size
+        drive = f"{run.field.frequency / 1e6:g} MHz, {run.drive}, {run.enlarged(self.factor)}"
+        caption = f"{run.scene.title}: {self._named(views[0])} ({drive})"
+        if height < len(views) * MIN_VIEW + 4 * CAPTION_LINE:  # a low picture needs the room for its views
+            return caption
+        return textwrap.fill(caption, int(SLENDER * right_edge(width) / MIN_LETTERS))
+
     def _add_captions(self) -> None:
         """Write the captions and the legend of the electrodes."""
         run, (width, height), plotter = self.run, self.size, self.plotter
         plotter.subplot(0, 0)
-        drive = f"{run.drive}, {run.enlarged(self.factor)}"
         if self.solid or not self.framed:
+            drive = f"{run.drive}, {run.enlarged(self.factor)}"
             extents = self._length, run.scene.stator.width, -run.field.z[0]
             extent = " x ".join(f"{each * MM:.4g}" for each in extents)
             more = validity(run).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
-            lines = [f"{run.scene.title}: {extent} mm (x, y, z)", drive, *more]
-            room = width - (RIGHT if run.fingers else 0)  # beside the legend
-            letters = int(np.clip(0.98 * room / (0.6 * max(map(len, lines))), 6, 12))
+            room = 0.98 * (width - (RIGHT if run.fingers else 0)) / 0.6  # beside the legend; in letters of one pixel
+            texts = (f"{run.scene.title}: {extent} mm (x, y, z)", drive, *more)
+            lines = [line for text in texts for line in textwrap.wrap(text, int(room / MIN_SOLID_LETTERS))]
+            letters = int(min(room / max(map(len, lines)), 12))
             plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
         else:
             for frame in self.frames:
-                fingers = overlays.shown_fingers(run, frame.view.start, frame.view.stop)
-                name = f"{frame.view.name}, {fingers}" if fingers else frame.view.name
-                if frame is self.frames[0]:
-                    name = f"{run.scene.title}: {name} ({run.field.frequency / 1e6:g} MHz, {drive})"
-                size = min(LETTERS + 1, 1.9 * frame.box[2] / len(name)) / 2
-                plotter.add_text(name, position=(8, frame.box[3] + 8), font_size=size)
+                caption = self._heading if frame is self.frames[0] else self._named(frame.view)
+                longest = max(map(len, caption.splitlines()))
+                size = min(LETTERS + 1, SLENDER * frame.box[2] / longest) / 2
+                plotter.add_text(caption, position=(8, frame.box[3] + 8), font_size=size)
         if self.framed:
             plotter.renderer.viewport, camera = (0, 0, 1, 1), plotter.camera
             plotter.enable_parallel_projection()
@@ -343,7 +360,7 @@ class Picture:
     def _add_balls(self) -> None:
         """Draw the balls of the slider on the crests of the enlarged wave."""
         for ball in overlays.balls(self.run, spreads=self.spreads):
-            centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
+            centre = ball.x * MM, ball.y * MM, (ball.radius + self.factor * ball.crest) * MM
             sphere = self.pyvista.Sphere(radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90)
             options = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
             self.plotter.add_mesh(sphere, color=overlays.BALL_COLOUR, **options)

@@ -31,7 +31,7 @@ class Quantity(NamedTuple):
     name: str  # on the command line, and in the table of quantities
     parts: Callable  # returns mean and complex amplitude of a WaveField, in SI units
     signed: bool = True  # True if it takes both signs
-    turns: int = 1  # n, the frequency of the quantity over that of the wave
+    harmonic: int = 1  # n, the frequency of the quantity over that of the wave
     envelope: bool = False  # True if only its amplitude is drawn
 
     def entry(self, free: bool) -> table.Quantity:
@@ -52,9 +52,9 @@ QUANTITIES = {
         Quantity("u_y", lambda f: (0.0, f.displacement[..., 1])),
         Quantity("potential", lambda f: (0.0, f.potential)),
         Quantity("strain_energy", lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse),
-                 signed=False, turns=2),
+                 signed=False, harmonic=2),
         Quantity("power_flow", lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]),
-                 turns=2),
+                 harmonic=2),
     )
 }  # fmt: skip
 
@@ -67,12 +67,12 @@ class Shade:
     label: str  # title and unit
     scale: float  # factor from SI units to the unit of the label
     # End of the colour scale: the largest value outside the transducers, because the field is singular at finger edges.
-    reach: float
+    scale_end: float
 
     @property
     def limits(self) -> tuple[float, float]:
         """The two ends of the colour scale."""
-        return (-self.reach, self.reach) if self.quantity.signed else (0.0, self.reach)
+        return (-self.scale_end, self.scale_end) if self.quantity.signed else (0.0, self.scale_end)
 
     @property
     def colour_map(self) -> str:
@@ -101,22 +101,22 @@ def present(run) -> list[str]:
 def shade(run, name: str) -> Shade:
     """Return the colouring of a run's field by a quantity; SceneError if unknown or zero in this solid."""
     drawn = quantity(name)
-    field = run.with_energies if drawn.turns == 2 else run.field
+    field = run.with_energies if drawn.harmonic == 2 else run.field
     mean, amplitude = drawn.parts(field)
     outside = ~run.near_transducer(field.x)
     if not np.any(amplitude):
         material = run.scene.stator.orientation
         raise SceneError("--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}")
     outside |= not outside.any()  # all points, if fingers cover the whole stator
-    size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.turns == 2 else 0.0)
+    size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.harmonic == 2 else 0.0)
     return shade_of(drawn, size, free=run.free)
 
 
 def shade_of(drawn: Quantity, size, *, free: bool) -> Shade:
     """Return the colouring by a quantity of values whose magnitudes are ``size``, in SI units."""
     entry = drawn.entry(free)
-    label, reach = f"{drawn.title} ({entry.shown})", float(np.max(size)) * entry.scale
-    return Shade(quantity=drawn, label=label, scale=entry.scale, reach=reach)
+    label, scale_end = f"{drawn.title} ({entry.shown})", float(np.max(size)) * entry.scale
+    return Shade(quantity=drawn, label=label, scale=entry.scale, scale_end=scale_end)
 
 
 def palette(colour_map: str):

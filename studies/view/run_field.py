@@ -47,9 +47,9 @@ class RunField:
     wave: "SurfaceWave | None" = field(default=None, repr=False)  # None for a free wave
     crossed: "CrossedBeam | None" = field(default=None, repr=False)  # None unless transducers are rotated
 
-    def in_section(self, place: tuple[float, float]) -> float:
+    def in_section(self, position: tuple[float, float]) -> float:
         """Return the coordinate of a point (x, y) along the section in m."""
-        return place[0] if self.crossed is None else float(self.crossed.rows[0].local(*place)[0])
+        return position[0] if self.crossed is None else float(self.crossed.rows[0].local(*position)[0])
 
     @property
     def scene(self) -> Scene:
@@ -121,7 +121,7 @@ class RunField:
         return np.any(inside, axis=0) if inside else np.zeros(len(x), dtype=bool)
 
 
-def left_run(folder: str | Path) -> Record:
+def saved_run(folder: str | Path) -> Record:
     """Return the record of a run; raise an error if the directory contains none."""
     try:
         return Record.load(folder)
@@ -142,7 +142,7 @@ def run_field(run: str | Path | Record) -> RunField:
     SceneError
         If the directory contains no run, or the scene has no stator.
     """
-    record = run if isinstance(run, Record) else left_run(run)
+    record = run if isinstance(run, Record) else saved_run(run)
     if record.scene.stator is None:
         raise SceneError("", NO_STATOR)
     LOGGER.info("computing the field")
@@ -150,11 +150,11 @@ def run_field(run: str | Path | Record) -> RunField:
 
 
 def _driven(record: Record) -> RunField:
-    scene, motion = record.scene, motion_again(record)
+    scene, motion = record.scene, recomputed_motion(record)
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
     transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
-    places = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
+    positions = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
     whole_mesh = fem_model.whole_stator(scene).placement.whole  # a mesh of the whole stator defines the fingers itself
 
     def fingers(transducer, sign: str):
@@ -162,7 +162,7 @@ def _driven(record: Record) -> RunField:
         return transducer.strips(sign) if whole_mesh is None else whole_mesh.strips(transducer.name + sign)
 
     def compute(*, per_wavelength: float = LINES, **wanted):
-        return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
+        return fem.wave_field(wave, places=positions, per_wavelength=per_wavelength, **wanted)
 
     return RunField(
         compute=compute,
@@ -176,7 +176,7 @@ def _driven(record: Record) -> RunField:
     )
 
 
-def motion_again(record: Record) -> SurfaceMotion:
+def recomputed_motion(record: Record) -> SurfaceMotion:
     """Return the section or the crossing beams of a run at the resolution in run.json.
 
     If run.json names no known resolution, the chain is run again without the slider.

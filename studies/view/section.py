@@ -31,7 +31,7 @@ def magnification(run: RunField) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Piece:
+class SectionPart:
     """Part of the section on a grid x (n,) and z (m,) in m: complex u_x and u_z (n, m, 2), and the drawn quantity.
 
     ``mean`` and ``amplitude``, (n, m), are those of the quantity that colours the picture (`Shade.parts`).
@@ -44,6 +44,37 @@ class Piece:
     amplitude: np.ndarray
     inside: np.ndarray  # shape (n, m): True for points in the solid
     meshed: tuple = ()  # `fem.PieceField` of every meshed piece in this part
+
+    @classmethod
+    def of(
+        cls, run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
+    ) -> "SectionPart":
+        """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
+        energies, facet = shading.quantity.harmonic == 2, FACET * spacing
+        if facet < run.wavelength / LINES:
+            field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
+        else:
+            field = run.with_energies if energies else run.field
+        lines = thinned(field.x, spacing, *span)
+        bottom = max(bottom, field.z[0])
+        nodes = np.append(bottom, field.z[field.z > bottom])
+        nodes = nodes[thinned(nodes, spacing, bottom, 0.0)]
+        parts = [
+            np.linspace(low, high, int(np.ceil((high - low) / facet)), endpoint=False) for low, high in pairwise(nodes)
+        ]
+        z = np.append(np.concatenate(parts), 0.0)
+        basis = field.depth_basis(z)
+        displacement, mean, amplitude = (
+            np.einsum("kj,xj...->xk...", basis, values[lines])
+            for values in (field.displacement[..., [0, 2]], *shading.parts(field))
+        )
+        inside = np.ones((len(lines), len(z)), dtype=bool)
+        if field.inside is not None:
+            inside = field.inside[np.ix_(lines, np.searchsorted(field.z, z).clip(0, len(field.z) - 1))]
+        return cls(
+            x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude, inside=inside,
+            meshed=field.pieces,
+        )  # fmt: skip
 
     def surface(self, at: np.ndarray) -> np.ndarray:
         """Return the displacement of the surface at points (x, y) in m, shape (k, 3)."""
@@ -67,36 +98,7 @@ class Sheet(NamedTuple):
     hidden: np.ndarray | None = None
 
 
-def piece(run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float) -> Piece:
-    """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
-    energies, facet = shading.quantity.turns == 2, FACET * spacing
-    if facet < run.wavelength / LINES:
-        field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
-    else:
-        field = run.with_energies if energies else run.field
-    lines = thinned(field.x, spacing, *span)
-    bottom = max(bottom, field.z[0])
-    nodes = np.append(bottom, field.z[field.z > bottom])
-    nodes = nodes[thinned(nodes, spacing, bottom, 0.0)]
-    parts = [
-        np.linspace(low, high, int(np.ceil((high - low) / facet)), endpoint=False) for low, high in pairwise(nodes)
-    ]
-    z = np.append(np.concatenate(parts), 0.0)
-    basis = field.depth_basis(z)
-    displacement, mean, amplitude = (
-        np.einsum("kj,xj...->xk...", basis, values[lines])
-        for values in (field.displacement[..., [0, 2]], *shading.parts(field))
-    )
-    inside = np.ones((len(lines), len(z)), dtype=bool)
-    if field.inside is not None:
-        inside = field.inside[np.ix_(lines, np.searchsorted(field.z, z).clip(0, len(field.z) - 1))]
-    return Piece(
-        x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude, inside=inside,
-        meshed=field.pieces,
-    )  # fmt: skip
-
-
-def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
+def sheets(run: RunField, drawn: SectionPart, *, solid: bool) -> list[Sheet]:
     """Return the section; for a solid also its surface and its right end, as wide as the aperture."""
     moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
     edges = np.array([-0.5, 0.5]) * run.aperture if solid else np.zeros(1)
@@ -105,15 +107,15 @@ def sheets(run: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     if solid:
         parts += [("surface", whole, last, edges), ("end", last, whole, edges)]
     listed = []
-    for name, lines, rows, y in parts:
-        places = np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij")
-        values = (each[lines, rows, None] for each in (moved, drawn.mean, drawn.amplitude))
-        sheet = Sheet(name, np.stack(places, axis=-1)[..., [0, 2, 1]], *values)
-        listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, rows)))
+    for name, along, down, y in parts:
+        points = np.meshgrid(drawn.x[along], drawn.z[down], y, indexing="ij")
+        values = (each[along, down, None] for each in (moved, drawn.mean, drawn.amplitude))
+        sheet = Sheet(name, np.stack(points, axis=-1)[..., [0, 2, 1]], *values)
+        listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, surface=name == "surface")))
     return listed
 
 
-def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> list[Sheet]:
+def mesh_sheets(run: RunField, drawn: SectionPart, shading: Shade, *, solid: bool) -> list[Sheet]:
     """Return one sheet for each meshed piece of the section, on the piece's own elements."""
     y, listed = -0.5 * run.aperture if solid else 0.0, []
     for number, each in enumerate(drawn.meshed):
@@ -124,12 +126,12 @@ def mesh_sheets(run: RunField, drawn: Piece, shading: Shade, *, solid: bool) -> 
     return listed
 
 
-def _hidden(drawn: Piece, rows: slice) -> np.ndarray:
+def _hidden(drawn: SectionPart, *, surface: bool) -> np.ndarray:
     """Cells of the grid that are not drawn, because a mesh is drawn there or the mesh has no solid at the surface."""
-    middle = 0.5 * (drawn.x[1:] + drawn.x[:-1])
-    if rows != slice(None):
+    if surface:
         inside = drawn.inside[:, -1]
         return ~(inside[1:] & inside[:-1])
+    middle = 0.5 * (drawn.x[1:] + drawn.x[:-1])
     meshed = np.zeros(len(middle), dtype=bool)
     for low, high in (each.span for each in drawn.meshed):
         meshed |= (middle > low) & (middle < high)
@@ -163,14 +165,14 @@ def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:
     ``spreads``: as they lie on the surface, for a beam; otherwise as wide as the drawn section.
     """
     if spreads:
-        rows = fem_model.transducers(run.scene)
-        corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
-        return corners.reshape(-1, 2)
+        transducers = fem_model.transducers(run.scene)
+        corners = [each.on_surface(each.strips(electrode.sign)) for each in transducers]
+        return np.concatenate(corners).reshape(-1, 2)
     x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
     return np.stack([x, np.resize(0.5 * run.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
 
 
-def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:
+def thinned(positions: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:
     """Return indices of increasing positions between two limits, such that neighbours are at least a spacing apart.
 
     The first and the last position within the limits are always included.
@@ -180,12 +182,12 @@ def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np
     >>> thinned(np.array([0.0, 0.1, 0.2, 1.0, 2.0, 3.0]), 0.15, 0.0, 2.0)
     array([0, 2, 3, 4])
     """
-    inside = np.flatnonzero((places >= start) & (places <= stop)).tolist()
-    kept = inside[:1]
+    inside = np.flatnonzero((positions >= start) & (positions <= stop)).tolist()
+    selected = inside[:1]
     for number in inside[1:]:
-        if places[number] - places[kept[-1]] >= spacing:
-            kept.append(number)
-    if kept[-1] != inside[-1]:
-        # The last position replaces the one that is too near to it.
-        kept[max(len(kept) - 1, 1) :] = inside[-1:]
-    return np.array(kept)
+        if positions[number] - positions[selected[-1]] >= spacing:
+            selected.append(number)
+    if selected[-1] != inside[-1]:
+        # the last position replaces the one that is too near to it
+        selected[max(len(selected) - 1, 1) :] = inside[-1:]
+    return np.array(selected)

@@ -55,7 +55,7 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
         focus, slider = run.focus[1], run.scene.slider
         half = (0.5 if span == "wavelength" else CLOSE) * run.wavelength
         if span == "slider" and slider is not None:  # include all balls
-            farthest = max(abs(run.in_section(place) - focus) for place in slider.contact_positions)
+            farthest = max(abs(run.in_section(each) - focus) for each in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
     if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
@@ -100,16 +100,22 @@ def span_views(run: RunField, span: tuple[float, float] | None) -> tuple[View, .
     return whole, View(name=name, start=start, stop=stop, weight=0.7)
 
 
-def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tuple[Frame, ...]:
+def right_edge(width: int) -> float:
+    """Return the right edge of the frames in a picture of this width, both in pixels."""
+    return max(width - RIGHT, LEFT + 0.3 * width)
+
+
+def frames(run: RunField, views, *, size: tuple[int, int], framed: bool, head: int = 0) -> tuple[Frame, ...]:
     """Return the frames of the views from top to bottom. A frame is at most as high as its weight or its content.
 
-    Without views, return the frame of the solid. A view that is not ``framed`` fills the picture.
+    Without views, return the frame of the solid. A view that is not ``framed`` fills the picture. ``head``: pixels at
+    the top of the picture that stay free for a caption of several lines.
     """
-    width, upper = size
+    width, upper = size[0], size[1] - head
     if not framed:
         pixel = (views[0].stop - views[0].start) / width if views else 0.0
         return (Frame((0, 0, width, upper), *views, *([pixel, 0.35 * upper * pixel] if views else ())),)
-    right, result = max(width - RIGHT, LEFT + 0.3 * width), []
+    right, result = right_edge(width), []
     if not views:
         return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
     weights, margin_scale = sum(view.weight for view in views), min(1.0, upper / (NARROW * len(views)))
@@ -120,7 +126,7 @@ def frames(run: RunField, views, *, size: tuple[int, int], framed: bool) -> tupl
     for view in views:
         pixel, available = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
         visible = pixel * max(available - above - below, 0.3 * available)
-        has_ball = any(view.start <= ball.place <= view.stop for ball in overlays.balls(run))
+        has_ball = any(view.start <= ball.x <= view.stop for ball in overlays.balls(run))
         headroom = 0.15 * min(visible, 2 * run.wavelength)
         top = max(min(2.1 * run.radius, BALL_SHARE * visible) if has_ball else headroom, 1.3 * highest)
         high = upper - above

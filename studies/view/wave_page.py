@@ -29,11 +29,11 @@ def page(run: RunField, *, quantity: str, phase: float, factor: float | None, sp
     """Return the page. Quantity, phase (rad), factor of the displacement and span (m) are the initial settings."""
     field = run.with_energies
     spacing = SPACING * run.wavelength
-    lines = thinned(field.x, spacing, 0.0, run.length)
-    rows = thinned(field.z, spacing, field.z[0], 0.0)
-    selection = np.ix_(lines, rows)
+    columns = thinned(field.x, spacing, 0.0, run.length)
+    depths = thinned(field.z, spacing, field.z[0], 0.0)
+    selection = np.ix_(columns, depths)
     displacement = field.displacement[selection][..., [0, 2]]
-    parts = {"x": field.x[lines].astype("<f4"), "z": field.z[rows].astype("<f4")}
+    parts = {"x": field.x[columns].astype("<f4"), "z": field.z[depths].astype("<f4")}
     inside = np.ones(displacement.shape[:2]) if field.inside is None else field.inside[selection]
     parts["inside"] = inside.astype("u1")
     largest = float(abs(displacement).max()) or 1.0
@@ -48,13 +48,13 @@ def page(run: RunField, *, quantity: str, phase: float, factor: float | None, sp
         parts[name] = _short(values, scale)
         quantities.append(_described(name, shading, scale))
     data, listed = _packed(parts)
-    places = _places(run, span)
+    spans = _spans(run, span)
     meta = {
         "title": run.scene.title or "sawmotor",
         "drive": f"{field.frequency / 1e6:g} MHz, {run.drive}",
         "free": run.free,
-        "nx": len(lines),
-        "nz": len(rows),
+        "nx": len(columns),
+        "nz": len(depths),
         "arrays": listed,
         "moved_scale": largest,
         "factor": magnification(run) if factor is None else factor,
@@ -62,9 +62,9 @@ def page(run: RunField, *, quantity: str, phase: float, factor: float | None, sp
         "cycle": CYCLE,
         "quantities": quantities,
         "quantity": quantity,
-        "places": places,
-        "place": len(places) - (2 if span is None else 1),
-        "balls": [ball.place for ball in overlays.balls(run)],
+        "spans": spans,
+        "span": len(spans) - (2 if span is None else 1),
+        "balls": [ball.x for ball in overlays.balls(run)],
         "crests": [ball.crest for ball in overlays.balls(run)],
         "ball_colour": overlays.BALL_COLOUR,
         "legend": [[each.label, each.colour] for each in overlays.electrodes(run)],
@@ -101,10 +101,10 @@ def _described(name: str, shading: Shade, scale: float) -> dict:
         "name": name,
         "title": shading.quantity.title,
         "label": shading.label,
-        "reach": shading.reach,
+        "scale_end": shading.scale_end,
         "scale": scale,
         "signed": shading.quantity.signed,
-        "turns": shading.quantity.turns,
+        "harmonic": shading.quantity.harmonic,
         "table": table.tolist(),
     }
 
@@ -119,16 +119,18 @@ def _packed(parts: dict) -> tuple[str, list]:
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode(), description
 
 
-def _places(run: RunField, span) -> list[dict]:
-    def about(name, place, wavelengths):
+def _spans(run: RunField, span) -> list[dict]:
+    """Return name and ends (m) of the parts of the section that the buttons of the page show."""
+
+    def about(name, middle, wavelengths):
         half = 0.5 * wavelengths * run.wavelength
-        return {"name": name, "from": max(place - half, 0.0), "to": min(place + half, run.length)}
+        return {"name": name, "from": max(middle - half, 0.0), "to": min(middle + half, run.length)}
 
     name, focus = run.focus
     listed = [{"name": "whole", "from": 0.0, "to": run.length}]
     listed += [about(f"transducer {each.name}", run.in_section(each.center_xy), 14) for each in run.scene.transducer]
     listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
-    return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
+    return listed + ([{"name": "selected span", "from": span[0], "to": span[1]}] if span is not None else [])
 
 
 def _fingers(run: RunField) -> list[dict]:

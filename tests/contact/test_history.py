@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
-from contact import Orbit, contact_history, steady
+from contact import ConvergenceError, Orbit, contact_history, steady
 from contact.answers import waveforms
+from contact.averaged.event_equilibrium import balanced
 from contact.codes import Shape
 from contact.law import elastic, normal
+from contact.orbit import towards_plus
+from contact.periodic import shooting
+from contact.periodic.shooting import periodic
 from tests.contact.motors import orbit, slider
 
 
@@ -129,6 +133,19 @@ def test_what_is_drawn_as_steady_is_the_motion_that_is_reached():
     assert 0.0 < np.mean(touched) < 0.9, "the periodic motion touches in every cycle"
 
 
+def test_a_history_has_the_periodic_motion_that_shooting_finds_only_after_some_cycles():
+    # Newton's method does not converge from the averaged equilibrium; the full motion is followed for 200 cycles first
+    s = slider(
+        radius=5.35e-7, mass=0.0258, load=1.46e-9, effective_modulus=1.969e10, tangential_modulus=3.69e9,
+        reciprocal=True, contact_damping=1.069e5,
+    )  # fmt: skip
+    motion = Orbit(frequency=5094.0, normal=5e-9, tangential=1.375e-8 + 3.913e-8j)
+    with pytest.raises(ConvergenceError):
+        periodic(balanced(s, towards_plus((motion,))[1]), nodes=16, truncation=1e-12)
+    h = contact_history(s, motion, stage="steady", skip=0, cycles=1, points_per_cycle=100)
+    assert np.mean(h.slider_velocity) == pytest.approx(steady(s, motion, tolerance=1e-3).velocity, rel=1e-6)
+
+
 @pytest.mark.parametrize("stage", ["start", "steady", "after"])
 def test_a_history_states_the_error_of_its_velocities(stage):
     asked = {"stage": stage, "skip": 2.25, "cycles": 1.5, "points_per_cycle": 12}
@@ -145,4 +162,5 @@ def contact_history_at(module, asked, order):
     """Return the slider's velocities at an order of one's own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "FINE", order)
+        patch.setattr(shooting, "FINE", order)
         return contact_history(slider(), orbit(3e-9), **asked).slider_velocity

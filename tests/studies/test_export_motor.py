@@ -384,7 +384,7 @@ def test_the_command_writes_c_and_does_not_replace_what_is_not_its_own(tmp_path,
 
 def test_what_has_no_translation_is_refused_with_its_line():
     with pytest.raises(UntranslatableError, match="line 2"):
-        c_source("def f(x: float) -> float:\n    return [x]", "")
+        c_source("def f(x: float) -> float:\n    return [x]")
 
 
 def test_the_surface_amplitude_is_in_the_unit_of_the_drive():

@@ -7,7 +7,7 @@ from studies.command.help import entries, meaning
 
 WORDS = (
     "plane section", "comb", "level", "release", "stick margin", "stick band", "chi", "reciprocal", "ledger",
-    "leak of the elastic law", "graze", "chatter", "place", "ring", "surface ratio", "radiation of a contact",
+    "leak of the elastic law", "graze", "chatter", "position", "ring", "surface ratio", "radiation of a contact",
     "charge at the finger ends", "circulation", "motional branch", "elasticity", "shortfall", "seed",
 )  # fmt: skip
 

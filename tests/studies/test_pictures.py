@@ -18,7 +18,7 @@ from studies.record.quantities import quantities, quantity
 from studies.record.run_pictures import pictures
 from studies.scene import Scene
 from studies.view import gallery_pictures
-from studies.view.contact_view import SlowMotion, moments, strip
+from studies.view.contact_view import SlowMotion, history_columns, strip
 from studies.view.gallery_pictures import start_and_stop
 from tests.studies.legible import assert_legible
 
@@ -36,7 +36,7 @@ ORBIT = Orbit(frequency=2.2e6, normal=8e-9 * np.exp(0.7j), tangential=5.7e-9j * 
 @pytest.fixture(scope="module")
 def found():
     history = contact_history(SLIDER, ORBIT, stage="steady", skip=0, cycles=2, points_per_cycle=200)
-    return history, moments(history)
+    return history, history_columns(history)
 
 
 def labelled(figure):
@@ -189,13 +189,13 @@ def test_depth_profile_puts_points_on_lines():
 def test_bars_are_as_long_as_the_powers_and_energies():
     electrical = {"power_W_per_V2": 3.6e-3, "power_radiated_W_per_V2": 2.2e-3, "power_dissipated_W_per_V2": 1.4e-3}
     drawn = quantity("transducer_power_W_per_V2")
-    figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), drawn, "power")
+    figure = gallery_pictures.bars(gallery_pictures.powers(electrical), drawn, "power")
     figure.canvas.draw()
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
     assert_legible(figure)
     books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
-    rows, balance = gallery_pictures.ledger_rows(books)
+    rows, balance = gallery_pictures.ledger_entries(books)
     assert balance.startswith("balance to ")
     figure = gallery_pictures.bars(rows, quantity("cycle_energy_J"), "8 nm")
     assert_legible(figure)

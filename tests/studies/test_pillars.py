@@ -24,7 +24,7 @@ SCENES = SMALL.parent
 
 
 def scene(wave=(), pillars=(), **slider):
-    """Return a scene of sixty pillars on a given wave, changed by keys of its blocks."""
+    """Return a scene of sixty pillars on a prescribed wave, changed by keys of its blocks."""
     return Scene.load(SCENES / "pillars.toml").replace(wave=dict(wave), slider={**slider, "pillars": dict(pillars)})
 
 
@@ -53,7 +53,7 @@ def test_a_scene_gives_what_the_contact_gives():
     motion = contact.pillar_motion(body, wave, load=1e-3)
     point = record.points[-1]
     assert point["velocity_m_per_s"] == pytest.approx(motion.velocity, rel=1e-12)
-    assert motion.velocity > 0.5  # a given wave moves its crests towards +x
+    assert motion.velocity > 0.5  # a prescribed wave moves its crests towards +x
     assert point["exit_over_entry"] == pytest.approx(motion.exit_over_entry, rel=1e-12)
     assert point["tilt_rad"] == pytest.approx(motion.tilt, rel=1e-9)
     assert point["approach_m"] == pytest.approx(motion.approach, rel=1e-12)

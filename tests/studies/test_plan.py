@@ -46,7 +46,7 @@ SCENES = {
 def compiled():
     """Have the kernels of the contact and the modules of Python on disk, which a plan does not count.
 
-    The burst of a stator needs kernels of the growing wave, which a burst of a given wave does not.
+    The burst of a stator needs kernels of the growing wave, which a burst of a prescribed wave does not.
     """
     for name, tolerance, *settings in (SCENES[key] for key in ("contact", "short burst", "long burst", "burst")):
         words = [sys.executable, "-m", "tests.studies.predictions", name, str(tolerance), *settings]

@@ -211,7 +211,7 @@ slider.contacts=["1 mm"] | slider.contacts ... [wave]
 wave.normal_amplitude=[] | wave.normal_amplitude ... empty list
 wave.tangential_ratio=x | wave.tangential_ratio ... 'x'
 drive.frequency=1 | wave ... [drive]
-NO_MODULI; slider.ball=steel | slider.ball must not be given with [wave]
+NO_MODULI; slider.ball=steel | slider.ball must be absent with [wave]
 wave.burst=1e6 | wave.burst ... at most ... 2.2e+12 cycles ... hours ... 1e+06 s
 wave.burst=4; slider.law=hysteretic | wave.burst ... 2.73 s ... got 4 s
 slider.friction_coefficient={static=1, sliding=0.1, speed="3 m"} | slider.friction_coefficient.speed must be a velocity
@@ -329,7 +329,7 @@ PILLARS | slider.position must leave the pillars ... on the bare uniform stator:
     "rayleigh > datasheet": "| slider is missing: a datasheet is of a whole motor",
     "rayleigh > gds": "| transducer is missing",
     "rayleigh > fmu": "| slider is missing",
-    "twente-contact > dispersion": "| stator is missing: a given wave has no section",
+    "twente-contact > dispersion": "| stator is missing: a prescribed wave has no section",
     "twente > fmu": 'TWO; slider.heights=["0 nm", "1 nm"] | slider.heights must be absent',
     "silicon-slider > fmu": "| slider.pillars must be absent: tables over two ratios do not hold heights",
     "pillars > regime_map": "| slider.pillars are not known here",

@@ -87,7 +87,7 @@ def test_a_page_says_everything(contact, driven, pages):
         assert "Dry, clean, smooth and wear-free contact" in page
         assert ("The balls are rigid" in page) == (record.scene.slider.pillars is None)
         assert ("Linear piezoelectricity: no heating" in page) == (record.scene.stator is not None)
-        assert ("The surface motion is given" in page) == (record.scene.wave is not None)
+        assert ("The surface motion is prescribed" in page) == (record.scene.wave is not None)
         for point in record.points:
             assert f"{point['velocity_m_per_s'] * 1e3:.5g}" in page
         assert f"sawmotor run scene.toml --tolerance {record.tolerance}" in page
@@ -168,7 +168,7 @@ def test_the_modulus_of_pillars_says_that_their_height_is_in_it():
 
 def test_numbers_of_the_stator_are_the_records_with_their_errors(driven):
     found = {each.name: each for each in intermediate_numbers(driven)}
-    normal = found["u_z at the slider's place, per volt"]
+    normal = found["u_z at the slider's position, per volt"]
     assert normal.value.startswith(si(abs(driven.wave["normal_m_per_V"]), "m/V"))
     assert normal.error == f"{driven.wave['relative_error']:.1e}"
     assert found["discretisation"].value.endswith(f"{driven.surface_wave.unknowns} unknowns")

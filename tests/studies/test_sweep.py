@@ -584,7 +584,7 @@ def test_a_ball_beside_the_axis_changes_no_other_point():
     for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
         moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})
         assert moved.stator.length == length
-        assert {across for _, across in predictor.own_and_shared_positions(moved)[1]} == expected
+        assert {across for _, across in predictor.shared_positions(moved)} == expected
 
 
 def test_a_table_is_a_value_like_others():

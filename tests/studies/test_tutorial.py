@@ -34,7 +34,7 @@ def keys(path, value):
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """Every key that a driven motor, a given wave with a burst and a measurement, and a free wave write."""
+    """Every key that a driven motor, a prescribed wave with a burst and a measurement, and a free wave write."""
     file = tmp_path_factory.mktemp("measured") / "measured.csv"
     file.write_text("normal_amplitude_m,velocity_m_per_s,error_m_per_s\n5e-9,0.03,0.001\n")
     short = ("stator.length=24 mm", "stator.thickness=2 mm", "transducer.0.center=8 mm",

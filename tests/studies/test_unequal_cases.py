@@ -122,7 +122,7 @@ def test_colour_scale_of_energies():
     assert power.label == "power flow along x (W/m^2 per V^2)"
     assert power.limits == (pytest.approx(-30.0), pytest.approx(30.0))
     per_nm = shade_of(QUANTITIES["strain_energy"], np.array([3e18]), free=True)
-    assert (per_nm.label, per_nm.reach) == ("strain energy (J/m^3 per nm^2)", pytest.approx(3.0))
+    assert (per_nm.label, per_nm.scale_end) == ("strain energy (J/m^3 per nm^2)", pytest.approx(3.0))
 
 
 def test_points_of_the_velocity_stand_under_their_own_label():

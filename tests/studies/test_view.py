@@ -34,7 +34,7 @@ from studies.view.overlays import electrodes, shown_fingers
 from studies.view.picture import Picture, validity
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import beam_sheet, magnification, piece, sheets
+from studies.view.section import SectionPart, beam_sheet, magnification, sheets
 from studies.view.views import RIGHT, View, frames, limits, near, span_views, views
 from tests.studies.legible import assert_legible
 from tests.studies.pixels import BALL, BARE, BLACK, MM, PINK, SolidPicture, Window, close, ink, runs, values
@@ -204,11 +204,11 @@ def test_colours_are_the_field_s_from_end_to_end_of_the_bar(found, screenshot):
     window = Window.of(energy.image(0.0), energy.frames[0])
     below = values(window.pixels[window.z < 0], energy.shade)
     assert np.isfinite(below).mean() > 0.98
-    assert np.nanmax(below) > 0.5 * energy.shade.reach
+    assert np.nanmax(below) > 0.5 * energy.shade.scale_end
 
 
 def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
-    far = piece(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-3e-3, spacing=0.1e-3)
+    far = SectionPart.of(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-3e-3, spacing=0.1e-3)
     field = found.field
     lines, rows = np.searchsorted(field.x, far.x), np.abs(field.z[:, None] - far.z).argmin(axis=0)
     assert len(far.x) < 0.6 * len(field.x)
@@ -220,7 +220,7 @@ def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
 def test_from_near_the_modes_give_the_lines_between(found):
     """Within one wavelength hundreds of lines, on the stator's own motion."""
     start, stop = 14e-3, 15e-3
-    near = piece(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
+    near = SectionPart.of(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
     assert len(near.x) > 150
     assert np.diff(near.z).max() < 7e-6
     coarse = found.compute(span=(start, stop), per_wavelength=4000.0, energies=False)
@@ -255,6 +255,17 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
         strips = runs(close(window.pixels, colour)[surface].any(axis=0))
         middles = [window.x[[first, last - 1]].mean() for first, last in strips]
         assert middles == pytest.approx([5e-3 + 0.49e-3 * (k - 2.5) for k in fingers], abs=4 * shown[1].pixel)
+
+
+@pytest.mark.parametrize("width", [400, 600])
+def test_the_first_caption_of_a_narrow_picture_is_legible(found, width):
+    """It stands in at least two lines of 10 pixels above the view, and beside the legend."""
+    drawn = picture_of(found, span_views(found, (12e-3, 15e-3)), size=(width, 400))
+    _, _, right, high = drawn.frames[0].box
+    head = ink(drawn.image(0.0)[: 400 - int(high) - 2, : int(right) + 6])
+    first, last = np.flatnonzero(head[:, : int(right)].any(axis=1))[[0, -1]]
+    assert last - first > 16
+    assert not head[:, int(right) :].any()
 
 
 @pytest.mark.parametrize("show", ["field", "solid"])
@@ -455,7 +466,7 @@ def test_the_bar_of_a_small_solid_stands_below_the_legend(plane):
 def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane, solid):
     """The sheet has the section's displacement; a little above it are fingers of both colours, and on it the ball."""
     drawn, pictures = solid
-    _, surface, _ = sheets(plane, drawn.pieces[0], solid=True)
+    _, surface, _ = sheets(plane, drawn.parts[0], solid=True)
     assert surface.rest[..., 1].min() == pytest.approx(-10e-3)
     x, displacement = plane.field.x, plane.field.displacement[:, -1]
     expected = np.interp(surface.rest[:, 0, 0, 0], x, displacement[:, 2])
@@ -613,7 +624,7 @@ def test_the_page_carries_the_field(page, found):
     mean = arrays["power_flow"].reshape(meta["nx"], meta["nz"], 4)[..., 0] / 32767 * power["scale"]
     expected = found.with_energies.densities.power_flow[np.ix_(lines, rows)][..., 0]
     assert abs(mean - expected).max() < 3e-5 * power["scale"]
-    assert (power["turns"], power["signed"], meta["balls"]) == (2, True, [14.123e-3])
+    assert (power["harmonic"], power["signed"], meta["balls"]) == (2, True, [14.123e-3])
     assert len(meta["fingers"]) == 6
 
 
@@ -748,14 +759,14 @@ def test_a_run_with_a_stator_shows_its_contact_too(folder, tmp_path):
 
 def test_a_stuck_slider_is_drawn_at_rest(given):
     """Below the threshold the run says 0; so does the picture, and its slider only trembles about rest."""
-    from studies.view.contact_view import contact_moments
-    from studies.view.run_field import left_run
+    from studies.view.contact_view import steady_history
+    from studies.view.run_field import saved_run
 
-    record = left_run(given)
-    drawn, title = contact_moments(record, level=0.3e-9)
+    record = saved_run(given)
+    drawn, title = steady_history(record, level=0.3e-9)
     assert title.endswith(": 0.3 nm, slider held at rest")
     assert abs(drawn["slider_velocity_m_per_s"].mean()) < 1e-6 * abs(drawn["slider_velocity_m_per_s"]).max()
-    _, moving = contact_moments(record, level=10e-9)
+    _, moving = steady_history(record, level=10e-9)
     speed = next(point["velocity_m_per_s"] for point in record.points if point["normal_amplitude_m"] == 10e-9)
     assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
 

@@ -1,4 +1,4 @@
-"""Normal motion of the slider about the approach at which it rides on the wave."""
+"""Normal motion of the slider about its mean approach on the wave."""
 
 from math import sqrt
 
@@ -21,7 +21,7 @@ def riding(p: Array, tables: Array, drive: int, s: float, preload: float) -> flo
     above = mean_load(p, tables, drive, high, s) - preload
     if above <= 0.0:
         return high
-    kept: int = 0
+    last_side: int = 0
     h = high
     i: int = 0
     while i < 60 and high - low > 1e-14 * (rest + s):
@@ -32,21 +32,21 @@ def riding(p: Array, tables: Array, drive: int, s: float, preload: float) -> flo
         if f > 0.0:
             high = h
             above = f
-            if kept == 1:
+            if last_side == 1:
                 below = 0.5 * below
-            kept = 1
+            last_side = 1
         else:
             low = h
             below = f
-            if kept == -1:
+            if last_side == -1:
                 above = 0.5 * above
-            kept = -1
+            last_side = -1
         i = i + 1
     return h
 
 
 @compiled
-def push(p: Array, tables: Array, drive: int, s: float, preload: float, h: float, w: float) -> float:
+def normal_acceleration(p: Array, tables: Array, drive: int, s: float, preload: float, h: float, w: float) -> float:
     """Return h'' in m/s^2."""
     force = mean_load(p, tables, drive, h, s) * (1.0 + p[index.CONTACT_DAMPING] * w)
     return (preload - force - p[index.NORMAL_DAMPING] * w) / p[index.MASS]
@@ -54,18 +54,18 @@ def push(p: Array, tables: Array, drive: int, s: float, preload: float, h: float
 
 @compiled
 def fall(p: Array, tables: Array, state: Array, drive: int, s: float, preload: float, d: float) -> float:
-    """Move approach and its rate by a step d in s (Runge-Kutta of order 4); return the approach half-way."""
+    """Advance the approach and its rate by a step d in s (Runge-Kutta of order 4); return the approach at mid-step."""
     h = state[index.APPROACH]
     w = state[index.APPROACH_RATE]
-    a1 = push(p, tables, drive, s, preload, h, w)
+    a1 = normal_acceleration(p, tables, drive, s, preload, h, w)
     w2 = w + 0.5 * d * a1
     h2 = h + 0.5 * d * w
-    a2 = push(p, tables, drive, s, preload, h2, w2)
+    a2 = normal_acceleration(p, tables, drive, s, preload, h2, w2)
     w3 = w + 0.5 * d * a2
     h3 = h + 0.5 * d * w2
-    a3 = push(p, tables, drive, s, preload, h3, w3)
+    a3 = normal_acceleration(p, tables, drive, s, preload, h3, w3)
     w4 = w + d * a3
-    a4 = push(p, tables, drive, s, preload, h + d * w3, w4)
+    a4 = normal_acceleration(p, tables, drive, s, preload, h + d * w3, w4)
     state[index.APPROACH] = h + d / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4)
     state[index.APPROACH_RATE] = w + d / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
     return 0.5 * (h + state[index.APPROACH]) + 0.125 * d * (w - state[index.APPROACH_RATE])
@@ -73,7 +73,7 @@ def fall(p: Array, tables: Array, state: Array, drive: int, s: float, preload: f
 
 @compiled
 def ride(p: Array, tables: Array, state: Array, drive: int, s: float, preload: float) -> float:
-    """Find the approach at rest on the wave and the bounce's rate about it; return the former in m."""
+    """Store the mean approach on the wave and the angular frequency of the bounce; return the approach in m."""
     h = riding(p, tables, drive, s, preload)
     span = 1e-4 * (abs(h) + s)
     rise = mean_load(p, tables, drive, h + span, s) - mean_load(p, tables, drive, h - span, s)
@@ -84,7 +84,7 @@ def ride(p: Array, tables: Array, state: Array, drive: int, s: float, preload: f
 
 @compiled
 def settle(p: Array, state: Array, s: float) -> float:
-    """Let the approach follow the wave at once where the bounce has decayed; return 1 while it persists."""
+    """Set the approach to that on the wave if the bounce has decayed; return 1 if it persists, else 0."""
     apart = abs(state[index.APPROACH] - state[index.RIDE]) + abs(state[index.APPROACH_RATE]) / state[index.BOUNCE_RATE]
     state[index.BOUNCES] = 1.0
     if apart < p[index.DEAD_BOUNCE] * (abs(state[index.RIDE]) + s):

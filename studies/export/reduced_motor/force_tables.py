@@ -20,7 +20,7 @@ def cubic(t: float, a: float, b: float, c: float, d: float) -> float:
 
 @compiled
 def bounded(x: float, low: float, high: float) -> float:
-    """Return x within its bounds; not a number stays so."""
+    """Return x limited to its bounds; NaN stays NaN."""
     if x < low:
         return low
     if x > high:
@@ -112,8 +112,8 @@ def stick_limit(p: Array, tables: Array, drive: int, h: float, s: float, load: f
 
 
 @compiled
-def kept_share(p: Array, tables: Array, state: Array, drive: int, sign: float, nu: float) -> float:
-    """Return g at |nu| = `nu` on a wave at rest; the cubic over the cell is kept in the state."""
+def cached_share(p: Array, tables: Array, state: Array, drive: int, sign: float, nu: float) -> float:
+    """Return g at |nu| = `nu` on a steady wave; the cubic over the cell of the table is cached in the state."""
     if nu >= 1.0:
         return -sign
     rows: int = int(p[index.TAU_NODES])

@@ -1,8 +1,8 @@
-"""Indices of the averaged motor's numbers in the flat arrays of parameters and state, which the C code has too.
+"""Indices into the flat arrays of parameters and state of the averaged motor, in Python and in C.
 
 tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) and nu = V/(v_1 s) are the axes of the force tables, with the mean approach h, the
 normal amplitude s and the slider velocity V; R(tau) is the table of the mean normal force, g(tau, nu) that of the mean
-tangential force (`studies.export.reduced_motor`; read in force_tables.py).
+tangential force (`studies.export.reduced_motor`).
 """
 
 import numpy as np
@@ -51,10 +51,10 @@ SURFACE = 8  # normal amplitude under the slider, m
 FORCE = 9  # Q, N
 ACTIVE = 10  # drive whose wave counts
 PRELOAD = 11  # of the last step, N
-RIDE = 12  # approach at rest on the wave, m, and the bounce's angular frequency there, rad/s
-BOUNCE_RATE = 13
+RIDE = 12  # mean approach on the wave, m
+BOUNCE_RATE = 13  # angular frequency of the bounce about it, rad/s
 PINNED = 14  # at the upper (1) or lower (-1) limit of a spring that slips; 0 where the contacts do not stick at all
-DEPTH = 15  # approach that carries <P> without a wave, m; 0 where the three numbers are to be computed anew
+DEPTH = 15  # approach that carries <P> without a wave, m; 0 if it and the next two must be computed again
 LOWEST = 16  # deformations at which slip begins, m
 HIGHEST = 17
 CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V; 0: none
@@ -62,7 +62,7 @@ CUBIC = 19  # 4 coefficients of the cubic over that cell, 19 to 22
 HISTORY = 23
 # of the history of each drive, from its first on
 LEVEL = 0  # present value of the drive, zero or positive
-COUNT = 1  # changes that are kept
+COUNT = 1  # number of stored changes
 SETTLED = 2  # sum of the changes that have settled
 CHANGES = 3  # pairs (time, change)
 ENTRIES = 48

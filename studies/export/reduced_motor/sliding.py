@@ -3,14 +3,14 @@
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
 from studies.export.reduced_motor.contact_spring import spring_deformation
-from studies.export.reduced_motor.force_tables import bounded, kept_share, mean_load, slip_force, stick_limit
+from studies.export.reduced_motor.force_tables import bounded, cached_share, mean_load, slip_force, stick_limit
 from studies.export.reduced_motor.index import Array
 from studies.export.reduced_motor.sticking import parts
 
 
 @compiled
 def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: float, d: float) -> float:
-    """Move a slipping slider by a step d in s (midpoint rule); return the part of it that it sticks for."""
+    """Advance a slipping slider by a step d in s (midpoint rule); return the rest of d, in which it sticks, s."""
     drive: int = int(state[index.ACTIVE])
     load = mean_load(p, tables, drive, h, s)
     v = state[index.VELOCITY]
@@ -19,11 +19,11 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
     if high - low <= 1e-6 * p[index.FRICTION] * load:
         state[index.PINNED] = 0.0
     elif (state[index.PINNED] >= 0.0 and v > 0.0) or (state[index.PINNED] <= 0.0 and v < 0.0) or v == 0.0:
-        # contacts that can stick slip at their limit only: their spring goes there first
+        # contacts that can stick slip only once their spring is at its limit
         state[index.STICKS] = 1.0
         state[index.DEFORMATION] = spring_deformation(p, load, bounded(state[index.FORCE], low, high))
         return d
-    else:  # as the load grows the limit may run away from the spring, which sticks then
+    else:  # if the limit grows faster than the spring deforms, the contacts stick
         limit = spring_deformation(p, load, high if v < 0.0 else low)
         if (limit - state[index.DEFORMATION]) * state[index.PINNED] > abs(v) * d:
             state[index.STICKS] = 1.0
@@ -58,9 +58,9 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
 
 @compiled
 def glide(p: Array, tables: Array, state: Array, force: float, preload: float, duration: float) -> float:
-    """Move a slipping slider on a wave at rest, its bounce dead; return the part of the duration that is left.
+    """Advance a slipping slider on a steady wave without bounce; return the rest of the duration, s.
 
-    The same midpoint rule as `slip_step`, with all that does not change computed once; it ends before the slider stops.
+    The midpoint rule of `slip_step` with constant terms computed once; it ends before the slider stops.
     """
     s = state[index.SURFACE]
     v = state[index.VELOCITY]
@@ -76,27 +76,27 @@ def glide(p: Array, tables: Array, state: Array, force: float, preload: float, d
     rate = p[index.TANGENTIAL_DAMPING] * lightness
     pull = force * lightness
     left = duration
-    way = 0.0
+    distance = 0.0
     g = -sign
     steps: int = parts(duration, p[index.MAX_STEP])
     step = duration / steps
     while steps > 0:
         if s > 0.0:
-            g = kept_share(p, tables, state, drive, sign, v * inverse)
+            g = cached_share(p, tables, state, drive, sign, v * inverse)
         half = v + 0.5 * step * (limit * g - rate * v + pull)
         new = half
         if half * sign > 0.0:
             if s > 0.0:
-                g = kept_share(p, tables, state, drive, sign, half * inverse)
+                g = cached_share(p, tables, state, drive, sign, half * inverse)
             new = v + step * (limit * g - rate * half + pull)
         if new * sign <= 0.0:
             steps = -1
         else:
-            way = way + 0.5 * step * (v + new)
+            distance = distance + 0.5 * step * (v + new)
             v = new
             state[index.FORCE] = p[index.FRICTION] * preload * g
             left = left - step
             steps = steps - 1
     state[index.VELOCITY] = v
-    state[index.POSITION] = state[index.POSITION] + way
+    state[index.POSITION] = state[index.POSITION] + distance
     return left if steps < 0 else 0.0

@@ -1,4 +1,4 @@
-"""A slider whose contacts stick: it rings in their springs until they reach the limit of slip."""
+"""A slider whose contacts stick: it oscillates on their springs until they reach the limit of slip."""
 
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
@@ -9,7 +9,7 @@ from studies.export.reduced_motor.index import Array
 
 @compiled
 def parts(duration: float, longest: float) -> int:
-    """Return into how many equal steps a duration is divided."""
+    """Return the number of equal steps into which a duration is divided."""
     if duration <= longest:
         return 1
     return int(duration / longest * (1.0 - 1e-12)) + 1
@@ -17,7 +17,7 @@ def parts(duration: float, longest: float) -> int:
 
 @compiled
 def ring(p: Array, state: Array, force: float, limit: float, inverse: float, d: float) -> float:
-    """Move deformation and velocity of sticking contacts by a step d in s (Nystrom's method of order 4); return 0."""
+    """Advance deformation and velocity of sticking contacts by a step d in s (Nystrom, order 4); return 0."""
     e = p[index.EXPONENT]
     lightness = 1.0 / p[index.MASS]
     fade = 0.5 * d * p[index.TANGENTIAL_DAMPING] * lightness
@@ -34,7 +34,7 @@ def ring(p: Array, state: Array, force: float, limit: float, inverse: float, d: 
 
 @compiled
 def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force: float, d: float) -> float:
-    """Move a sticking slider by a step d in s; return the part of it that it slips for."""
+    """Advance a sticking slider by a step d in s; return the rest of d, in which it slips, s."""
     drive: int = int(state[index.ACTIVE])
     load = mean_load(p, tables, drive, h, s)
     least = stick_limit(p, tables, drive, h, s, load, 1)
@@ -70,7 +70,7 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
 
 @compiled
 def hold(p: Array, tables: Array, state: Array, force: float, preload: float, duration: float) -> float:
-    """Move a sticking slider on a wave at rest, its bounce dead; return the part of the duration that is left.
+    """Advance a sticking slider on a steady wave without bounce; return the rest of the duration, s.
 
     It ends before the contacts slip.  A step ends at zero deformation, where the second derivative of the force jumps.
     """
@@ -84,7 +84,7 @@ def hold(p: Array, tables: Array, state: Array, force: float, preload: float, du
     limit = p[index.FRICTION] * preload
     inverse = 1.0 / (p[index.LIMIT_SLOPE] * state[index.DEPTH])
     x = state[index.DEFORMATION]
-    place = x
+    initial = x
     step = duration / parts(duration, p[index.RING_STEP])
     left = duration
     inside: int = 1 if x > state[index.LOWEST] and x < state[index.HIGHEST] else 0
@@ -108,14 +108,14 @@ def hold(p: Array, tables: Array, state: Array, force: float, preload: float, du
             state[index.DEFORMATION] = x
             state[index.VELOCITY] = v
             inside = 0
-    state[index.POSITION] = state[index.POSITION] + place - x
+    state[index.POSITION] = state[index.POSITION] + initial - x
     state[index.FORCE] = limit * spring_share(x * inverse, p[index.EXPONENT])
     return 0.0 if inside == 1 else left
 
 
 @compiled
 def deformation(p: Array, tables: Array, state: Array) -> float:
-    """Return the tangential deformation of the contacts in m; slipping, that which would carry their force."""
+    """Return the tangential deformation of the contacts in m; while they slip, the one that would carry their force."""
     if state[index.STICKS] > 0.5:
         return state[index.DEFORMATION]
     load = mean_load(p, tables, int(state[index.ACTIVE]), state[index.APPROACH], state[index.SURFACE])

@@ -1,4 +1,4 @@
-"""The wave under the slider: changes of the drives, each followed by the step response of the surface."""
+"""The wave under the slider: the sum of the step responses of the surface to the changes of the drives."""
 
 from math import sqrt
 
@@ -9,7 +9,7 @@ from studies.export.reduced_motor.index import Array
 
 @compiled
 def change_drive(p: Array, state: Array, drive: int, level: float) -> float:
-    """Set the drive to a level, zero or positive, from now on; return how much it changes."""
+    """Set the drive to a level, zero or positive, from now on; return the change."""
     base: int = index.HISTORY + drive * index.HISTORY_SIZE
     change = level - state[base + index.LEVEL]
     if change == 0.0:
@@ -20,7 +20,7 @@ def change_drive(p: Array, state: Array, drive: int, level: float) -> float:
     if p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.RESPONSE_NODES] < 1.0:
         state[base + index.SETTLED] = level
         return change
-    if count == index.ENTRIES:  # the two oldest become one, at their common mean time
+    if count == index.ENTRIES:  # merge the two oldest at their mean time, weighted by their sizes
         first = state[base + index.CHANGES + 1]
         second = state[base + index.CHANGES + 3]
         weight = abs(first) + abs(second)

@@ -1,4 +1,4 @@
-"""The whole motor moved on under constant inputs: wave, bounce, stick and slip in turn."""
+"""Integration of the motor in time under constant inputs: wave, bounce, stick and slip."""
 
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
@@ -31,7 +31,7 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
 def advance(
     p: Array, tables: Array, state: Array, level: float, force: float, preload: float, duration: float
 ) -> float:
-    """Move the motor by a duration in s under constant inputs; return 0, or 1 where a number is not finite.
+    """Advance the motor by a duration in s under constant inputs; return 0, or 1 if a number is not finite.
 
     `level`: of the drive, V or m, negative for the second drive; `force`: external, N along +x; `preload`: N, positive.
     In the code s is the normal amplitude of the wave and h the mean approach, both in m.
@@ -44,11 +44,11 @@ def advance(
         changed = abs(changed) + abs(change_drive(p, state, 1, max(-level, 0.0)))
     start = state[index.TIME]
     done = 0.0  # part of the duration, s
-    # changes of the drives that the surface still answers; while there are any the wave varies
+    # number of changes to which the surface has not settled; while there are any the wave varies
     unsettled = state[index.HISTORY + index.COUNT]
     if two_drives == 1:
         unsettled = unsettled + state[index.HISTORY + index.HISTORY_SIZE + index.COUNT]
-    # above 0: what follows from the wave and the preload is to be computed anew
+    # above 0: quantities that depend on the wave and the preload must be computed again
     outdated = 1.0 if changed != 0.0 or state[index.PRELOAD] != preload else 0.0
     state[index.PRELOAD] = preload
     while done < duration * (1.0 - 1e-12):
@@ -77,7 +77,7 @@ def advance(
         elif state[index.BOUNCES] > 0.5:
             settle(p, state, state[index.SURFACE])
         drive = int(state[index.ACTIVE])
-        # 2. On a steady wave without bounce: all that is left at once, or up to the next end of slip or stick.
+        # 2. On a steady wave without bounce: the whole rest, or up to the end of slip or stick.
         if unsettled == 0.0 and state[index.BOUNCES] < 0.5:
             if state[index.STICKS] < 0.5:
                 done = duration - glide(p, tables, state, force, preload, duration - done)
