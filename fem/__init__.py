@@ -59,7 +59,7 @@ _PUBLIC = {
     "beam.surface_beam": "BeamError SurfaceBeam",
     "beam.beam_of_section": "beam_refusal surface_beam",
     "beam.crossed_beam": "crossed_beam CrossedBeam",
-    "beam.crossed_rows": "rows_of",
+    "beam.parallel_groups": "rows_of",
     "direct": "direct_solution sparse_solution",
     "exceptions": "ConvergenceError InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",

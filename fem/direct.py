@@ -176,20 +176,14 @@ def _assembled(basis, body: Medium, angular: float):
 
 def _at_line(basis, section: Section, position: float, ends: np.ndarray):
     """An end's matrix over the section's nodes, carried over to the hierarchical basis of the mesh."""
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import csr_matrix, identity, kron
 
     nodes = section.nodes / section.length_unit
     probes = basis.probes(np.stack([np.full(len(nodes), position), nodes])).tocsr()
     columns = [FIELD_COLUMN[name] for name in section.solid.fields]
     dofs = section.dofs[:, columns].reshape(-1)
-    carried = _by_field(probes, len(columns))[np.flatnonzero(dofs >= 0)]
+    carried = kron(probes, identity(len(columns))).tocsr()[np.flatnonzero(dofs >= 0)]
     return carried.T @ csr_matrix(ends) @ carried
-
-
-def _by_field(matrix, count: int):
-    from scipy.sparse import identity, kron
-
-    return kron(matrix, identity(count)).tocsr()
 
 
 def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -231,6 +225,7 @@ def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
 
 
 def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_pair) -> _Strips:
+    """Solve with one potential per electrode; ``held``: unknowns that are zero, ``unit_pair``: of stress and phi."""
     from scipy.sparse import csr_matrix
 
     stress, potential = unit_pair

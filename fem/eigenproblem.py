@@ -1,9 +1,12 @@
 """Quadratic eigenvalue problem of the guided modes: all wavenumbers, slow and strongly evanescent ones alike.
 
+The arguments are the matrices of section.py, (n, n) each: ``second`` is K2, ``zeroth`` K0 - omega^2 M, and ``skew``
+K1 - K1t, times i where the problem has no factor i.
+
 Elements of a thousandth of a wavelength at the fingers' edges stand beside elements stretched a thousandfold in an
 absorbing layer.  The problem is solved in scaled unknowns; unscaled, the slow modes of such a section lose five digits.
-The problem that is linear in k^2 wants all diagonal entries of K2 alike; the one that is linear in k wants the large
-ones made small and the small ones left alone.
+For the problem that is linear in k^2 the diagonal of K2 is scaled to 1; for the one that is linear in k its entries
+above the median are scaled to the median.
 """
 
 import numpy as np

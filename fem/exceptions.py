@@ -14,7 +14,7 @@ class InputError(ValueError):
     rule : str
         The rest of the sentence: what is allowed, the value and its unit.
     value : object
-        The value; None where the rule itself says it.
+        The value; None if the rule contains it.
     owner : str
         Which of several transducers the key belongs to, by its name; empty where there is one object alone.
 
@@ -49,6 +49,16 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, *, reached: object = None):
         super().__init__(message)
         self.reached = reached
+
+
+class ActivePortError(ConvergenceError):
+    """Raised if the computed admittances of passive transducers give out power: the discretisation is too coarse."""
+
+
+def refuse_unless_positive(key: str, value: float, unit: str = "") -> None:
+    """Raise an InputError for a value that is not positive and finite."""
+    if not 0 < value < float("inf"):
+        raise InputError(key, "must be positive and finite", value, unit)
 
 
 def refuse_above(

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.exceptions import InputError, refuse_unless_positive
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
@@ -59,8 +59,7 @@ class Stator:
     pieces: tuple[MeshPiece, ...] = ()
 
     def __post_init__(self):
-        if not (np.isfinite(self.length) and self.length > 0):
-            raise InputError("stator.length", "must be positive and finite", self.length, "m")
+        refuse_unless_positive("stator.length", self.length, "m")
         if not self.thickness > 0:
             raise InputError("stator.thickness", "must be positive", self.thickness, "m")
         for name, allowed in (("bottom", Bottom), ("ends", Ends), ("above", Above)):
@@ -223,10 +222,10 @@ class Transducer:
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
     """Return a sentence if the fingers in a mesh differ from those of a transducer."""
     drawn = [piece.strips(transducer.name + sign) for sign in "+-"]
-    meant = [transducer.strips(sign) for sign in "+-"]
+    specified = [transducer.strips(sign) for sign in "+-"]
     if all(
         len(a) == len(b) and np.allclose(a, b, rtol=0, atol=SAME_FINGER * transducer.pitch)
-        for a, b in zip(drawn, meant, strict=True)
+        for a, b in zip(drawn, specified, strict=True)
     ):
         return []
 
@@ -238,7 +237,7 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
         )
 
     here = listed(drawn, (' fingers "+"', ' "-"'))
-    return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(meant, ("", ""))}']
+    return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(specified, ("", ""))}']
 
 
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:

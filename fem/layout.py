@@ -1,5 +1,6 @@
 """Rules for the positions of transducers and meshed pieces on a stator, and for what a piece is made of."""
 
+from functools import partial
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -32,7 +33,7 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
             raise InputError(
                 "transducer",
                 f"must have the angle 0 in a section along x, got {transducer.angle:g} "
-                "rad: what follows the circuit of one section is not known for turned transducers",
+                "rad: an answer from one section of all transducers does not exist for rotated ones",
                 owner=transducer.name,
             )
     placed = sorted(transducers, key=lambda transducer: transducer.center)
@@ -93,6 +94,10 @@ def _check_names(transducers: tuple[Transducer, ...]) -> None:
         raise InputError("transducer", f"names must differ, got {', '.join(names)}")
 
 
+def _refuse(piece: MeshPiece, rule: str, key: str = "piece") -> None:
+    raise InputError(key, rule, owner=piece.name)
+
+
 def check_interfaces(stator: Stator) -> None:
     """Check that the meshed pieces of a stator meet its section: as high, up to the surface, without field above.
 
@@ -122,11 +127,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         _check_electrodes(piece, transducers, at_end=piece in placed.ends)
         _check_electrode_lines(piece, stator.solid)
         if stator.bottom != "free" and not stator.absorbs_below and "bottom" not in piece.mesh.lines:
-            raise InputError(
-                "piece",
-                f"must have the line group bottom, as stator.bottom is {stator.bottom}, got none",
-                owner=piece.name,
-            )
+            _refuse(piece, f"must have the line group bottom, as stator.bottom is {stator.bottom}, got none")
     for index, (end, inner) in enumerate(zip(placed.ends, (placed.start, placed.stop), strict=True)):
         if end is None:
             continue
@@ -138,23 +139,20 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
                 f"must be absorbing behind the step of thickness of piece {end.name!r}, got {stator.ends!r}",
             )
         if not 0 < inner < stator.length:
-            raise InputError(
-                "piece", f"must lie on the stator, 0 to {stator.length * 1e3:g} mm, got {end.where}", owner=end.name
-            )
+            _refuse(end, f"must lie on the stator, 0 to {stator.length * 1e3:g} mm, got {end.where}")
     if placed.whole is None:
         _check_overlaps(placed, stator.length, transducers)
 
 
 def _check_outer_end(piece: MeshPiece, index: int, length: float) -> None:
     """Raise an InputError for an end piece whose far side is not the stator's end; ``index``: 0 left, 1 right."""
-    side, at, meant = ("left", "right")[index], piece.extent[index], (0.0, length)[index]
-    if abs(at - meant) > SAME * length:
-        raise InputError(
-            "piece",
+    side, at, intended = ("left", "right")[index], piece.extent[index], (0.0, length)[index]
+    if abs(at - intended) > SAME * length:
+        _refuse(
+            piece,
             f'has no line group {side} in its file "{piece.mesh.name}", which makes it the {side} end of the stator: '
-            f"it must end at x = {meant * 1e3:.6g} mm{' (stator.length)' if index else ''}, got "
+            f"it must end at x = {intended * 1e3:.6g} mm{' (stator.length)' if index else ''}, got "
             f"{at * 1e3:.6g} mm",
-            owner=piece.name,
         )
 
 
@@ -167,11 +165,10 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
     for side, (_, height, _) in lines.items():
         border = piece.mesh.border(side)
         if height < (1 - SAME) * border and not piece.fits(side, thickness):
-            raise InputError(
-                "piece",
+            _refuse(
+                piece,
                 f'must have all lines of its {side} border in the line group {side}: in the file "{piece.mesh.name}" '
                 f"the group covers {height * 1e3:.6g} of {border * 1e3:.6g} mm",
-                owner=piece.name,
             )
     if np.isinf(thickness):
         _check_lower_side(piece, lines)
@@ -180,16 +177,11 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
         return
     side, (_, height, top) = next(iter(lines.items()))
     if abs(height - thickness) <= SAME * thickness:
-        raise InputError(
-            "piece",
-            f"must have the upper end of its group {side} at the surface z = 0, got z = {top * 1e3:.6g} mm",
-            owner=piece.name,
-        )
-    raise InputError(
-        "piece",
+        _refuse(piece, f"must have the upper end of its group {side} at the surface z = 0, got z = {top * 1e3:.6g} mm")
+    _refuse(
+        piece,
         f"must be as thick as the stator at its interface: the group {side} is {height * 1e3:.6g} mm high, the stator "
         f"is {thickness * 1e3:.6g} mm thick{_unit_question(piece, height, thickness)}",
-        owner=piece.name,
     )
 
 
@@ -202,9 +194,7 @@ def _check_lower_side(piece: MeshPiece, lines: dict[str, tuple[float, float, flo
     """
     mesh, depth = piece.mesh, piece.depth * 1e3
 
-    def refuse(rule: str) -> None:
-        raise InputError("piece", rule, owner=piece.name)
-
+    refuse = partial(_refuse, piece)
     for side, (_, height, top) in lines.items():
         if not piece.fits(side, np.inf):
             refuse(
@@ -235,20 +225,16 @@ def _check_lower_side(piece: MeshPiece, lines: dict[str, tuple[float, float, flo
             )
 
 
-def _unit_question(piece: MeshPiece, drawn: float, meant: float) -> str:
+def _unit_question(piece: MeshPiece, drawn: float, intended: float) -> str:
     """Return the advice to change the file's length unit, if another unit gives a drawn length its intended value."""
-    unit = piece.mesh.unit * meant / drawn
+    unit = piece.mesh.unit * intended / drawn
     hint = next((name for name, each in UNITS.items() if abs(unit / each - 1) < 0.02), "")
     return f": is the file's length unit {hint}?" if hint else ""
 
 
 def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError for a piece without interface that is not the whole stator."""
-    length, thickness = stator.length, stator.thickness
-
-    def refuse(rule: str, key: str = "piece") -> None:
-        raise InputError(key, rule, owner=piece.name)
-
+    length, thickness, refuse = stator.length, stator.thickness, partial(_refuse, piece)
     low, high = piece.extent
     if max(abs(low), abs(high - length)) > SAME * length:
         refuse(
@@ -294,70 +280,48 @@ def _check_size(piece: MeshPiece) -> None:
         return
     count = sum(len(cells.nodes) for cells in piece.mesh.cells)
     size = np.median([np.median(np.ptp(piece.mesh.points[cells.nodes, 0], axis=1)) for cells in piece.mesh.cells])
-    raise InputError(
-        "piece.file",
+    _refuse(
+        piece,
         f"has {count} elements, about {size * 1e3:.2g} mm wide, and at least {least:.2g} unknowns, at most "
         f"{MAX_UNKNOWNS:.0g} are solved for: draw elements of {size * 1e3 * np.sqrt(least / MAX_UNKNOWNS):.2g} mm or "
         "more; the program refines corners itself and raises the order",
-        owner=piece.name,
+        "piece.file",
     )
 
 
 def _check_materials(piece: MeshPiece) -> None:
     """Raise an InputError for surface groups without a solid, or solids without a surface group."""
+    refuse = partial(_refuse, piece, key="piece.materials")
     known = ["stator", *(name for name, _ in piece.solids)]
     if "stator" in known[1:]:
-        raise InputError(
-            "piece.materials", 'must not name "stator", whose material is stator.material', owner=piece.name
-        )
+        refuse('must not name "stator", whose material is stator.material')
     for name in piece.mesh.solids:
         if name not in known:
-            raise InputError(
-                "piece.materials",
-                f'must give the solid of every surface group but "stator", got none for "{name}"',
-                owner=piece.name,
-            )
+            refuse(f'must give the solid of every surface group but "stator", got none for "{name}"')
     for name in known[1:]:
         if name not in piece.mesh.solids:
             groups = ", ".join(each for each in piece.mesh.solids if each != "stator") or "none besides stator"
-            raise InputError(
-                "piece.materials", f'names "{name}", which is no surface group of the file: {groups}', owner=piece.name
-            )
+            refuse(f'names "{name}", which is no surface group of the file: {groups}')
 
 
 def _check_electrodes(piece: MeshPiece, transducers: tuple[Transducer, ...], *, at_end: bool) -> None:
     """Raise an InputError for connections to electrodes or transducers that do not exist."""
+    refuse = partial(_refuse, piece, key="piece.electrodes")
     signs = {each.name: each.signs for each in transducers}
     for name, connection in piece.electrodes:
         if name not in piece.mesh.electrodes:
             groups = ", ".join(piece.mesh.electrodes) or "none"
-            raise InputError(
-                "piece.electrodes",
-                f'names "{name}", which is no line group electrode:NAME of the file: {groups}',
-                owner=piece.name,
-            )
+            refuse(f'names "{name}", which is no line group electrode:NAME of the file: {groups}')
         if connection in (FLOATING, GROUNDED):
             continue
         comb, sign = connection[:-1], connection[-1:]
         if sign not in ("+", "-") or comb not in signs:
             known = ", ".join(f"{each}+, {each}-" for each in signs)
-            raise InputError(
-                "piece.electrodes",
-                f'must connect "{name}" to floating, grounded or a comb ({known}), got {connection!r}',
-                owner=piece.name,
-            )
+            refuse(f'must connect "{name}" to floating, grounded or a comb ({known}), got {connection!r}')
         if sign not in signs[comb]:
-            raise InputError(
-                "piece.electrodes",
-                f'connects "{name}" to {connection}, and that transducer has no finger "{sign}"',
-                owner=piece.name,
-            )
+            refuse(f'connects "{name}" to {connection}, and that transducer has no finger "{sign}"')
         if at_end:
-            raise InputError(
-                "piece.electrodes",
-                f'must leave "{name}" floating or grounded: a piece at the stator\'s end is connected to no comb',
-                owner=piece.name,
-            )
+            refuse(f'must leave "{name}" floating or grounded: a piece at the stator\'s end is connected to no comb')
 
 
 def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
@@ -368,7 +332,7 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
 
     def refuse(rule: str, at: set[int] | None = None) -> None:
         where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
-        raise InputError("piece.file", rule.format(where), owner=piece.name)
+        _refuse(piece, rule.format(where), "piece.file")
 
     for name in mesh.electrodes:
         nodes = set(mesh.lines[ELECTRODE + name].ravel().tolist())
@@ -406,7 +370,7 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         if low < -tolerance or high > length + tolerance:
             got = f"{piece.where}{_millimetre_question(piece, length)}"
             rule = f"must lie on the stator, 0 to {length * 1e3:g} mm, got {got}"
-            raise InputError("piece", rule, owner=piece.name)
+            _refuse(piece, rule)
     spans = [_Span(*each.extent, "piece", each.name) for each in placed.between]
     left_end, right_end = placed.ends
     if left_end is not None:

@@ -15,17 +15,17 @@ _workers = 2  # threads over frequencies; the linear algebra of each runs outsid
 
 
 class _Limit:
-    """The limit of this process: set by the first who asks for it, lifted when the last has left.
+    """The limit of this process: set at the first `enter`, lifted at the last `leave`.
 
-    The number of BLAS threads belongs to the process.  Two threads of a user that each saved and restored it would
-    restore it in the other's midst, or leave the limit behind for good.
+    The number of BLAS threads belongs to the process.  If two threads each saved and restored it, one could lift the
+    limit while the other still needs it, or leave it set for good.
     """
 
     def __init__(self):
         self._lock, self._users, self._limits, self._seen = threading.Lock(), 0, [], False
 
     def enter(self) -> None:
-        """Count one more user; set the limit where it is not set yet, also on a BLAS that was loaded since."""
+        """Count one more user; limit every BLAS that is not limited yet, also one that was loaded meanwhile."""
         from threadpoolctl import threadpool_limits
 
         with self._lock:
@@ -37,7 +37,7 @@ class _Limit:
             self._users += 1
 
     def leave(self) -> None:
-        """Count one user less; the last restores what was before the first."""
+        """Count one user less; the last one restores the numbers of threads from before the first."""
         with self._lock:
             self._users -= 1
             while self._users == 0 and self._limits:
@@ -47,7 +47,7 @@ class _Limit:
 
 
 def _release_control() -> None:
-    """Let any thread set the number of threads: threadpoolctl (3.8) heeds only the one that set it first."""
+    """Allow any thread to set the number of BLAS threads; threadpoolctl (3.8) allows only the first that did."""
     from threadpoolctl import OpenBLASController
 
     clear = getattr(OpenBLASController, "clear_controlling_thread", None)

@@ -18,7 +18,7 @@ from typing import Any
 from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
 from studies.chain.resolve import resolved
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.record import Record
 from studies.record.text import labelled
 from studies.refusal import SceneError, nearest
@@ -184,7 +184,7 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
     if resolved_scene.on_pillars and not pillars:
         known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
-        resolved_scene.refuse("slider.pillars", f"are not known here: {known}")
+        resolved_scene.refuse("slider.pillars", f"are not supported by this study: {known}")
     if resolved_scene.wave is not None:
         return DrivenContact.prescribed(resolved_scene)
     if not resolved_scene.transducer:
@@ -267,7 +267,7 @@ def study(default: str | None = None) -> Callable[[Callable[..., Answered]], Cal
             start_time = time.perf_counter()
             if default is not None:
                 scene = (Scene.load(scene[0] if scene else options.pop("scene", default)),)
-            with answered():
+            with as_run_errors():
                 panels, findings, *answer = run(*scene, **options)
             return StudyRecord(
                 name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),

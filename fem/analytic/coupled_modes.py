@@ -4,17 +4,17 @@ Massless strips reflect the wave because they short-circuit its field. In an end
 pitch p, the two standing waves of wavelength 2 p have the velocities v_free (1 - e dv/v),
 
     e = (1 - cos D)/2        potential odd about the strips,                    D = pi metallisation
-    e = (1 + cos D)/2 + x    even: the one that the two electrodes drive,            x = P_1/2(-cos D) / P_-1/2(-cos D)
+    e = (1 + cos D)/2 + x    even: driven by the two electrodes,                x = P_1/2(-cos D) / P_-1/2(-cos D)   (1)
 
 to first order in dv/v: K. Blotekjaer, K. A. Ingebrigtsen and H. Skeie, IEEE Trans. Electron Devices 20 (1973) 1133.
-Between these edges the grating reflects. With the detuning d = (omega - omega_0)/v from their middle and the
-reflection k per length, half of the stop band's width, negative as the driven wave is the slower one, the amplitudes
-R exp(-i pi x/p) and S exp(+i pi x/p) of the waves to the right and to the left obey
+Between these edges of the stop band the grating reflects. Let d = (omega - omega_0)/v be the detuning from their middle
+and k the reflection per length. Its size is half the width of the stop band in d, and it is negative because the driven
+standing wave is the slower one. The waves R exp(-i pi x/p) to the right and S exp(+i pi x/p) to the left obey
 
-    R' = -i d R + i k S + i a V,    S' = -i k R + i d S - i a V,    R(0) = S(L) = 0,
+    R' = -i d R + i k S + i a V,    S' = -i k R + i d S - i a V,    R(0) = S(L) = 0,                              (2)
 
-D. P. Morgan, Surface Acoustic Wave Filters, 2nd ed. 2007, chapter 8. The sign of k decides on which side of the middle
-the maximum lies.
+with a the excitation per length and volt, V the voltage and L the length of the transducer (D. P. Morgan, Surface
+Acoustic Wave Filters, 2nd ed. 2007, chapter 8). The sign of k decides on which side of the middle the maximum lies.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ __all__ = ["leaving", "relative_amplitude", "stop_band_edges"]
 
 
 def stop_band_edges(metallisation: float) -> tuple[float, float]:
-    """Return e of the odd and of the even standing wave in a grating of shorted strips, in units of dv/v.
+    """Return e of the odd and of the even standing wave in a grating of shorted strips: equation (1).
 
     Examples
     --------
@@ -74,7 +74,7 @@ def relative_amplitude(
 
 
 def leaving(detuning: np.ndarray, coupling: float) -> np.ndarray:
-    """Return |S(0)| for unit a V L; detuning and coupling times the length."""
+    """Return |S(0)| by equations (2) for a V L = 1; ``detuning``: d L, ``coupling``: k L, both without unit."""
     g = np.sqrt((detuning**2 - coupling**2).astype(complex))
     small = abs(g) < 1e-4
     g = np.where(small, 1.0, g)

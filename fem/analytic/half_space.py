@@ -15,7 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ConvergenceError, InputError, refuse_unless_positive
 from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
 
@@ -184,11 +184,11 @@ def falling_root(function, top: float) -> float:
             return new
         repeated, above = above is (f_new > 0), f_new > 0
         ratio = f_new / (f_low if above else f_high)
-        kept = 1.0 if not repeated else (1 - ratio if ratio < 1 else 0.5)
+        reduction = 1.0 if not repeated else (1 - ratio if ratio < 1 else 0.5)
         if above:
-            low, f_low, f_high = new, f_new, f_high * kept
+            low, f_low, f_high = new, f_new, f_high * reduction
         else:
-            high, f_high, f_low = new, f_new, f_low * kept
+            high, f_high, f_low = new, f_new, f_low * reduction
     raise ConvergenceError(f"surface impedance has no root after {_ROOT_STEPS} steps")
 
 
@@ -210,7 +210,6 @@ def automatic_period(solid: Solid, frequency: float, metallisation: float) -> fl
     It is the wavelength of the lossless half-space, part metallised, (metallisation v_metal + (1 - metallisation)
     v_vacuum) over the frequency; metallisation: finger width over finger width plus gap.
     """
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
     metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
     return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

@@ -17,7 +17,7 @@ INTERVALS = 56  # of the rule: rounding down to |z| = 1e-4; 48 leave 5e-12
 ENDS = 42.0  # exponent at which the integral is cut off
 CELL = 0.5  # side of the cells in log w
 TERMS, POINTS = 16, 24  # of a cell's series, and of the circle, its radius CELL: rounding
-FAR, FAR_TERMS = 20.0, 14  # argument from which Hankel's asymptotic series serves, and its terms: 1e-14
+FAR, FAR_TERMS = 20.0, 14  # argument from which Hankel's asymptotic series is used, and its terms: 1e-14
 
 _series: dict[tuple[int, complex], np.ndarray] = {}  # coefficients by order and cell
 

@@ -12,7 +12,7 @@ import numpy as np
 from fem.analytic.half_space import rayleigh
 from fem.materials import Solid, isotropic_about_normal, rotated
 
-STEEPEST, FADES = 0.35, 0.25  # of the wavenumber: end of the angular spectrum, and from where it fades out
+SPECTRUM_END, FADE_START = 0.35, 0.25  # lateral wavenumbers of the angular spectrum, over the wavenumber along x
 _SPECTRUM = 400  # lateral wavenumbers on either side
 _DIRECTIONS = 32  # of the curve, within 25 degrees: 16 leave 0.13 of the curvature in YZ lithium niobate
 _ANGLES = math.radians(25) * np.cos(np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS)
@@ -50,7 +50,7 @@ class Slowness:
 
     @classmethod
     def circle(cls, wavenumber: float) -> "Slowness":
-        """Return the curve of a wave as fast in all directions."""
+        """Return the curve of a wave of the same velocity in all directions; ``wavenumber`` in rad/m."""
         return cls.through(wavenumber * np.sin(_ANGLES), wavenumber * np.cos(_ANGLES))
 
     @property
@@ -60,7 +60,7 @@ class Slowness:
 
     @property
     def curvature(self) -> float:
-        """Slowness curvature: 0 for a wave as fast in all directions."""
+        """Curvature -k k'' - 1 of the slowness curve k(k_y) at k_y = 0: 0 for a circle, -1 for a straight line."""
         return float(-self.along.deriv(2)(0.0).real * self.along(0.0).real - 1)
 
     def spectrum(self, aperture: float, away, lateral) -> np.ndarray:
@@ -68,13 +68,15 @@ class Slowness:
 
         Parameters
         ----------
-        away, lateral : array_like
-            m along x, negative for the wave that runs to the left, and from the axis.
+        away : array_like
+            Distance along x from the aperture, m; negative for the wave that runs to the left.
+        lateral : array_like
+            Distance from the beam's axis along y, m.
         """
         away, lateral = np.asarray(away), np.asarray(lateral) * np.sign(away)
         k = self.along(0.0).real
-        t, step = np.linspace(-STEEPEST * k, STEEPEST * k, 2 * _SPECTRUM + 1, retstep=True)
-        fade = np.cos(np.pi / 2 * np.clip((abs(t) / k - FADES) / (STEEPEST - FADES), 0, 1)) ** 2
+        t, step = np.linspace(-SPECTRUM_END * k, SPECTRUM_END * k, 2 * _SPECTRUM + 1, retstep=True)
+        fade = np.cos(np.pi / 2 * np.clip((abs(t) / k - FADE_START) / (SPECTRUM_END - FADE_START), 0, 1)) ** 2
         weights = fade * step * aperture / (2 * np.pi) * np.sinc(t * aperture / (2 * np.pi))
         change = self.along(t) - self.along(0.0)
         sent = np.exp(-1j * (np.multiply.outer(abs(away), change) + np.multiply.outer(lateral, t)))

@@ -5,7 +5,7 @@ tables xx, xz, zz of element_matrices.py, generalised traction -i k b on z = con
 Stroh's problem is N (u, b) = p (u, b) with the real matrix (Stroh 1962; Ting, *Anisotropic Elasticity*,
 1996, chapters 5, 12)
 
-    N = [[-zz^-1 xz^T, zz^-1], [xz zz^-1 xz^T - xx + rho v^2, -xz zz^-1]].
+    N = [[-zz^-1 xz^T, zz^-1], [xz zz^-1 xz^T - xx + rho v^2, -xz zz^-1]].                                 (1)
 
 Below the limiting velocity all p are complex.  The decaying half is the +i eigenspace of the real matrix
 W = [[S, H], [-L, S^T]], W^2 = -1, which shares its invariant subspaces with N (Barnett and Lothe 1973).
@@ -13,7 +13,7 @@ W is the limit of W <- (W - 1/W)/2 from W = N, the matrix sign iteration of -iN 
 *Functions of Matrices*, 2008, chapter 5).  It converges quadratically, and coinciding p cause no difficulty, because no
 eigenvectors are computed.  The impedance Z, with traction = k Z u, is
 
-    Z = H^-1 + i H^-1 S,    Hermitian.
+    Z = H^-1 + i H^-1 S,    Hermitian.                                                                     (2)
 
 The electrical condition at the surface determines phi in terms of u (phi = 0, D_n = 0, or D_n = eps0 k phi under
 vacuum).  The impedance that remains acts on displacements alone.  It is positive definite at v = 0, and its eigenvalues
@@ -87,10 +87,10 @@ class SurfaceImpedance:
         return stiff - across @ across.conj().T / (full[-1, -1].real - self.gap)
 
     def of_all_fields(self, velocity: float) -> np.ndarray:
-        """Z = H^-1 + i H^-1 S of all fields, before the electrical condition is applied; shape (fields, fields)."""
+        """Z of all fields, equation (2), before the electrical condition is applied; shape (fields, fields)."""
         n = len(self.displaced)
-        stroh = np.block([[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]])
-        w = stroh
+        # equation (1)
+        w = np.block([[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]])
         for _ in range(_SIGN_STEPS):
             new = (w - np.linalg.inv(w)) / 2
             change = np.abs(new - w).max()

@@ -4,7 +4,7 @@ A traction t exp(i(omega t - k x)) moves the surface by u = Z(omega/k)^-1 t/k wi
 At the Rayleigh velocity v_R an eigenvalue lambda(v) of Z, with unit eigenvector m, vanishes. Near it, at fixed
 frequency,
 
-    u_z = |m_z|^2 t_z / (k lambda' (v - v_R)) = Gamma t_z/(k - k_R),    Gamma = -|m_z|^2 / (lambda'(v_R) v_R),
+    u_z = |m_z|^2 t_z / (k lambda' (v - v_R)) = Gamma t_z/(k - k_R),    Gamma = -|m_z|^2 / (lambda'(v_R) v_R),    (1)
 
 because v - v_R = -v_R (k - k_R)/k. Gamma in 1/Pa does not depend on the frequency. The power of the wave per width is
 |u_z|^2 omega/(4 Gamma). The corresponding residue for u_x and a tangential traction is r^2 Gamma, r = |u_x/u_z|.
@@ -14,7 +14,7 @@ Compare Auld, *Acoustic Fields and Waves in Solids* II (1973), sections 10 and 1
 import numpy as np
 
 from fem.analytic.half_space import BELOW_LIMIT, falling_root, rayleigh, surface_impedance
-from fem.exceptions import InputError
+from fem.exceptions import InputError, refuse_unless_positive
 from fem.materials import Solid
 
 # Step of the angle in the five-point derivative, which is accurate to 1e-11: steps of half and twice the size agree.
@@ -22,7 +22,7 @@ STEP = 1e-4
 
 
 def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
-    """Return Gamma of a half-space's Rayleigh wave in 1/Pa.
+    """Return Gamma, equation (1), of a half-space's Rayleigh wave in 1/Pa.
 
     Parameters
     ----------
@@ -89,8 +89,7 @@ def spring_shift(
     >>> print(f"{fem.spring_shift(cut, 1e13, 0.844e13, 9.61e6):.4e}")
     -2.7419e-03
     """
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
     for name, stiffness in (("normal", normal), ("tangential", tangential)):
         if not np.isfinite(stiffness):
             raise InputError(name, "must be a finite stiffness", stiffness, "Pa/m")

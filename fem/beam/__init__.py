@@ -4,5 +4,5 @@ lateral (integral over k_y) - line_source, cut_source (modes sent by a line of c
 (charges and forces become a beam) - electrode_charges (of a solved section) - faces (reflecting ends) -
 point_potential, own_aperture (a transducer's response to waves and its own charges) - reception (of beams by other
 transducers) - surface_beam (motion and its error) - beam_of_section (the beam of a solved section, forces beside
-transducers) - crossed_rows, crossed_beam (turned transducers).
+transducers) - parallel_groups, crossed_beam (rotated transducers).
 """

@@ -15,7 +15,6 @@ and those to the right of x contribute a similar sum over the modes that run to 
 `Emitter.spectra` sums over the charges and modes at the k_y of a quadrature rule, `EmittedBeam.by_rules` integrates.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import groupby
@@ -301,7 +300,8 @@ class EmittedBeam:
     def _static(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Field of the pole at k = 0 in closed form (`ModeSource.static_motion`), shape (3, points)."""
         out = np.zeros((3, len(x)), dtype=complex)
-        for source, sheet in self._with_pole():
+        with_pole = [emitter for emitter in self.emitters if emitter.source.static]
+        for source, sheet in ((emitter.source, sheet) for emitter in with_pole for sheet in emitter.sheets):
             nodes, charge = sheet.lumps
             for start in range(0, len(x), CHUNK):
                 chunk = slice(start, start + CHUNK)
@@ -310,9 +310,3 @@ class EmittedBeam:
                 out[0, chunk] += along_x @ charge
                 out[1, chunk] += along_y @ charge
         return out
-
-    def _with_pole(self) -> Iterator[tuple[ModeSource, ChargeSheet]]:
-        """Sheets whose source has a pole at k = 0."""
-        for emitter in self.emitters:
-            if emitter.source.static:
-                yield from ((emitter.source, sheet) for sheet in emitter.sheets)

@@ -1,13 +1,13 @@
 """Surface motion of transducers that are rotated about the surface normal or lie beside one another.
 
-Parallel transducers that lie one behind the other, so that one section can contain them, form a row.  In a solid
-isotropic about z every row is a section problem of the same stator in its own axes, s along its waves and t across.
-Each row sends a `SurfaceBeam` in its axes, and the beams add up.  The rows are coupled through their charges
-(crossed_rows.py).
+Parallel transducers that lie one behind the other, so that one section can contain them, form a group.  In a solid
+isotropic about z every group is a section problem of the same stator in its own axes, s along its waves and t across.
+Each group sends a `SurfaceBeam` in its axes, and the beams add up.  The groups are coupled through their charges
+(parallel_groups.py).
 
-Two effects between rows are neglected: the scattering of one row's beam by the metal of another row at fixed voltages
-(to that beam the fingers are bare surface), and the electrostatic coupling of the rows.  Scattering within a row is
-included (reception.py).
+Two effects between groups are neglected: the scattering of one group's beam by the fingers of another group (to that
+beam the surface is bare there), and the electrostatic coupling of the groups.  Scattering within a group is included
+(reception.py).
 """
 
 from collections.abc import Callable
@@ -17,7 +17,14 @@ from functools import cached_property
 import numpy as np
 
 from fem.beam.beam_of_section import aperture_beam
-from fem.beam.crossed_rows import Row, admittances_of_rows, driven_names, row_circuit, row_drive, rows_of
+from fem.beam.parallel_groups import (
+    ParallelGroup,
+    admittances_of_groups,
+    driven_names,
+    group_circuit,
+    group_drive,
+    rows_of,
+)
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
@@ -29,7 +36,7 @@ from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 
-# In a row at an oblique angle every point has its own s, which makes direct evaluation expensive.  More than FEW
+# In a group at an oblique angle every point has its own s, which makes direct evaluation expensive.  More than FEW
 # points are therefore interpolated by splines of order 5 from a grid in s and t with PER_WAVELENGTH lines per
 # wavelength, which extends MARGIN lines beyond the points.  Points within CLEAR wavelengths of the fingers are
 # evaluated directly, because the field has kinks there.  The error is 3e-5 of the largest amplitude
@@ -41,21 +48,21 @@ Solve = Callable[[Stator, tuple[Transducer, ...], Drive, tuple[float, ...]], Sur
 
 @dataclass(frozen=True, kw_only=True)
 class CrossedBeam:
-    """Surface motion of several rows of transducers.
+    """Surface motion of several groups of transducers.
 
     Attributes
     ----------
-    rows : tuple of Row
-        The first is the driven one whose waves run nearest to x.
+    rows : tuple of ParallelGroup
+        Groups of parallel transducers; the first is the driven one whose waves run nearest to x.
     beams : tuple of SurfaceBeam
-        One per row, in the axes of the row.
+        One per group, in the axes of the group.
     circuit : Circuit
         Voltages and currents of all ports.
     length, width : float
         Size of the surface, m.
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[ParallelGroup, ...]
     beams: tuple[SurfaceBeam, ...] = field(repr=False)
     circuit: Circuit
     length: float
@@ -63,7 +70,7 @@ class CrossedBeam:
 
     @property
     def wave(self) -> SurfaceWave:
-        """Solution of the first row's section."""
+        """Solution of the first group's section."""
         return self.beams[0].wave
 
     def in_section(self, x: float, y: float) -> float:
@@ -76,19 +83,19 @@ class CrossedBeam:
         return replace(self, beams=tuple(each.surface_mode for each in self.beams))
 
     @property
-    def _moving(self) -> list[tuple[Row, SurfaceBeam]]:
-        """Rows with a voltage at one port at least, and their beams; the other rows send no wave."""
+    def _active(self) -> list[tuple[ParallelGroup, SurfaceBeam]]:
+        """Groups with a voltage at one port at least, and their beams; the other groups send no wave."""
         pairs = zip(self.rows, self.beams, strict=True)
-        return [(row, beam) for row, beam in pairs if np.any(beam.circuit.voltages)]
+        return [(group, beam) for group, beam in pairs if np.any(beam.circuit.voltages)]
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V at points (x, y) in m, as `SurfaceBeam.motion`.
 
-        The beam of a row at an oblique angle is interpolated if there are many points, except near its own fingers.
+        The beam of a group at an oblique angle is interpolated if there are many points, except near its own fingers.
         """
         total: np.ndarray = np.zeros(())
-        for row, beam in self._moving:
-            total = total + row.rotated(self._of_row(row, beam.motion, x, y))
+        for group, beam in self._active:
+            total = total + group.rotated(self._of_group(group, beam.motion, x, y))
         return total
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
@@ -99,16 +106,21 @@ class CrossedBeam:
         """`motion` and `relative_error` at once."""
         total: np.ndarray = np.zeros(())
         error: np.ndarray = np.zeros(())
-        for row, beam in self._moving:
-            both = self._of_row(row, lambda s, t, of=beam: np.vstack(_stacked(of, s, t)), x, y)
-            total = total + row.rotated(both[:3])
-            error = error + both[3].real
+        for group, beam in self._active:
+
+            def motion_above_error(s, t, beam=beam):
+                motion, relative = beam.motion_and_error(s, t)
+                return np.vstack([motion, relative * abs(motion[[0, 2]]).max(axis=0)])
+
+            values = self._of_group(group, motion_above_error, x, y)
+            total = total + group.rotated(values[:3])
+            error = error + values[3].real
         return total, error / abs(total[[0, 2]]).max(axis=0)
 
     @cached_property
     def power(self) -> PowerBalance:
-        """Power balance summed over the rows; power sent from row to row is part of the circuit's input."""
-        parts = [power_balance(each.solution) for _, each in self._moving]
+        """Power balance summed over the groups; power sent from group to group is part of the circuit's input."""
+        parts = [power_balance(each.solution) for _, each in self._active]
         return PowerBalance(
             input=self.circuit.power,
             solid=sum(each.solid for each in parts),
@@ -122,17 +134,17 @@ class CrossedBeam:
         """Sum of |u_z| in m per V of the first images of all beams in the two side faces, at points (x, y) in m."""
         images = [side * self.width - np.asarray(y) for side in (1, -1)]
         total: np.ndarray = np.zeros(())
-        for row, beam in self._moving:
+        for group, beam in self._active:
             for image in images:
-                s, t = row.local(x, image)
-                total = total + abs(beam.motion(np.clip(s, 0.0, row.stator.length), t)[2])
+                s, t = group.local(x, image)
+                total = total + abs(beam.motion(np.clip(s, 0.0, group.stator.length), t)[2])
         return total
 
     def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
         """`SurfaceBeam.charge_error` for the sum of all beams."""
         total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-        for row, beam in self._moving:
-            s, t = row.local(x, y)
+        for group, beam in self._active:
+            s, t = group.local(x, y)
             relative = beam.charge_error(s, t)
             if relative is None:
                 return None
@@ -140,36 +152,38 @@ class CrossedBeam:
         return total / abs(self.motion(x, y)[2])
 
     def shadowed(self, slowing: float) -> float:
-        """Estimated change of u_z, in m per V, by the metal of other rows, which this model neglects.
+        """Estimated change of u_z, in m per V, by the metal of other groups, which this model neglects.
 
-        It is the sum over all transducers of other rows of |u_z| at their centre times the phase shift by their metal.
-        ``slowing`` is the relative reduction of the velocity under metal.
+        It is the sum over all transducers of other groups of |u_z| at their centre times min(phi, 2), which bounds
+        |exp(i phi) - 1|; phi is the phase shift by their metal.  ``slowing``: relative reduction of the velocity there.
         """
         total = 0.0
-        for row, beam in self._moving:
+        for group, beam in self._active:
             wavenumber = 2 * np.pi * beam.wave.frequency / beam.wave.phase_velocity
             for other in self.rows:
-                for each in other.transducers if other is not row else ():
+                for each in other.transducers if other is not group else ():
                     # distance that the wave travels below the transducer: its sides projected on the wave's direction
-                    direction = np.sin(row.angle - other.angle), np.cos(row.angle - other.angle)
+                    direction = np.sin(group.angle - other.angle), np.cos(group.angle - other.angle)
                     distance = abs(np.array(direction)) @ [each.aperture, np.ptp(each.extent)]
-                    size = abs(self._of_row(row, beam.motion, *other.middle_of(each))[2])
+                    size = abs(self._of_group(group, beam.motion, *other.middle_of(each))[2])
                     total += size * min(wavenumber * distance * each.metallisation * slowing, 2.0)
         return float(total)
 
-    def _of_row(self, row: Row, evaluate, x, y) -> np.ndarray:
-        """Values of a row's beam at points (x, y) in m, shape (n, *shape of x and y)."""
+    def _of_group(self, group: ParallelGroup, evaluate, x, y) -> np.ndarray:
+        """Values of ``evaluate(s, t)``, shape (n, points), of a group's beam at points (x, y) in m.
+
+        The shape is (n, *shape of x and y).  Many points between the transducers of an oblique group are interpolated.
+        """
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
             raise BeamError(
                 f"points must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )
-        s, t = (each.ravel() for each in np.broadcast_arrays(*row.local(x, y)))
-        if len(s) > FEW and not row.along_an_axis:
-            wave = self.wave
-            wavelength = wave.phase_velocity / wave.frequency
+        s, t = (each.ravel() for each in np.broadcast_arrays(*group.local(x, y)))
+        if len(s) > FEW and not group.along_an_axis:
+            wavelength = self.wave.phase_velocity / self.wave.frequency
             parts = []
-            for members, near in near_and_between(s, row.transducers, CLEAR * wavelength):
+            for members, near in near_and_between(s, group.transducers, CLEAR * wavelength):
                 if near or np.count_nonzero(members) <= FEW:
                     parts.append((members, evaluate(s[members], t[members])))
                 else:
@@ -210,12 +224,6 @@ def interpolated_on_grid(evaluate, s: np.ndarray, t: np.ndarray, step: float) ->
     return np.array([map_coordinates(each, at, order=5, mode="nearest") for each in known])
 
 
-def _stacked(beam: SurfaceBeam, s, t):
-    """Motion of a beam, and its absolute error."""
-    motion, error = beam.motion_and_error(s, t)
-    return motion, (error * abs(motion[[0, 2]]).max(axis=0))[None]
-
-
 def crossed_beam(
     stator: Stator,
     transducers: tuple[Transducer, ...],
@@ -238,10 +246,10 @@ def crossed_beam(
     frequency : float
         Hz.
     drive : str or Drive
-        Its first source drives a transducer of the first row.
+        Its first source drives a transducer of the first group.
     solve : callable
-        Solver of one section: called with the stator and the transducers of a row, its drive and the points (m along
-        the row) at which the error matters; returns a `SurfaceWave`.
+        Solver of one section: called with the stator and the transducers of a group, its drive and the points (m along
+        the group) at which the error matters; returns a `SurfaceWave`.
     places : tuple of (float, float)
         Points x and y in m at which the error matters; the centre of the surface if empty.
 
@@ -255,27 +263,30 @@ def crossed_beam(
     _refuse(stator, width, transducers)
     drive = as_drive(drive)
     points = np.array(places or ((stator.length / 2, 0.0),)).T
-    rows = rows_of(stator, width, transducers, drive)
+    groups = rows_of(stator, width, transducers, drive)
     waves = [
         solve(
-            row.stator, row.transducers, row_drive(drive, row), tuple(dict.fromkeys(map(float, row.local(*points)[0])))
+            group.stator,
+            group.transducers,
+            group_drive(drive, group),
+            tuple(dict.fromkeys(map(float, group.local(*points)[0]))),
         )
-        for row in rows
+        for group in groups
     ]
     fields = [with_apertures(wave.solution.fields) for wave in waves]
-    admittances, names = admittances_of_rows(transducers, rows, [each.circuit for each in waves], fields)
+    admittances, names = admittances_of_groups(transducers, groups, [each.circuit for each in waves], fields)
     circuit = solve_circuit(admittances, names, transducers, drive, frequency)
     beams = []
-    for row, wave, row_fields in zip(rows, waves, fields, strict=True):
-        own_circuit = row_circuit(circuit, row_fields.names, row)
-        if not driven_names(row, drive):
+    for group, wave, group_fields in zip(groups, waves, fields, strict=True):
+        own_circuit = group_circuit(circuit, group_fields.names, group)
+        if not driven_names(group, drive):
             wave = surface_wave(
                 Solution(fields=wave.solution.fields, circuit=own_circuit),
                 relative_error=wave.relative_error,
                 admittance_error=wave.admittance_error,
             )
-        beams.append(aperture_beam(wave, Solution(fields=row_fields, circuit=own_circuit)))
-    return CrossedBeam(rows=rows, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
+        beams.append(aperture_beam(wave, Solution(fields=group_fields, circuit=own_circuit)))
+    return CrossedBeam(rows=groups, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
 
 
 def _refuse(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:

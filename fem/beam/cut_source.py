@@ -4,7 +4,7 @@ With L(k) = k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M at k_y (section.py), a line
 u(k_x) = L(k_x)^-1 q e, where e is the unknown of the surface's potential, or of u_x or u_z for a force.  With all
 eigenpairs k_p, v_p of both directions,
 
-    L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],
+    L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],                       (1)
 
 so that a mode to the right is -i v_p (l_p . e) exp(-i k_p x), and one to the left has +i instead of -i.  Reciprocity,
 L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.  In a half-space the discrete modes
@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import PLANE, LateralRule, lateral_rule, rounded_reach
-from fem.beam.line_source import KEPT, LOADED, LOCAL, Branch, Load, load_scale
+from fem.beam.line_source import LOADED, LOCAL, NEGLIGIBLE, Branch, Load, load_scale
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
@@ -110,7 +110,7 @@ class CutSource:
         0, because the modes contain the pole at k = 0.
     omits_oblique : bool
         As of `ModeSource`.
-    kept_poles : dict
+    known_poles : dict
         Poles at the nodes of the rules that were integrated so far, by the number of nodes and the last node.
     """
 
@@ -122,7 +122,7 @@ class CutSource:
     static: float = 0.0
     omits_oblique: bool = True
     load: Load = "charge"
-    kept_poles: dict = field(default_factory=dict, repr=False, compare=False)
+    known_poles: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def error(self) -> float:
@@ -136,7 +136,7 @@ class CutSource:
 
     def loaded(self, load: Load) -> "CutSource":
         """Source of another load in the same section."""
-        return replace(self, load=load, kept_poles={})
+        return replace(self, load=load, known_poles={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """`LineSource.surface_wavenumbers`, at real lateral wavenumbers of either sign."""
@@ -173,18 +173,18 @@ class CutSource:
     def _branches_at(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule, without those that decay within ``distance`` (m)."""
         key = (len(rule.nodes), complex(rule.nodes[-1]))
-        if key not in self.kept_poles:
-            self.kept_poles[key] = self.poles_at(rule.nodes)
-        poles = self.kept_poles[key]
+        if key not in self.known_poles:
+            self.known_poles[key] = self.poles_at(rule.nodes)
+        poles = self.known_poles[key]
         for side in (1, -1):
             for sign in (1, -1):
                 along, motion = [], []
                 for each in poles:
                     # By reciprocity the poles at -k_y are those of the other direction, with transposed residues.
-                    kept = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
-                    kept &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
-                    along.append(side * sign * each.wavenumbers[kept])
-                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.transposed)[kept])
+                    lasting = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
+                    lasting &= -side * sign * each.wavenumbers.imag * distance < -np.log(NEGLIGIBLE)
+                    along.append(side * sign * each.wavenumbers[lasting])
+                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.transposed)[lasting])
                 count = max(len(each) for each in along)
                 k, u = (np.full((count, len(poles)), -1j * self.wavenumber), np.zeros((3, count, len(poles)), complex))
                 for node, (some, moved) in enumerate(zip(along, motion, strict=True)):
@@ -199,8 +199,8 @@ class CutSource:
         out, surface_wavenumber = [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
-            # On the contour a wave grows along x in proportion to the tangent of the angle of its power, if that leaves
-            # to the opposite side of its lateral phase: by Im k_y at 45 degrees, the limit of this module.
+            # On the complex contour a wave whose power leaves to the opposite side of its lateral phase grows along x
+            # by Im k_y times the tangent of the angle of its power, which is 1 at this module's limit, 45 degrees.
             allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
             out.append(
                 self.select_poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
@@ -213,9 +213,8 @@ class CutSource:
         """Select the forward modes that are not local, and identify the surface wave among them.
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
-        The field of a unit load is sum_p v_p (l_p . e) / (k - k_p) (module docstring): ``column`` of the result has
-        u of v_p times l_p . e, of a charge phi of l_p.  ``transposed``, of the transposed response, has v_p . e times u
-        of l_p.
+        By equation (1) the field of a unit load is sum_p v_p (l_p . e) / (k - k_p).  ``column`` of the result is the
+        displacement in v_p times l_p . e; ``transposed``, for the response at -k_y, is v_p . e times that in l_p.
 
         The modes have wavenumbers ``k``, ``shapes`` in the reduced basis, left shapes ``left`` at the surface (4, m)
         and powers ``carried``.
@@ -226,16 +225,16 @@ class CutSource:
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
         right = np.where(nearly_real, carried > 0, k.imag < 0)
         is_forward = ~nearly_real | (right == (k.real > 0))
-        kept = is_forward & (abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi))
+        selected = is_forward & (abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi))
         # beyond the disc of the reduced basis there are no waves, but artefacts of the basis, which may grow
         in_disc = abs(k) < SIZES[1] * self.wavenumber * unit
         growth = np.where(right, k.imag, -k.imag)
-        kept &= growth < np.where(in_disc, allowed, 0.0)
+        selected &= growth < np.where(in_disc, allowed, 0.0)
         surface = np.zeros(len(k), dtype=bool)
         # in each direction: the most localised mode near the surface wave at the k_y before, and its twin in a plate
         for side in (right, ~right):
             distance = abs(k) / abs(expected * unit) - 1
-            candidates = np.flatnonzero(side & nearly_real & kept)
+            candidates = np.flatnonzero(side & nearly_real & selected)
             share = np.zeros(len(k))
             share[candidates] = section.surface_share(self.reduced.basis @ shapes[:, candidates])
             share[candidates] /= 1 + (distance[candidates] / NEAR_HALF_SPACE) ** 2
@@ -247,7 +246,7 @@ class CutSource:
         shapes, left = factors * (self.reduced.surface @ shapes), factors.conj() * left
         scale, at = load_scale(section.solid, self.load), SURFACE_FIELDS.index(LOADED[self.load])
         column, transposed = scale * shapes[:3] * left[at], scale * shapes[at] * left[:3]
-        return Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], transposed.T[kept])
+        return Poles(k[selected] / unit, right[selected], surface[selected], column.T[selected], transposed.T[selected])
 
 
 def surface_unknowns(section: Section) -> list[int]:
@@ -417,9 +416,9 @@ def _singular_vectors(fields: np.ndarray, group: np.ndarray, section: Section, s
     own = own - exact @ (exact.T @ own)
     triangular = np.asarray(np.linalg.qr(own.T, mode="r"))
     vectors, values, _ = np.linalg.svd(triangular.T, full_matrices=False)
-    kept = np.hstack([exact, vectors[:, values > singular * values[0]]])
-    out = np.zeros((len(fields), kept.shape[1]))
-    out[group] = kept
+    basis = np.hstack([exact, vectors[:, values > singular * values[0]]])
+    out = np.zeros((len(fields), basis.shape[1]))
+    out[group] = basis
     return out
 
 

@@ -54,7 +54,7 @@ from fem.beam.lateral import (
     rounded_reach,
     wavenumber_along,
 )
-from fem.beam.line_source import KEPT, SIGNS, LineSource, load_scale, shear_modes, static_mode
+from fem.beam.line_source import NEGLIGIBLE, SIGNS, LineSource, load_scale, shear_modes, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
 from fem.waveguide.ends import end_reflection
@@ -65,7 +65,7 @@ from fem.waveguide.port_fields import PortFields
 NEARLY_ZERO = 1e-8
 
 
-class Sent(NamedTuple):
+class ExcitedModes(NamedTuple):
     """Modes of the section at one k_y, and the amplitudes to the right and left that 1 C/m on a line excites."""
 
     modes: GuidedModes
@@ -73,7 +73,7 @@ class Sent(NamedTuple):
     left: np.ndarray
 
 
-class Returned(NamedTuple):
+class ReflectedWaves(NamedTuple):
     """Waves reflected by the faces, at the nodes of a quadrature rule for the lateral wavenumber.
 
     Attributes
@@ -99,7 +99,7 @@ class Returned(NamedTuple):
         """
         out = np.zeros((len(x), 3, len(self.rule.nodes)), dtype=complex)
         for distance, along, motion in zip((x, length - x), self.along, self.motion, strict=True):
-            lasting = modes & ((-along.imag).min(axis=1) * distance.min() < -np.log(KEPT))
+            lasting = modes & ((-along.imag).min(axis=1) * distance.min() < -np.log(NEGLIGIBLE))
             motion = np.einsum("ctmn,tn->nmc", motion[:, :, lasting], spectra)
             for node, started in enumerate(motion):
                 out[..., node] += np.exp(-1j * np.outer(distance, along[lasting, node])) @ started
@@ -118,10 +118,10 @@ class Faces:
         "free" or "clamped".
     highest : float
         Largest wavenumber of a propagating mode, rad/m.
-    surface, static, wanted : ndarray of bool, shape (modes,)
+    surface, static, included : ndarray of bool, shape (modes,)
         True for the modes of the surface wave, for the pole at k = 0, and for the modes included in the field.
     at : callable
-        Returns `Sent` for k_y in rad/m.
+        Returns `ExcitedModes` for k_y in rad/m.
     """
 
     length: float
@@ -129,21 +129,21 @@ class Faces:
     highest: float
     surface: np.ndarray = field(repr=False)
     static: np.ndarray = field(repr=False)
-    wanted: np.ndarray = field(repr=False)
-    at: Callable[[complex], Sent] = field(repr=False)
+    included: np.ndarray = field(repr=False)
+    at: Callable[[complex], ExcitedModes] = field(repr=False)
     _known: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def surface_mode(self) -> "Faces":
         """The same faces with the surface wave alone in the field."""
-        return replace(self, wanted=self.surface)
+        return replace(self, included=self.surface)
 
-    def returned(self, reach: float, sources: list[ChargeSheet], mirror_width: float | None) -> Returned:
+    def reflected(self, reach: float, sources: list[ChargeSheet], mirror_width: float | None) -> ReflectedWaves:
         """Reflected waves of sources, for points within a lateral reach in m."""
         fade = evanescent(self.highest, self._gap(sources))
         return self._at_nodes(lateral_rule(self.highest, rounded_reach(reach), fade, mirror_width), sources)
 
-    def plane(self, sources: list[ChargeSheet]) -> Returned:
+    def plane(self, sources: list[ChargeSheet]) -> ReflectedWaves:
         """Reflected waves at k_y = 0, for fields that do not depend on y."""
         return self._at_nodes(PLANE, sources)
 
@@ -151,39 +151,39 @@ class Faces:
         """Smallest distance between a face and a charge, m."""
         return min(min(each.x.min(), self.length - each.x.max()) for each in sources)
 
-    def _at_nodes(self, rule: LateralRule, sources: list[ChargeSheet]) -> Returned:
+    def _at_nodes(self, rule: LateralRule, sources: list[ChargeSheet]) -> ReflectedWaves:
         key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in (source.x, source.charge))
         if key not in self._known:
             gap = self._gap(sources)
             by_node = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
             along, motion = (np.stack(each, axis=-1) for each in zip(*by_node, strict=True))
-            self._known[key] = Returned(rule, along, motion, SIGNS)
+            self._known[key] = ReflectedWaves(rule, along, motion, SIGNS)
         return self._known[key]
 
     def _at_node(self, lateral: complex, sources: list[ChargeSheet], gap: float) -> tuple[np.ndarray, np.ndarray]:
         """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of the reflected waves.
 
-        Equation (2) is solved for the modes that do not decay before they reach a face (``kept``); each face then
+        Equation (2) is solved for the modes that do not decay before they reach a face (``lasting``); each face then
         reflects these into all modes.
         """
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
         forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
-        kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
+        lasting = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(NEGLIGIBLE))
         a, b = (
-            amplitudes[kept, None] * np.stack([each.transform(k[kept], face) for each in sources], axis=1)
+            amplitudes[lasting, None] * np.stack([each.transform(k[lasting], face) for each in sources], axis=1)
             for amplitudes, k, face in ((to_right, forward, self.length), (to_left, -backward, 0.0))
         )
-        r_0 = end_reflection(modes, self.ends, 0, kept)
+        r_0 = end_reflection(modes, self.ends, 0, lasting)
         mirror_images = modes.section.full.lateral_odd is not None
-        r_l = r_0 if mirror_images else end_reflection(modes, self.ends, 1, kept)
+        r_l = r_0 if mirror_images else end_reflection(modes, self.ends, 1, lasting)
         # E of the waves to the right and to the left, whose wavenumbers differ without mirror symmetry
-        e_right, e_left = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
-        round_trip = r_0[kept] @ (e_left * r_l[kept]) * e_right[:, 0]
-        c = np.linalg.solve(np.eye(len(kept)) - round_trip, r_0[kept] @ (b + e_left * (r_l[kept] @ a)))  # (2)
+        e_right, e_left = (np.exp(-1j * each[lasting] * self.length)[:, None] for each in (forward, backward))
+        round_trip = r_0[lasting] @ (e_left * r_l[lasting]) * e_right[:, 0]
+        c = np.linalg.solve(np.eye(len(lasting)) - round_trip, r_0[lasting] @ (b + e_left * (r_l[lasting] @ a)))  # (2)
         from_right = r_l @ (a + e_right * c)  # (1), all modes
-        from_left = r_0 @ (b + e_left * from_right[kept])
+        from_left = r_0 @ (b + e_left * from_right[lasting])
         on_surface = [modes.section.full.surface_dofs[name] for name in ("ux", "uy", "uz")]
         # Where y -> -y is a symmetry the unknown of u_y is u_y / i.
         factors = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]
@@ -197,22 +197,22 @@ class Faces:
 def faces(fields: PortFields, source: LineSource) -> Faces:
     """Reflecting ends of a stator whose solid is isotropic about z, from the solution of its section."""
     stator = fields.stator
-    turned = _turned_modes(fields, source)
-    surface = np.zeros(len(turned.wavenumbers), dtype=bool)
+    modes_at = _rotated_modes(fields, source)
+    surface = np.zeros(len(modes_at.wavenumbers), dtype=bool)
     surface[fields.modes.rayleigh] = True
     return Faces(
         length=stator.length,
         ends=stator.ends,
-        highest=highest_wavenumber(turned.wavenumbers) / turned.section.length_unit,
+        highest=highest_wavenumber(modes_at.wavenumbers) / modes_at.section.length_unit,
         surface=surface,
-        static=turned.wavenumbers == 0,
-        wanted=np.ones_like(surface),
-        at=turned,
+        static=modes_at.wavenumbers == 0,
+        included=np.ones_like(surface),
+        at=modes_at,
     )
 
 
 @dataclass(frozen=True, kw_only=True)
-class _TurnedModes:
+class _RotatedModes:
     """Modes at any k_y of a section isotropic about z, as many as unknowns, n: first ``count`` sagittal, then SH."""
 
     section: Section
@@ -227,7 +227,7 @@ class _TurnedModes:
     flux: np.ndarray
     by_square: np.ndarray
 
-    def __call__(self, lateral: complex) -> Sent:
+    def __call__(self, lateral: complex) -> ExcitedModes:
         section = self.section
         k, k_y, sagittal = (self.wavenumbers, lateral * section.length_unit, np.arange(section.size) < self.count)
         kappa = wavenumber_along(k, k_y)
@@ -250,10 +250,10 @@ class _TurnedModes:
             left_flux=left_flux,
             lateral_wavenumber=k_y,
         )
-        return Sent(modes, self.sent / kappa, self.sent / kappa)
+        return ExcitedModes(modes, self.sent / kappa, self.sent / kappa)
 
 
-def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
+def _rotated_modes(fields: PortFields, source: LineSource) -> _RotatedModes:
     """Modes of a section with all displacements, from the sagittal modes of its solution at k_y = 0.
 
     Sagittal modes are those of the solution, the SH modes those of `shear_modes`.  The fluxes are those of equation
@@ -296,7 +296,7 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     flux[kinds == 1] = np.where(sagittal, x_1, -(k**2) * product(k2, 1, 1))
     by_square[kinds == 1] = np.where(sagittal, 0, -x_1)
     flux[kinds == 2] = np.where(sagittal, product(k1, 2, 0) - 1j * product(k2, 2, 2), -product(k1, 2, 0))
-    return _TurnedModes(
+    return _RotatedModes(
         section=section,
         frequency=fields.frequency,
         count=count,

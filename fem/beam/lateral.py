@@ -58,7 +58,7 @@ class LateralRule:
         return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj(), share=self.share)
 
     def contours(self, wavenumbers: np.ndarray) -> Iterator[tuple[np.ndarray, "LateralRule"]]:
-        """Which modes are forward or backward, by Re k at k_y = 0, each with the rule on their contour."""
+        """Masks of the forward and of the backward modes (Re k at k_y = 0), each with the rule on their contour."""
         yield wavenumbers.real >= 0, self
         yield wavenumbers.real < 0, self.conjugate
 
@@ -87,7 +87,7 @@ def lateral_rule(
     reach : float
         Half the aperture plus the largest |y|, m.
     fade : tuple of float
-        Lateral wavenumbers, rad/m, between which the integrand is faded out.
+        Lateral wavenumbers, rad/m, between which the integrand is faded out (`evanescent`).
     mirror_width : float, optional
         Distance in m of two faces y = const that reflect.  The rule is then an exact sum and has no coarser rule.
     coarser : float
@@ -97,7 +97,7 @@ def lateral_rule(
     narrow : tuple of float, optional
         The same as ``fade`` for the rule that ends at smaller k_y.
     cusp : bool
-        Whether the integrand depends on |k_y|.  The rule is then uniform in s, t = s^3 / (s^2 + D^2), where the cusp
+        True if the integrand depends on |k_y|.  The rule is then uniform in s, t = s^3 / (s^2 + D^2), where the cusp
         becomes |s|^5 and leaves an error of h^6 instead of h^2.
 
     Returns
@@ -182,18 +182,19 @@ def inverse_transform(
         # every second node has twice the weight; between mirrors no rule is thinned
         half, quarter = (2, 4) if thinned else (1, 1)
         rules = (1, weights), (half, half * weights), (quarter, quarter * weights), (1, narrow)
-        for rule, (step, own) in enumerate(rules):
-            if own is None:
+        for rule, (step, of_rule) in enumerate(rules):
+            if of_rule is None:
                 total[rule] = total[0]
                 continue
-            weighted = factors[:, None] * sent[..., ::step] * own[::step]
+            weighted = factors[:, None] * sent[..., ::step] * of_rule[::step]
             # where most pairs (x, y) are requested, a matrix product for all pairs is cheaper than a sum per point
             if len(sent) * len(points.y) <= FULL_GRID * count:
                 total[rule] += (weighted @ phases[::step])[column, :, line].T
             else:
                 for start in range(0, count, CHUNK):
-                    some = slice(start, start + CHUNK)
-                    total[rule][:, some] += np.einsum("pcn,np->cp", weighted[column[some]], phases[::step, line[some]])
+                    chunk = slice(start, start + CHUNK)
+                    x_part, y_part = weighted[column[chunk]], phases[::step, line[chunk]]
+                    total[rule][:, chunk] += np.einsum("pcn,np->cp", x_part, y_part)
     return total
 
 
@@ -216,10 +217,12 @@ def wavenumber_along(wavenumbers: complex | np.ndarray, lateral: complex | np.nd
     return np.where(kappa.imag > ROUNDING * abs(kappa), -kappa, kappa)
 
 
-def turned(wavenumbers: complex | np.ndarray, along: np.ndarray, *, tangential: bool = False) -> np.ndarray | float:
-    """Amplitude of modes with the wavenumbers ``along``, kappa, along x over that at k_y = 0: k / kappa.
+def amplitude_ratio(
+    wavenumbers: complex | np.ndarray, along: np.ndarray, *, tangential: bool = False
+) -> np.ndarray | float:
+    """Amplitude of oblique modes over that of the same modes at k_y = 0: k / kappa, with kappa = ``along``.
 
-    ``tangential``: sent by a force along x, of which the part kappa / k acts along the wave vector.
+    It is 1 for a force along x (``tangential``), of which the part kappa / k acts along the wave vector.
     """
     return 1.0 if tangential else wavenumbers / along
 

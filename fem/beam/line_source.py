@@ -1,11 +1,14 @@
 """Guided modes excited by a line of charge or force on the bare surface, at any lateral wavenumber k_y.
 
-A surface charge q at x = 0 excites, to its right, -i q v_p (l_p . e) exp(-i k_p x) / (l_p . L'(k_p) v_p) in the guided
-mode v_p, with L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M and e the unknown of the surface's potential.  The left
-eigenvector l_p is v_p with the opposite sign of its odd unknowns, because of the symmetry x -> -x.  If the section is
-not grounded, k = 0 is a double pole,
+With L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M and e the unknown of the surface's potential, a surface charge q
+at x = 0 excites the guided modes v_p to its right,
 
-    phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) c,    s c.(K2 c + K1 w) = -q / 2,
+    u = sum_p a_p v_p exp(-i k_p x),    a_p = -i q (l_p . e) / (l_p . L'(k_p) v_p).                         (1)
+
+The left eigenvector l_p is v_p with the opposite sign of its odd unknowns, because of the symmetry x -> -x.  If the
+section is not grounded, k = 0 is a double pole,
+
+    phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) c,    s c.(K2 c + K1 w) = -q / 2,     (2)
 
 with c the vector of the constant potential phi = 1.  The potentials of this pole cancel outside a transducer without
 net charge, but its u_x causes a near field in three dimensions.
@@ -19,7 +22,7 @@ A line force F (N/m) is a load on the unknown of u_x or u_z instead of that of t
 charge does.  A force along x has the part F kappa_p / k_p along the wave vector, which excites the same (sagittal)
 modes, and the part -F k_y / k_p across it, which excites shear-horizontal (SH) modes,
 
-    (k^2 K2 + K0 - omega^2 M) w = 0 on the unknowns of u_y,    u_t = -i F w_0^2 exp(-i k_p x) / (2 k_p w.K2 w),
+    (k^2 K2 + K0 - omega^2 M) w = 0 on the unknowns of u_y,    u_t = -i F w_0^2 exp(-i k_p x) / (2 k_p w.K2 w),  (3)
 
 with u_t the displacement across the wave vector and w_0 the value of w at the surface.
 
@@ -35,14 +38,22 @@ from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
-from fem.beam.lateral import PLANE, LateralRule, evanescent, highest_wavenumber, lateral_rule, turned, wavenumber_along
+from fem.beam.lateral import (
+    PLANE,
+    LateralRule,
+    amplitude_ratio,
+    evanescent,
+    highest_wavenumber,
+    lateral_rule,
+    wavenumber_along,
+)
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
 LOCAL = 12.0  # a mode that decays by more than exp(-LOCAL) in a wavelength is a local field, not a part of the beam
-KEPT = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
-# What a source is: its unknown at the surface, and the field of a section that this is
+NEGLIGIBLE = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point
+# A load is a charge, or a force along x or z; it acts on the surface's unknown of one field of the section.
 Load = Literal["charge", "x", "z"]
 LOADED = {"charge": "phi", "x": "ux", "z": "uz"}
 # With the symmetry y -> -y the waves at -k_y follow from those at k_y: signs of k_y and factors of u_x, u_y and u_z.
@@ -165,11 +176,11 @@ class LineSource:
     def some(self, modes: np.ndarray) -> "LineSource":
         """Source with a selection of the modes, without the pole at k = 0."""
         fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "shear", "potential")
-        kept = {name: getattr(self, name)[modes] for name in fields}
-        return replace(self, **kept, static=0.0, slope=0.0)
+        selected = {name: getattr(self, name)[modes] for name in fields}
+        return replace(self, **selected, static=0.0, slope=0.0)
 
     def with_shear(self, section: Section, frequency: float) -> "LineSource":
-        """Source of a force along x with the SH modes of the same section with all displacements."""
+        """Source of a force along x with the SH modes, equation (3), of the same section with all displacements."""
         wavenumbers, shapes = shear_modes(section, frequency)
         on_surface = shapes[np.searchsorted(_shear_dofs(section), section.surface_dofs["uy"])]
         shear = -0.5j * load_scale(section.solid, "x") * on_surface**2 / wavenumbers
@@ -198,7 +209,7 @@ class LineSource:
         rule = lateral_rule(highest, reach, fade, mirror_width, coarser=spacing)
         lasting = self._lasting(distance, resolved)
         for modes, contour in rule.contours(self.wavenumbers):
-            along, motion = self._turned(lasting & modes, contour.nodes)
+            along, motion = self._at_lateral(lasting & modes, contour.nodes)
             if mirror_width is not None and contour is rule:  # the pole at k = 0, kappa = -i k_y
                 pole = np.zeros((3, 1, len(contour.nodes)), dtype=complex)
                 pole[0], pole[1] = self.static, 1j * self.static * (contour.nodes > 0)
@@ -208,7 +219,7 @@ class LineSource:
 
     def plane(self, resolved: float) -> Iterator[Branch]:
         """The same modes at k_y = 0, for fields that do not depend on y: a rule of one node with weight 1."""
-        yield from self._both_sides(PLANE, *self._turned(self._lasting(0.0, resolved), PLANE.nodes))
+        yield from self._both_sides(PLANE, *self._at_lateral(self._lasting(0.0, resolved), PLANE.nodes))
 
     def static_motion(
         self, distance: np.ndarray, above: np.ndarray, below: np.ndarray
@@ -230,13 +241,13 @@ class LineSource:
     def _lasting(self, distance: float, resolved: float) -> np.ndarray:
         """True for modes that are neither decayed at a distance (m) nor local to the charge."""
         rate = -self.wavenumbers.imag
-        return (rate * distance < -np.log(KEPT)) & (rate * resolved < LOCAL)
+        return (rate * distance < -np.log(NEGLIGIBLE)) & (rate * resolved < LOCAL)
 
-    def _turned(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _at_lateral(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Modes at lateral wavenumbers (n,): kappa_p, shape (modes, n), and u of waves to the right, (3, modes, n)."""
         k = self.wavenumbers[modes, None]
         along = wavenumber_along(k, lateral)
-        sent = turned(k, along, tangential=self.load == "x")
+        sent = amplitude_ratio(k, along, tangential=self.load == "x")
         u_s, u_z = (each[modes, None] * np.broadcast_to(sent, along.shape) for each in (self.tangential, self.normal))
         u_t = -self.shear[modes, None] * lateral / along
         cosine, sine = along / k, lateral / k
@@ -276,7 +287,7 @@ def line_source(modes: GuidedModes, load: Load) -> LineSource:
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
     scale = load_scale(section.solid, load)
-    # (products) a = -i q e.l, solved with products scaled to a unit diagonal
+    # equation (1): (products) a = -i q e.l, solved with products scaled to a unit diagonal
     received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at[LOADED[load]]] / norms)
     amplitudes = -1j * scale * received / norms
     surface = section.lift(right) * amplitudes
@@ -305,9 +316,7 @@ def line_source(modes: GuidedModes, load: Load) -> LineSource:
 
 
 def shear_modes(section: Section, frequency: float) -> tuple[np.ndarray, np.ndarray]:
-    """SH modes w of a section with all displacements in a solid isotropic about z.
-
-    They are scaled to w.K2 w = 1.
+    """SH modes w of equation (3), scaled to w.K2 w = 1, of a section with all displacements.
 
     Returns
     -------
@@ -334,7 +343,7 @@ def load_scale(medium: Medium, load: Load) -> float:
 
 
 def static_mode(modes: GuidedModes) -> tuple[complex, np.ndarray]:
-    """Slope s and shape w of the pole at k = 0 (module docstring) for a unit reaction, in a floating section."""
+    """Slope s and shape w of the pole at k = 0, equation (2), for a unit reaction, in a floating section."""
     section = modes.section
     second, first, zeroth = section.matrices(modes.frequency)
     constant = section.constant_potential

@@ -45,7 +45,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from fem.beam.lateral import highest_wavenumber, sheet_spectrum, turned, wavenumber_along
+from fem.beam.lateral import amplitude_ratio, highest_wavenumber, sheet_spectrum, wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import StripPotential
 from fem.condense.electrodes import charged
@@ -124,7 +124,7 @@ def mirrored_mode_mean(k: complex, aperture: float, x: np.ndarray, width: float,
     """
     lateral = np.arange(1, int(highest * width / (2 * np.pi))) * (2 * np.pi / width)
     along = wavenumber_along(k, lateral)
-    shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * turned(k, along)
+    shares = 2 / (aperture * width) * sheet_spectrum(aperture, lateral) ** 2 * amplitude_ratio(k, along)
     return shares @ np.exp(-1j * np.outer(along, x)) + (aperture / width - 1) * np.exp(-1j * k * x)
 
 
@@ -250,20 +250,25 @@ class _InSection(NamedTuple):
 
 
 def aperture_response(
-    plain: Scatterer, signs: str, kept: np.ndarray, lengths: np.ndarray, change: Coupling, of_forces: np.ndarray
+    plain: Scatterer,
+    signs: str,
+    coupling_modes: np.ndarray,
+    lengths: np.ndarray,
+    change: Coupling,
+    of_forces: np.ndarray,
 ) -> ApertureResponse:
     """Response of a transducer with fingers of finite length, from that of the section: equation (5).
 
-    ``kept``: modes by which the transducers are coupled; ``of_forces``: changes A of the amplitudes from finger to
-    finger (`reception`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
+    ``coupling_modes``: those that couple the transducers; ``of_forces``: changes A of the amplitudes from finger
+    to finger (`reception`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
     """
     scatterer, moments = _by_fingers(plain, signs)
-    modes, at, m, sheets = scatterer.modes, scatterer.at, len(kept), len(lengths)
+    modes, at, m, sheets = scatterer.modes, scatterer.at, len(coupling_modes), len(lengths)
     fingers, ports = scatterer.potentials.shape
     arriving = np.zeros((at.ports.start, 2 * m), dtype=complex)
-    arriving[at.left, :m] = modes.right[:, kept]
-    arriving[at.right, m:] = modes.left[:, kept]
-    section = _in_section(scatterer, moments, kept, arriving)
+    arriving[at.left, :m] = modes.right[:, coupling_modes]
+    arriving[at.right, m:] = modes.left[:, coupling_modes]
+    section = _in_section(scatterer, moments, coupling_modes, arriving)
     change_by_charge, added = _change_by_charges(scatterer, signs, lengths, change, section.dipoles)
 
     size, waves = sheets * fingers, sheets * 2 * m
@@ -304,9 +309,11 @@ def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray
     return _with_fingers[scatterer]
 
 
-def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arriving: np.ndarray) -> _InSection:
+def _in_section(
+    scatterer: Scatterer, moments: np.ndarray, coupling_modes: np.ndarray, arriving: np.ndarray
+) -> _InSection:
     """Response in the section; ``arriving``: incident fields on both lines, (2 n, 2 modes), ``moments``: by sides."""
-    modes, width, at, m = scatterer.modes, scatterer.piece.width, scatterer.at, len(kept)
+    modes, width, at, m = scatterer.modes, scatterer.piece.width, scatterer.at, len(coupling_modes)
     fingers = len(scatterer.potentials)
     incident = np.concatenate([arriving, np.zeros((len(arriving), fingers))], axis=1)
     potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
@@ -318,10 +325,15 @@ def _in_section(scatterer: Scatterer, moments: np.ndarray, kept: np.ndarray, arr
     gauge = abs(np.diag(by_potentials)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
     dipoles = np.linalg.solve((by_potentials + gauge).T, (moments @ sides[:, 2 * m :]).T).T
     effective = np.linalg.solve(by_potentials + gauge, by_waves)
-    passed = np.append(np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width))
+    passed = np.append(
+        np.exp(-1j * modes.wavenumbers[coupling_modes] * width), np.exp(1j * modes.backwards[coupling_modes] * width)
+    )
     outgoing = lines - incident
     leaving = np.concatenate(
-        [modes.right_amplitudes(outgoing[at.right])[kept], modes.left_amplitudes(outgoing[at.left])[kept]]
+        [
+            modes.right_amplitudes(outgoing[at.right])[coupling_modes],
+            modes.left_amplitudes(outgoing[at.left])[coupling_modes],
+        ]
     )
     leaving[:, : 2 * m] -= np.diag(passed)
     return _InSection(lines, by_waves, by_potentials, leaving, effective, dipoles)

@@ -12,11 +12,12 @@ Massless fingers scatter by their charges alone.  The wave that a transducer sen
 response of the section minus the transmitted wave, and the waves of all other transducers pass it as if its surface
 were bare.  W_j B_ij,p does not change if i and j are exchanged, so that the admittance matrix is symmetric.
 
-An arriving beam phi(y) is projected on the sheets f_c of lengths L: sum_b O_cb a_b = int f_c phi dy, with the overlaps
-O_cb = min(L_c, L_b).  How a transducer answers the amplitudes a_b is in own_aperture.py.
+An arriving beam phi(y) is projected on the sheets f_c, which are 1 on |y| < L_c / 2: it has the amplitudes a_b with
 
-The waves between transducers are those at the receiver's centre.  Those of a force are a_b there and a_b + A_bf on
-finger f.
+    sum_b O_cb a_b = int f_c phi dy,    O_cb = min(L_c, L_b).                                                     (2)
+
+The response of a transducer to the a_b is in own_aperture.py.  The waves of another transducer are taken at the
+receiver's centre, those of a force at the centre, a_b, and at every finger f, a_b + A_bf.
 
 Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise transducers receive waves, and respond
 to their own charges, as in the section.  Open strips always respond as in the section.
@@ -30,7 +31,14 @@ from threading import Lock
 
 import numpy as np
 
-from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, sheet_spectrum, turned, wavenumber_along
+from fem.beam.lateral import (
+    amplitude_ratio,
+    evanescent,
+    highest_wavenumber,
+    lateral_rule,
+    sheet_spectrum,
+    wavenumber_along,
+)
 from fem.beam.line_source import line_source
 from fem.beam.own_aperture import (
     MAX_UNKNOWNS,
@@ -53,10 +61,10 @@ from fem.waveguide.port_fields import PortFields, StatorCascade
 
 SHORTEST = 0.5  # smallest aperture over wavelength: shorter fingers are not line sources
 # Largest size of the system of waves between transducers, two waves per sheet and mode.  To keep it, modes that decay
-# by exp(-NEEDED) or more on the way are left out first, then shorter sheets.
-MAX_WAVES, NEEDED = 3000, 11.5
+# by exp(-NEEDED_DECAY) or more on the way are left out first, then shorter sheets.
+MAX_WAVES, NEEDED_DECAY = 3000, 11.5
 # Nodes for interpolation over a band: smallest number, and number per rad of phase; the admittance is accurate to 1e-5.
-LEAST_NODES, NODES_PER_SWING = 5, 1.2
+LEAST_NODES, NODES_PER_RADIAN = 5, 1.2
 
 
 def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
@@ -83,7 +91,7 @@ def aperture_coupling(
     *,
     tangential: bool = False,
 ) -> np.ndarray:
-    """Mean of each mode's beam over the receiving aperture, relative to the wave in the section (B of the module).
+    """Mean of each mode's beam over the receiving aperture, relative to the wave in the section: B of equation (1).
 
     Parameters
     ----------
@@ -98,7 +106,7 @@ def aperture_coupling(
     offset : float
         Distance along y from the centre of one aperture to that of the other, m.
     tangential : bool
-        Whether the sender is a force along x, of which the part kappa_p / k_p acts along the wave vector.
+        True if the sender is a force along x, of which the part kappa_p / k_p acts along the wave vector.
 
     Returns
     -------
@@ -108,15 +116,15 @@ def aperture_coupling(
     reach = (np.max(sender) + np.max(receiver)) / 2 + abs(offset)
     rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
     out = np.empty((*np.shape(receiver), *np.shape(sender), len(wavenumbers)), dtype=complex)
-    for some, one in rule.contours(wavenumbers):
-        k = wavenumbers[some, None]
-        along = wavenumber_along(k, one.nodes)
-        waves = turned(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
-        waves = waves * (one.weights * np.cos(one.nodes * offset))
-        sent, received = (sheet_spectrum(each, one.nodes) for each in (sender, receiver))
+    for modes, contour in rule.contours(wavenumbers):
+        k = wavenumbers[modes, None]
+        along = wavenumber_along(k, contour.nodes)
+        waves = amplitude_ratio(k, along, tangential=tangential) * np.exp(-1j * (along - k) * distance)
+        waves = waves * (contour.weights * np.cos(contour.nodes * offset))
+        sent, received = (sheet_spectrum(each, contour.nodes) for each in (sender, receiver))
         received = received / np.asarray(receiver)[..., None]
         both = np.expand_dims(received, tuple(range(np.ndim(receiver), np.ndim(receiver) + np.ndim(sender)))) * sent
-        out[..., some] = both @ waves.T
+        out[..., modes] = both @ waves.T
     return out
 
 
@@ -154,7 +162,7 @@ def aperture_solver(
     """
     if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
-    return partial(_solved, OwnApertures(mirror_width, limits), fineness=fineness)
+    return partial(_port_fields, OwnApertures(mirror_width, limits), fineness=fineness)
 
 
 class OwnApertures:
@@ -178,13 +186,13 @@ class OwnApertures:
         with self._lock:
             if key not in self._at_nodes:
                 wavenumber = abs(network.modes.wavenumbers[network.modes.rayleigh[0]]) / section.length_unit
-                at_nodes = self._solved(section, self.limits, transducer, lengths, wavenumber / frequency)
+                at_nodes = self._at_band_nodes(section, self.limits, transducer, lengths, wavenumber / frequency)
                 self._at_nodes[key] = (section, *at_nodes)
         _, nodes, values = self._at_nodes[key]
         weights = lagrange_weights(nodes, frequency)
         return Coupling._make(np.tensordot(weights, each, axes=1) for each in values)
 
-    def _solved(
+    def _at_band_nodes(
         self,
         section: Section,
         limits: tuple[float, float],
@@ -195,8 +203,8 @@ class OwnApertures:
         """Nodes in Hz, and the arrays of `Coupling` at the nodes; ``slowness``: wavenumber over frequency, rad s/m."""
         low, high = limits
         farthest = np.hypot(np.diff(transducer.extent).item(), transducer.aperture)
-        swing = slowness * farthest * (high - low) / 2  # change of a wave's phase over half the band, rad
-        nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_SWING * swing)))
+        phase_change = slowness * farthest * (high - low) / 2  # of a wave over half the band, rad
+        nodes = chebyshev_nodes(low, high, int(np.ceil(LEAST_NODES + NODES_PER_RADIAN * phase_change)))
         at = [
             finger_coupling(
                 line_source(guided_modes(section, float(each)), "charge"), transducer, lengths, self.mirror_width
@@ -206,7 +214,7 @@ class OwnApertures:
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
 
 
-def _solved(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
+def _port_fields(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
     """Fields of the cascade's ports, with one potential per finger."""
     modes = cascade.network.modes
     surface = modes.wavenumbers[modes.rayleigh].real.mean() / modes.section.length_unit
@@ -215,14 +223,12 @@ def _solved(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: in
     outside, changes = beams.from_forces()
     responses = _responses(own_apertures, beams, changes)
     network = replace(cascade.network, scatterers=tuple(each.scatterer for each in responses))
-    fields = _port_solution(network, responses, beams.travel(), outside, beams.kept)
-    return replace(cascade, network=network).solved(fields)
+    return replace(cascade, network=network).solved(_port_solution(network, beams, responses, outside))
 
 
 def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.ndarray]) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
-    network, kept = beams.network, beams.kept
-    responses, couplings, by_kind = [], {}, {}
+    network, responses, couplings, by_kind = beams.network, [], {}, {}
     for index, (plain, transducer, own_lengths) in enumerate(
         zip(network.scatterers, beams.transducers, beams.lengths, strict=True)
     ):
@@ -232,21 +238,17 @@ def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.nd
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
             by_kind[key] = aperture_response(
-                plain, transducer.signs, kept, own_lengths, couplings[kind], changes[index]
+                plain, transducer.signs, beams.coupling_modes, own_lengths, couplings[kind], changes[index]
             )
         responses.append(by_kind[key])
     return responses
 
 
 def _port_solution(
-    network: Network,
-    responses: list[ApertureResponse],
-    travel: np.ndarray,
-    outside: np.ndarray | None,
-    kept: np.ndarray,
+    network: Network, beams: "_Beams", responses: list[ApertureResponse], outside: np.ndarray | None
 ) -> PortSolution:
     """Solve the cascade for the waves between the transducers, and return the fields for a unit at each port."""
-    ports, first = len(network.ports), np.cumsum([0, *(len(each.sent) for each in responses)])
+    ports = len(network.ports)
     # of each transducer: which ports and forces its last columns belong to
     own_ports = [np.eye(ports)[[*numbers, *network.forces]] for numbers in network.numbers]
     elements = [
@@ -256,9 +258,9 @@ def _port_solution(
             leaves=np.arange(start, stop),
             arrives=np.arange(start, stop),
         )
-        for each, selection, start, stop in zip(responses, own_ports, first, first[1:], strict=False)
+        for each, selection, start, stop in zip(responses, own_ports, beams.first, beams.first[1:], strict=False)
     ]
-    solved = solve_cascade(elements, travel, outside)
+    solved = solve_cascade(elements, beams.travel(), outside)
     sides, incoming, charges, sheets = [], [], [], []
     for each, selection, element in zip(responses, own_ports, elements, strict=True):
         weights = np.concatenate([solved.arriving[element.arrives], selection])
@@ -273,7 +275,7 @@ def _port_solution(
         segments=network.segment_waves(sides, incoming),
         reactions=np.concatenate(charges),
         coupling=solved.coupling,
-        waves=np.concatenate([np.tile(kept, 2 * len(each.lengths)) for each in responses]),
+        waves=np.concatenate([np.tile(beams.coupling_modes, 2 * len(each.lengths)) for each in responses]),
         sheets=tuple(sheets),
         own_apertures=True,
     )
@@ -289,7 +291,7 @@ class _Beams:
     network: Network
     transducers: tuple[Transducer, ...]
     lengths: list[np.ndarray]  # of the sheets of each transducer, m
-    kept: np.ndarray  # numbers of the modes that couple transducers
+    coupling_modes: np.ndarray  # numbers of the modes that couple transducers
     mirror_width: float | None
 
     @classmethod
@@ -300,9 +302,9 @@ class _Beams:
         # Between transducers the waves that couple them are enough: what a force adds nearby decays before the next.
         between = np.diff(network.segments[1:-1], axis=1).ravel()
         gaps = between if len(between) else [abs(gap) for _, _, gap in _force_gaps(network)]
-        kept = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
-        decay = -network.modes.wavenumbers[kept].imag * float(min(gaps, default=0.0))
-        needed = int(np.count_nonzero(decay < NEEDED))
+        coupling_modes = network.survivors(float(min(gaps))) if len(gaps) else np.empty(0, int)
+        decay = -network.modes.wavenumbers[coupling_modes].imag * float(min(gaps, default=0.0))
+        needed = int(np.count_nonzero(decay < NEEDED_DECAY))
         lengths = []
         for each in transducers:
             fingers = max(int(np.count_nonzero(charged(each.signs))), 1)
@@ -310,13 +312,19 @@ class _Beams:
             most = MAX_UNKNOWNS if len(transducers) == 1 else min(MAX_UNKNOWNS, most_sheets * fingers)
             lengths.append(sheet_lengths(each, fineness, most))
         most_modes = max(MAX_WAVES // (2 * sum(map(len, lengths))), needed if len(transducers) > 1 else 1)
-        kept = np.sort(kept[np.argsort(decay, kind="stable")[:most_modes]])
-        return cls(network=network, transducers=transducers, lengths=lengths, kept=kept, mirror_width=mirror_width)
+        coupling_modes = np.sort(coupling_modes[np.argsort(decay, kind="stable")[:most_modes]])
+        return cls(
+            network=network,
+            transducers=transducers,
+            lengths=lengths,
+            coupling_modes=coupling_modes,
+            mirror_width=mirror_width,
+        )
 
     @cached_property
     def first(self) -> np.ndarray:
         """Number of the first wave of each transducer, and the number of all waves."""
-        return np.cumsum([0, *(2 * len(self.kept) * len(each) for each in self.lengths)])
+        return np.cumsum([0, *(2 * len(self.coupling_modes) * len(each) for each in self.lengths)])
 
     @cached_property
     def overlaps(self) -> list[np.ndarray]:
@@ -327,16 +335,16 @@ class _Beams:
         """Matrix from the amplitudes that are sent to those that arrive.
 
         With B of `aperture_coupling`, the amplitudes c_b on the sheets b of one transducer arrive on the sheets of
-        another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l), because B is a mean over
-        the receiving sheet.
+        another, at the distance l of their facing lines, as a = (O / L)^-1 B c exp(-i k l): equation (2), divided by
+        L_c because B is a mean over the receiving sheet.
         """
-        modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.kept)
+        modes, unit, m = self.network.modes, self.network.modes.section.length_unit, len(self.coupling_modes)
         lines, lengths, numbers = self.network.lines, self.lengths, np.arange(m)
         out = np.zeros((self.first[-1], self.first[-1]), dtype=complex)
         for one, other in combinations(range(len(lines)), 2):
             gap = lines[other][0] - lines[one][1]
             to_other = aperture_coupling(
-                modes.wavenumbers[self.kept] / unit,
+                modes.wavenumbers[self.coupling_modes] / unit,
                 lengths[one],
                 lengths[other],
                 (sum(lines[other]) - sum(lines[one])) / 2 * unit,
@@ -345,8 +353,8 @@ class _Beams:
             )
             to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
             for sender, receiver, mean_beams, phase in (
-                (one, other, to_other, modes.wavenumbers[self.kept] * gap),
-                (other, one, to_one, -modes.backwards[self.kept] * gap),
+                (one, other, to_other, modes.wavenumbers[self.coupling_modes] * gap),
+                (other, one, to_one, -modes.backwards[self.coupling_modes] * gap),
             ):
                 amplitudes = np.tensordot(np.linalg.inv(self.overlaps[receiver]), mean_beams, axes=1)
                 block = out[self._waves(receiver), self._waves(sender)]
@@ -365,7 +373,7 @@ class _Beams:
         The changes A of the module docstring are (sheets, fingers, 2 modes, forces) for each transducer: on each finger
         the mean over a sheet is B of equation (1) at the distance of the finger instead of that of the centre.
         """
-        network, m, forces = self.network, len(self.kept), list(self.network.forces)
+        network, m, forces = self.network, len(self.coupling_modes), list(self.network.forces)
         out = np.zeros((self.first[-1], len(network.ports)), dtype=complex)
         changes = [
             np.zeros((len(own), np.count_nonzero(charged(each.signs)), 2, m, len(forces)), dtype=complex)
@@ -384,14 +392,12 @@ class _Beams:
         network, modes, unit = self.network, self.network.modes, self.network.modes.section.length_unit
         port, force, transducer = network.ports[number], network.forces[number], self.transducers[index]
         k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        from_centre = (
-            np.flatnonzero(charged(transducer.signs)) - (len(transducer.signs) - 1) / 2
-        )  # of fingers, in pitches
-        finger_x = (transducer.center + from_centre * transducer.pitch) / unit
+        pitches_from_centre = np.flatnonzero(charged(transducer.signs)) - (len(transducer.signs) - 1) / 2
+        finger_x = (transducer.center + pitches_from_centre * transducer.pitch) / unit
         to_centre = abs(gap) + network.scatterers[index].piece.width / 2
         mean_beams = [
             aperture_coupling(
-                k[self.kept] / unit,
+                k[self.coupling_modes] / unit,
                 port.width * unit,
                 self.lengths[index],
                 distance * unit,
@@ -402,7 +408,7 @@ class _Beams:
             for distance in (to_centre, *abs(finger_x - port.position))
         ]
         amplitudes = np.linalg.solve(self.overlaps[index], np.array(mean_beams))
-        return amplitudes * (sent * np.exp(-1j * k * abs(gap)))[self.kept]
+        return amplitudes * (sent * np.exp(-1j * k * abs(gap)))[self.coupling_modes]
 
     def _waves(self, index: int) -> slice:
         """Numbers of a transducer's waves."""

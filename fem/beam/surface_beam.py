@@ -143,7 +143,7 @@ class SurfaceBeam:
         return self.motion_and_error(x, y)[1]
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
-        """`motion` and `relative_error` at once; the three errors are those that `relative_error` lists."""
+        """`motion`, (3, *shape), and `relative_error`, (*shape), which lists the three errors added here."""
         fine, half, quarter, narrow = self.motion_by_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
@@ -154,7 +154,7 @@ class SurfaceBeam:
         of_rule = of_rule + abs(fine - narrow).max(axis=0) / size  # an earlier end of the integral
         if self.faces is not None:  # the static part of the reflection depends on |k_y|
             x_of_points, y_of_points = (each.ravel() for each in np.broadcast_arrays(x, y))
-            static = self._returned(self.faces, x_of_points, y_of_points, self.faces.static)
+            static = self._reflected(self.faces, x_of_points, y_of_points, self.faces.static)
             of_rule = of_rule + abs(static[0, 0]).reshape(size.shape) / size
         # 2. and 3. in m, computed once for each distinct x
         positions, where = np.unique(np.broadcast_to(x, size.shape), return_inverse=True)
@@ -272,9 +272,9 @@ class SurfaceBeam:
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The same beam with the field of the surface wave alone."""
-        returned = self.faces and self.faces.surface_mode
+        faces = self.faces and self.faces.surface_mode
         strips = tuple(each._replace(source=each.source.surface_mode) for each in self.strips)
-        return replace(self, source=self.source.surface_mode, complete=False, faces=returned, strips=strips)
+        return replace(self, source=self.source.surface_mode, complete=False, faces=faces, strips=strips)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Slowness curve: complex wavenumber along x of the surface wave at real lateral wavenumbers, rad/m.
@@ -325,7 +325,7 @@ class SurfaceBeam:
         if self.complete and near.any():
             total[..., near] += self._local(x[near], y[near])
         if self.faces is not None:
-            total += self._returned(self.faces, x, y, self.faces.wanted)
+            total += self._reflected(self.faces, x, y, self.faces.included)
         return tuple(total.reshape(RULES, 3, *shape))
 
     def _refuse(self, x, y):
@@ -335,10 +335,10 @@ class SurfaceBeam:
         if not np.all(np.isfinite(y) & (abs(y) <= limit)):
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
-    def _returned(self, faces: Faces, x, y, modes: np.ndarray) -> np.ndarray:
+    def _reflected(self, faces: Faces, x, y, modes: np.ndarray) -> np.ndarray:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""
         points = Points.of(x, y)
-        reflected = faces.returned(self._emitted.reach(y), self._sheets, self.mirror_width)
+        reflected = faces.reflected(self._emitted.reach(y), self._sheets, self.mirror_width)
         spectra = partial(reflected.spectra, points.x, self.wave.length, modes=modes)
         return inverse_transform(reflected, self._sheets, points, spectra, self.mirror_width is None)
 
@@ -389,7 +389,7 @@ class SurfaceBeam:
         if self.faces is not None:
             plane = self.faces.plane(self._section_emitters[0].sheets)
             ones = np.ones((len(self.apertures), 1))
-            remainder -= plane.spectra(positions, self.wave.length, ones, self.faces.wanted)[..., 0].T[[0, 2]]
+            remainder -= plane.spectra(positions, self.wave.length, ones, self.faces.included)[..., 0].T[[0, 2]]
         if self.charges:  # the pole at k = 0: u_x = +-static times the charge, + to the right of it
             charges = self._section_emitters[0]
             left_of = np.append(0.0, np.cumsum(charges.charge))[np.searchsorted(charges.x, positions, side="right")]

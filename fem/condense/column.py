@@ -162,8 +162,8 @@ def column_skeleton(section: Section, frequency: float, width: float) -> Skeleto
         exists = np.flatnonzero(dofs >= 0)
         matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
     # the unknowns on the surface come first of all faces
-    kept = np.arange(sides + np.count_nonzero(faces[section.surface // order] >= 0))
-    matrix, faces_from = schur(matrix, kept, np.arange(len(kept), len(matrix)))
+    outer = np.arange(sides + np.count_nonzero(faces[section.surface // order] >= 0))
+    matrix, faces_from = schur(matrix, outer, np.arange(len(outer), len(matrix)))
     return Skeleton(matrix, faces, faces_from, inside_from)
 
 
@@ -206,11 +206,11 @@ def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
 def schur(matrix, keep, drop):
     """Schur complement onto ``keep``, symmetrised against rounding, and the matrix from ``keep`` to ``drop``."""
     coupling = matrix[np.ix_(drop, keep)]
-    kept = matrix[np.ix_(keep, keep)]
+    remaining = matrix[np.ix_(keep, keep)]
     if not len(drop):
-        return kept, coupling
+        return remaining, coupling
     back = eliminated(matrix[np.ix_(drop, drop)], coupling)
-    reduced = kept + coupling.T @ back
+    reduced = remaining + coupling.T @ back
     return 0.5 * (reduced + reduced.T), back
 
 

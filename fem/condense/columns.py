@@ -85,7 +85,7 @@ class SurfaceReactions(NamedTuple):
     """Electric reactions at the surface nodes of a piece; a node that two columns share occurs twice."""
 
     position: np.ndarray  # (nodes,): from the left edge, length units
-    on_metal: np.ndarray  # (nodes,): whether the column has an electrode
+    on_metal: np.ndarray  # (nodes,): True if the column has an electrode
     rows: np.ndarray  # (nodes, 2 n + ports): scaled, as functions of the sides
 
 
@@ -222,27 +222,27 @@ class ColumnsField:
 
 
 def columns_from_left(
-    piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
+    piece: FingerColumns, sides: np.ndarray, *, finest: float = 0.0
 ) -> list[tuple[float, FingerColumns, np.ndarray]]:
     """Columns of a piece from left to right, each with its left edge and its sides; arguments of `distinct_columns`."""
     columns = [
         (left_edge, column, column_sides[..., number])
-        for column, starts, column_sides in distinct_columns(piece, sides, start, finest=finest)
+        for column, starts, column_sides in distinct_columns(piece, sides, finest=finest)
         for number, left_edge in enumerate(starts)
     ]
     return sorted(columns, key=lambda each: each[0])
 
 
 def distinct_columns(
-    piece: FingerColumns, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
+    piece: FingerColumns, sides: np.ndarray, *, finest: float = 0.0
 ) -> list[tuple[FingerColumns, np.ndarray, np.ndarray]]:
     """Distinct columns of a piece: column, left edges (occurrences,), sides (2 n + 2, ..., occurrences).
 
-    ``sides``: shape (2 n + 2, ...); in the returned ones a finger is always on electrode 0.  ``start``: x of the left
-    line, length units.  Parts of width ``finest`` or less are returned whole, without descending to their columns.
+    Edges are measured from the piece's left line, in length units.  ``sides``: shape (2 n + 2, ...); in the returned
+    ones a finger is always on electrode 0.  Parts of width ``finest`` or less are returned whole.
     """
     level, columns = _Occurrences(), _Occurrences()
-    level.add(piece, np.array([start]), sides[..., None])
+    level.add(piece, np.zeros(1), sides[..., None])
     while level.by_piece:
         next_level = _Occurrences()
         for each, starts, each_sides in level.concatenated():

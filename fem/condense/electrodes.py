@@ -12,7 +12,7 @@ in `fem.direct`, the plain solver that the others are checked against:
 | terminals | the two electrodes of a transducer | Q_+ + Q_- = 0, v_+ - v_- = V | `transducer_ports`, `uncharged` |
 | short, open, loaded | a transducer without a source | V = 0, I = 0, V + Z I = 0 | `terminated` |
 
-A source of voltage S behind an impedance Z, V + Z I = S, is set in `fem.circuit.ports`, which alone knows which
+A source of voltage S behind an impedance Z, V + Z I = S, is set in `fem.circuit.ports`, the only module in which
 transducers are driven; the loads of a P-matrix, whose ports are waves too, in `fem.solve.p_matrix`.
 """
 

@@ -37,13 +37,13 @@ class Dissection:
     unknowns : list of ndarray
         Global numbers of every element's unknowns, -1 for those fixed at zero; a number may occur twice.
     centers : ndarray, shape (elements, 2)
-    kept : int
-        This unknown and all with larger numbers are kept.
+    first_kept : int
+        This unknown and all with larger numbers are not eliminated.
     """
 
     unknowns: list[np.ndarray] = field(repr=False)
     centers: np.ndarray = field(repr=False)
-    kept: int
+    first_kept: int
 
     @cached_property
     def fronts(self) -> list[Front]:
@@ -66,7 +66,7 @@ class Dissection:
                 inputs = [numbers for numbers, _ in parts]
             numbers, where = np.unique(np.concatenate([each for each, _ in parts]), return_inverse=True)
             count = np.bincount(where, weights=np.concatenate([each for _, each in parts])).astype(int)
-            complete = (count == total[numbers]) & (numbers < self.kept)
+            complete = (count == total[numbers]) & (numbers < self.first_kept)
             rank = np.empty(len(numbers) + 1, dtype=int)
             rank[np.argsort(~complete, kind="stable")] = np.arange(len(numbers))
             rank[-1] = -1
@@ -112,7 +112,7 @@ class Dissection:
             complement = full[first:, first:] + full[first:, :first] @ back[-1]
             complements[number] = 0.5 * (complement + complement.T)
         root = complements[len(self.fronts) - 1]
-        return Factor(fronts=self.fronts, first=self.kept, matrix=root, back=back)
+        return Factor(fronts=self.fronts, first=self.first_kept, matrix=root, back=back)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,7 +3,7 @@
 The unknowns of the section's line are the master and those of the mesh the slave (Bernardi, Maday and Patera 1994).
 With phi_i the functions of the mesh on the interface and psi_j those of the line,
 
-    u_mesh = P u_line,    P = M^-1 B,    M_ik = int mu_i phi_k dz,    B_ij = int mu_i psi_j dz,
+    u_mesh = P u_line,    P = M^-1 B,    M_ik = int mu_i phi_k dz,    B_ij = int mu_i psi_j dz,            (1)
 
 The multipliers are mu_i = phi_i, except next to a vertex that is fixed at zero (at a clamped or grounded bottom).  The
 flux does not vanish there, and the mu_i must be able to represent it: the hat function of the fixed vertex replaces the
@@ -41,7 +41,7 @@ def line_projection(
     Returns
     -------
     dict
-        By field: numbers of the free functions, and P of shape (free functions, n).
+        By field: numbers of the free functions, and P of equation (1), shape (free functions, n).
     """
     # ``functions``: numbers in the mesh of all functions on the interface.  ``position``: for each edge, the positions
     # of its functions in that list, shape (edges, order + 1).
@@ -92,9 +92,9 @@ def _multipliers(free: np.ndarray, position: np.ndarray) -> np.ndarray:
 
     ``position``: of each edge's functions among those of the interface: both vertices, then rising order.
     """
-    serves = free.copy()
+    is_multiplier = free.copy()
     for own in position:
         fixed_vertices = own[:2][~free[own[:2]]]
-        serves[fixed_vertices] = True
-        serves[own[len(own) - len(fixed_vertices) :]] = False
-    return serves
+        is_multiplier[fixed_vertices] = True
+        is_multiplier[own[len(own) - len(fixed_vertices) :]] = False
+    return is_multiplier

@@ -95,16 +95,16 @@ def repeated(
 def with_ports(piece: FingerColumns, ports: list[int]) -> FingerColumns:
     """Return the piece with the potentials of the numbers ``ports`` alone; the other potentials are zero."""
     numbers = np.array(ports, dtype=int)
-    kept = np.append(np.arange(piece.at.ports.start), piece.at.ports.start + numbers)
+    remaining = np.append(np.arange(piece.at.ports.start), piece.at.ports.start + numbers)
 
     def own(sides: np.ndarray) -> np.ndarray:
         out = np.zeros((len(piece.matrix), *sides.shape[1:]), dtype=sides.dtype)
-        out[kept] = sides
+        out[remaining] = sides
         return out
 
     return FingerColumns(
         size=piece.size,
-        matrix=piece.matrix[np.ix_(kept, kept)],
+        matrix=piece.matrix[np.ix_(remaining, remaining)],
         width=piece.width,
         ports=tuple(piece.ports[number] for number in ports),
         inside=Restated(piece=piece, sides=own),
@@ -115,25 +115,27 @@ def with_fingers(whole: FingerColumns, left: FingerColumns, right: FingerColumns
     """Return a joined pair in which both parts have their own potentials, from left to right, instead of common ones.
 
     ``left`` and ``right`` are the parts with their own potentials v_A and v_B.  Equations (1) to (3) hold with C_p =
-    [A_mp, B_mp] in the columns of [v_A, v_B]; the columns of the lines are taken from ``whole``.
+    [A_mp, B_mp], [A_lp, 0] and [0, B_rp] in the columns of [v_A, v_B]; the columns of the lines are those of ``whole``.
     """
     at, first, second = whole.at, left.matrix, right.matrix
     count, total = len(left.ports), len(left.ports) + len(right.ports)
-    own, others = slice(0, count), slice(count, total)
-    on_left, on_middle, on_right = np.zeros((3, at.size, total), dtype=np.result_type(first, second))
-    on_left[:, own], on_right[:, others] = first[at.left, at.ports], second[at.right, at.ports]
-    on_middle[:, own], on_middle[:, others] = first[at.right, at.ports], second[at.left, at.ports]
-    by_lines = whole.pair.middle[:, at.lines]  # columns of T: of the lines, and of [v_A, v_B]
-    by_ports = eliminated(first[at.right, at.right] + second[at.left, at.left], on_middle)
-    matrix = np.zeros((at.ports.start + total,) * 2, dtype=by_ports.dtype)
+    v_a, v_b = slice(0, count), slice(count, total)
+    c_left, c_middle, c_right = np.zeros(
+        (3, at.size, total), dtype=np.result_type(first, second)
+    )  # [A_lp, 0], C_p, ...
+    c_left[:, v_a], c_right[:, v_b] = first[at.left, at.ports], second[at.right, at.ports]
+    c_middle[:, v_a], c_middle[:, v_b] = first[at.right, at.ports], second[at.left, at.ports]
+    t_lines = whole.pair.middle[:, at.lines]  # columns of T: of the lines, and of [v_A, v_B]
+    t_ports = eliminated(first[at.right, at.right] + second[at.left, at.left], c_middle)
+    matrix = np.zeros((at.ports.start + total,) * 2, dtype=t_ports.dtype)
     matrix[at.lines, at.lines] = whole.matrix[at.lines, at.lines]
-    matrix[at.lines, at.ports] = np.concatenate([on_left, on_right]) + by_lines.T @ on_middle
+    matrix[at.lines, at.ports] = np.concatenate([c_left, c_right]) + t_lines.T @ c_middle
     matrix[at.ports, at.lines] = matrix[at.lines, at.ports].T
-    between_ports = on_middle.T @ by_ports
-    between_ports[own, own] += first[at.ports, at.ports]
-    between_ports[others, others] += second[at.ports, at.ports]
+    between_ports = c_middle.T @ t_ports
+    between_ports[v_a, v_a] += first[at.ports, at.ports]
+    between_ports[v_b, v_b] += second[at.ports, at.ports]
     matrix[at.ports, at.ports] = 0.5 * (between_ports + between_ports.T)
-    middle = np.concatenate([by_lines, by_ports], axis=1)
+    middle = np.concatenate([t_lines, t_ports], axis=1)
     return FingerColumns(
         size=at.size,
         matrix=matrix,
@@ -155,7 +157,7 @@ def exchanged(piece: FingerColumns) -> FingerColumns:
 def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColumns:
     """Return the mirror image x -> -x, a symmetry of the solid; a single column is its own mirror image.
 
-    ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: whether all potentials do.
+    ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: True if all potentials do.
     """
     inside, at = piece.inside, piece.at
     if isinstance(inside, Column):

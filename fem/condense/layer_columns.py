@@ -65,7 +65,7 @@ class LayerColumns:
 
     @property
     def held(self) -> np.ndarray:
-        """Whether a field is zero at a node, or absent: shape (functions, fields)."""
+        """True if a field is zero at a node, or absent: shape (functions, fields)."""
         columns = [FIELD_COLUMN[name] for name in self.names]
         absent, order = self.section.dofs[: self.section.bottom, columns] < 0, self.section.order
         faces = np.repeat(absent[::order], order - 1, axis=0)

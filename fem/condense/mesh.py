@@ -39,7 +39,7 @@ class Assembly:
     numbers: np.ndarray = field(repr=False)
     # shape (interface functions + ports, lines + ports): P, from the unknowns of the lines to those that are kept
     projection: np.ndarray = field(repr=False)
-    grounded: bool  # whether a group or an electrode holds its potential
+    grounded: bool  # True if a group or an electrode holds its potential
     layer: LayerColumns | None = field(default=None, repr=False)  # absorbing layer below the mesh
 
     @property
@@ -74,7 +74,9 @@ class Assembly:
         if self.layer is not None:
             unknowns += [self.numbers[numbers] for numbers in self.layer.numbers]
             centers = np.concatenate([centers, self.layer.centers])
-        return Dissection(unknowns=unknowns, centers=centers, kept=int(self.numbers.max()) + 1 - len(self.projection))
+        return Dissection(
+            unknowns=unknowns, centers=centers, first_kept=int(self.numbers.max()) + 1 - len(self.projection)
+        )
 
     @property
     def unknowns(self) -> int:
@@ -150,7 +152,7 @@ class MeshedPiece:
     width: float  # length units
     ports: tuple[Port, ...]
     floating_potential: bool
-    grounded: bool  # whether a group or an electrode holds its potential
+    grounded: bool  # True if a group or an electrode holds its potential
     unknowns: int  # of the mesh
     factor: Factor = field(repr=False)
     insides: list[np.ndarray] = field(repr=False)  # of every part of `Assembly.parts`: inside from rim

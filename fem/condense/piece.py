@@ -1,11 +1,11 @@
-"""What the cascade of a stator is made of: pieces between two vertical lines, with ports.
+"""Pieces of a stator's cascade: each lies between two vertical lines and has ports.
 
 A piece relates the outward nodal flux on its lines and the reactions of its ports to the fields there,
 
     [g_left, g_right, q] = A [u_left, u_right, v],      A complex symmetric,
 
-at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.columns`), a mesh
-(`fem.condense.mesh`) - the cascade does not need to know.
+at one frequency and one k_y.  The cascade does not depend on what is inside: columns of elements under fingers
+(`fem.condense.columns`) or a mesh (`fem.condense.mesh`).
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ import numpy as np
 
 @dataclass(frozen=True, kw_only=True)
 class Port:
-    """What a piece, or a cascade of pieces, can be driven by or answers at, besides its lines.
+    """A potential or a force that drives a piece or a cascade, besides its lines, and the reaction to it.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Port:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Where the unknowns of a piece stand in its matrix and in its sides: both lines of ``size``, then the ports."""
+    """Slices of a piece's matrix and sides: both lines, of ``size`` unknowns each, then the ports."""
 
     size: int
 
@@ -96,11 +96,11 @@ class Piece(Protocol):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        """What it is driven by besides its lines."""
+        """Its ports."""
 
     @property
     def floating_potential(self) -> bool:
-        """Whether a constant may be added to its potential: no port and nothing grounded holds it."""
+        """True if a constant may be added to its potential, because no port and no ground holds it."""
 
     @property
     def unknowns(self) -> int:

@@ -74,20 +74,20 @@ class RationalPiece:
         """Omega^2 of the resonances with lines and ports at zero, as far as the nodes show them, (rad/s)^2, complex."""
         from scipy.linalg import eigvals  # see `fem.block_matrix`
 
-        kept = self.frame.shape[1]
-        return eigvals(self.stiffness[kept:, kept:], self.inertia[kept:, kept:])
+        outer = self.frame.shape[1]  # number of lines' unknowns and ports
+        return eigvals(self.stiffness[outer:, outer:], self.inertia[outer:, outer:])
 
     def _eliminated(self, frequency: float) -> tuple[np.ndarray, np.ndarray]:
         """Condensed matrix at a frequency in Hz, and the clamped fields for unit values on lines and ports."""
         system = self.stiffness - (2 * np.pi * frequency) ** 2 * self.inertia
-        kept = self.frame.shape[1]
-        coupling = system[kept:, :kept]
-        clamped = -np.linalg.solve(system[kept:, kept:], coupling)
-        matrix = system[:kept, :kept] + coupling.T @ clamped
+        outer = self.frame.shape[1]
+        coupling = system[outer:, :outer]
+        clamped = -np.linalg.solve(system[outer:, outer:], coupling)
+        matrix = system[:outer, :outer] + coupling.T @ clamped
         return 0.5 * (matrix + matrix.T), clamped
 
     def weights(self, frequency: float) -> np.ndarray:
-        """Weights w_j of the nodes' fields X_j for unit values on lines and ports, shape (nodes, kept, kept)."""
+        """Weights w_j of the nodes' fields X_j for unit values on lines and ports, shape (nodes, outer, outer)."""
         _, clamped = self._eliminated(frequency)
         return self.basis @ np.concatenate([np.eye(self.frame.shape[1]), clamped])
 
@@ -127,8 +127,8 @@ class PieceSample:
 def rational_piece(piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]) -> RationalPiece:
     """Interpolate a piece between samples; ``piece`` is the condensed piece at any frequency."""
     squares = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
-    count, kept = len(samples), frame.shape[1]
-    inertia = np.empty((count, kept, count, kept), dtype=np.result_type(*(each.value for each in samples)))
+    count, outer = len(samples), frame.shape[1]
+    inertia = np.empty((count, outer, count, outer), dtype=np.result_type(*(each.value for each in samples)))
     stiffness = np.empty_like(inertia)
     for i, one in enumerate(samples):
         for j, other in enumerate(samples):
@@ -141,8 +141,8 @@ def rational_piece(piece: MeshedPiece, frame: np.ndarray, size: int, samples: li
     change = np.eye(count)[[middle, *(j for j in range(count) if j != middle)]]
     change[1:, middle] = -1.0
     # columns of `first` (middle node) and of `clamped` (differences): coefficients of the fields X_j, node after node
-    first, clamped = np.split(np.kron(change, np.eye(kept)).T, [kept], axis=1)
-    flat = inertia.reshape(count * kept, -1)
+    first, clamped = np.split(np.kron(change, np.eye(outer)).T, [outer], axis=1)
+    flat = inertia.reshape(count * outer, -1)
     clamped_inertia = clamped.T @ flat @ clamped
     # unit diagonal before the singular values are compared, because nearby nodes give small differences
     scale = 1 / np.sqrt(abs(np.diag(clamped_inertia)) + np.finfo(float).tiny)
@@ -154,8 +154,8 @@ def rational_piece(piece: MeshedPiece, frame: np.ndarray, size: int, samples: li
         unknowns=piece.unknowns,
         frame=frame,
         size=size,
-        stiffness=basis.T @ stiffness.reshape(count * kept, -1) @ basis,
+        stiffness=basis.T @ stiffness.reshape(count * outer, -1) @ basis,
         inertia=basis.T @ flat @ basis,
         nodes=np.array([each.frequency for each in samples]),
-        basis=basis.reshape(count, kept, -1),
+        basis=basis.reshape(count, outer, -1),
     )

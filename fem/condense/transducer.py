@@ -205,6 +205,7 @@ def transducer_superelements(
 
 
 def _transducer_superelement(make: Condensation, transducer: Transducer, gaps, resolution: Resolution) -> FingerColumns:
+    """Piece of one transducer between its outer gaps, m."""
     unit = make.section.length_unit
     inner = FingerShape.of(transducer, unit)
     half_gap = inner.half_gaps[0]

@@ -38,11 +38,10 @@ STATIC_ELEMENT = (0.5, 300 + 0j)
 #     1 + STRETCH t^STRETCH_POWER + STATIC_STRETCH t^STATIC_POWER - i DECAY t,                                (1)
 # and the loss of the motion of a slowness sheet is its backwardness times
 #     f DAMPING t^DAMPING_POWER,                                                                              (2)
-# with a factor f of DAMPING_TRIALS.  On 128YX LiNbO3 a
-# layer of 2 wavelengths has errors of 1.4e-6 in u_z and 5.6e-6 in u_x, measured by
-# tests/fem/discretize/test_half_space.py; with STRETCH 9 or 12, STRETCH_POWER 2 or DAMPING_POWER 4 they are 4e-5 and
-# more.  STATIC_STRETCH serves the static field of a transducer, which the grounded bottom disturbs without it (2e-4 of
-# the motion).  With STATIC_POWER 16 modes grow in layers of 2.5 wavelengths and more.
+# with a factor f of DAMPING_TRIALS.  On 128YX LiNbO3 a layer of 2 wavelengths has errors of 1.4e-6 in u_z and 5.6e-6
+# in u_x, measured by tests/fem/discretize/test_half_space.py; with STRETCH 9 or 12, STRETCH_POWER 2 or DAMPING_POWER
+# 4 they are 4e-5 and more.  STATIC_STRETCH serves the static field of a transducer, which the grounded bottom
+# disturbs without it (2e-4 of the motion).  With STATIC_POWER 16 modes grow in layers of 2.5 wavelengths and more.
 STRETCH, STRETCH_POWER, DECAY = 21.0, 1.6, 6.0
 STATIC_STRETCH, STATIC_POWER = 1000.0, 24
 DAMPING, DAMPING_POWER = 13.0, 8

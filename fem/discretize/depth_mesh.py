@@ -140,7 +140,7 @@ def _solid_heights(stator: Stator, resolution: Resolution, depth: float, top: fl
     largest = resolution.element_size
     surface = graded(top, layers, largest=largest)
     if depth <= top * (1 + 1e-9):
-        return np.asarray(surface)
+        return surface
     corner_layers = resolution.edge_layers if bottom_corners(stator) and layers else 0
     rest = graded(depth - top, corner_layers, largest=largest, smallest_first=True, ratio=CORNER_RATIO)
     return np.concatenate([rest, surface])

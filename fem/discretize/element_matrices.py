@@ -2,9 +2,8 @@
 
 They discretise the weak form of time-harmonic piezoelectricity (medium.py).  In a rectangular element of a homogeneous
 medium every integral is a product of integrals along x and z, so that the element's matrix is a sum of Kronecker
-products of one-dimensional matrices (spectral.py).  On a mesh of
-curved quadrilaterals it is integrated by quads.py, uniform in x by section.py; `scikit_fem_derivatives` serves
-direct.py.
+products of one-dimensional matrices (spectral.py).  Curved quadrilaterals are integrated in quads.py, uniform segments
+in section.py; `scikit_fem_derivatives` serves direct.py.
 """
 
 from functools import lru_cache

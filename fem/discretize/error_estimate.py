@@ -13,10 +13,10 @@ import numpy as np
 
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ActivePortError, ConvergenceError, InputError
 from fem.geometry import Stator
 
-# From coarse to fine: measured on Feenstra and Breedveld's stator (admittance and surface motion move together).
+# From coarse to fine, measured on Feenstra and Breedveld's stator: both errors, admittance and motion, fall together.
 LEVELS = (
     Resolution(order=5, edge_layers=0, absorber=0),
     Resolution(order=6, edge_layers=1, absorber=1),
@@ -26,11 +26,11 @@ LEVELS = (
     Resolution(order=10, edge_layers=5, absorber=5),
 )
 
-# Estimate at each level on an ordinary motor: where to begin.
+# Error at each level on an ordinary motor, by which the first levels are selected.
 EXPECTED = (np.inf, 5e-3, 2e-4, 2e-5, 2e-6, 3e-7)
 GAIN = 8.0  # a level divides the error by more: 6.7 per edge layer, and more by the order (11 to 25 seen)
-# Where a viscous layer stands for the half-space its depth decides, squared; so does that of a selective layer
-# whose waves are backward beyond MAX_BACKWARDNESS (Z quartz: 1e-3 at a depth of 2 and of 3 wavelengths).
+# The error of a viscous layer falls only as the inverse square of its depth.  That of a selective layer falls slowly
+# too if its waves are backward beyond MAX_BACKWARDNESS (Z quartz: 1e-3 at a depth of 2 and of 3 wavelengths).
 SLOW_GAIN, MAX_BACKWARDNESS = 1.5, 0.03
 
 
@@ -90,7 +90,7 @@ def refine(
     Parameters
     ----------
     at_level : callable
-        Returns the answer at a level, or raises a ConvergenceError.
+        Returns the answer at a level, or raises a ConvergenceError; after an ActivePortError the next level is tried.
     levels : sequence
         Levels from coarse to fine.
     start : int
@@ -142,11 +142,15 @@ def refine(
         try:
             answer = at_level(levels[level])
         except ConvergenceError as error:
+            if isinstance(error, ActivePortError) and coarse is None:  # the level's error exceeds the conductance
+                if level + 2 < len(levels):
+                    continue
+                raise
             if best is not None:
                 return replace(best, obstacle=str(error))
             if start == 0:
                 raise
-            return refine(  # a coarser pair says how far it got
+            return refine(  # from a coarser pair, whose answer shows the error that is reached
                 at_level, levels, start=start - 1, differences=differences, gain=gain, tolerance=tolerance
             )
         if coarse is not None:

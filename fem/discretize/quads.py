@@ -151,18 +151,15 @@ class QuadSpace:
         for start in range(0, len(elements), count):
             yield elements[start : start + count]
 
-    def _basis(self, elements: np.ndarray):
-        from skfem import Basis, ElementQuadP
-
-        # A new ElementQuadP for each call, because it caches values of its last evaluation, which threads would share.
-        return Basis(self._mesh, ElementQuadP(self.order), elements=elements, intorder=2 * self.order + 2)
-
     def scalar_matrices(self, elements: np.ndarray) -> np.ndarray:
         """Integrals of v_x u_x, v_x u_z, v_z u_x, v_z u_z and v u of some elements, (m, 5, functions, functions)."""
+        from skfem import Basis, ElementQuadP
+
         key = elements.tobytes()
         if key in self._scalars:
             return self._scalars[key]
-        basis = self._basis(elements)
+        # A new ElementQuadP for each call, because it caches values of its last evaluation, which threads would share.
+        basis = Basis(self._mesh, ElementQuadP(self.order), elements=elements, intorder=2 * self.order + 2)
         weights = basis.dx[:, None, :]
         value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
         across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))

@@ -1,8 +1,8 @@
 """The section through the depth: its elements and unknowns, and the matrices of a uniform segment.
 
-Nodes run upwards, from the bottom (z = -thickness) to the surface (z = 0) and, above it, on through the vacuum where
-it counts.  The complex coordinate stretching of a perfectly matched layer is a complex height of the element and needs
-no change of the weak form.  Lengths here are in ``length_unit``.
+Nodes run upwards, from the bottom (z = -thickness) to the surface (z = 0) and on through the vacuum above, if that is
+part of the model.  The complex coordinate stretching of a perfectly matched layer is a complex height of the element
+and needs no change of the weak form.  Lengths here are in ``length_unit``.
 
 A segment of the stator that is uniform in x obeys (semi-analytical finite elements; Kausel 1981; Kiefer 2022)
 
@@ -129,7 +129,7 @@ class Section:
 
     @property
     def field_units(self) -> np.ndarray:
-        """What scaled u_x, u_y, u_z and phi are to be multiplied by."""
+        """Factors from scaled u_x, u_y, u_z and phi to m and V."""
         return np.array([1.0, 1.0, 1.0, self.solid.potential_unit])
 
     @cached_property

@@ -81,6 +81,6 @@ def line_nodes(breakpoints: np.ndarray, order: int) -> np.ndarray:
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:
-    """Cached arrays are shared: nobody may write into them."""
+    """Make a cached array read-only, because its users share it."""
     array.flags.writeable = False
     return array

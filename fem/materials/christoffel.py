@@ -9,22 +9,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.exceptions import refuse_unless_positive
 from fem.materials.medium import Medium, medium
 from fem.materials.rotation import fields
 from fem.materials.solids import Solid
 
 DIRECTIONS = 720
-# Below this angle a wave hardly goes down: LiNbO3 YZ, whose energy goes the wrong way within 3.4 degrees of the
-# surface, is absorbed all the same.
+# Waves within this angle of the surface are not tested, because they hardly go down: a matched layer absorbs the waves
+# of YZ LiNbO3, although the energy of those within 3.4 degrees goes the wrong way.
 GRAZING = np.radians(5)
 
 
 def christoffel(body: Medium, angles: np.ndarray, *, stiffened: bool = True) -> np.ndarray:
     """Christoffel tensors of the displacements that take part, over the stress unit, (angles, fields, fields).
 
-    ``body``: real tables; ``angles`` of the direction from the x axis, rad; ``stiffened``: the electric field counts
-    that a wave carries along.
+    ``body``: real tables; ``angles`` of the direction from the x axis, rad; ``stiffened``: True to include the electric
+    field of the wave (piezoelectric stiffening).
     """
     cosine, sine = np.cos(angles)[:, None, None], np.sin(angles)[:, None, None]
     tensors = cosine**2 * body.xx + cosine * sine * (body.xz + body.xz.T) + sine**2 * body.zz
@@ -73,8 +73,8 @@ class Sheet(NamedTuple):
 def slowness_sheets(solid: Solid) -> list[Sheet]:
     """Sheets of the slowness surface of the sagittal plane, slowest first, and how far each is concave at the x axis.
 
-    A wave whose energy goes down while its phase goes up (k_z V_z < 0) grows in a stretched depth.  A loss of its
-    motion along x outweighs that where it exceeds the ``backwardness``.
+    A wave whose energy goes down while its phase goes up (k_z V_z < 0) grows in a stretched depth, unless the loss of
+    its motion along x exceeds its ``backwardness``.
     """
     body = medium(solid, fields(solid), lossy=False)
     angles = (np.arange(2 * DIRECTIONS) + 0.5) * np.pi / (2 * DIRECTIONS) - np.pi / 2
@@ -89,8 +89,7 @@ def slowness_sheets(solid: Solid) -> list[Sheet]:
 
 def slowest_wavelength(solid: Solid, frequency: float) -> float:
     """Wavelength in m of the slowest bulk wave in the sagittal plane among the coupled fields, unstiffened."""
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
     body = medium(solid, fields(solid), lossy=False)
     tensors = christoffel(body, np.linspace(0, np.pi, 37), stiffened=False)
     return float(np.sqrt(np.linalg.eigvalsh(tensors)[:, 0].min() / body.inertia[0]) / frequency)

@@ -13,8 +13,8 @@ the integrand does not depend on y: d/dy is -i k_y on the fields and +i k_y on t
 weak form obeys K(k_y)^T = K(-k_y).  Where y -> -y maps solutions to solutions, the fields that change sign (u_y) are
 scaled by i, and K(k_y) is complex symmetric again, real without loss.
 
-Scaling: stress by ``stress_unit`` c0 = c_33-like modulus, phi by ``potential_unit`` = sqrt(c0/eps): without it
-the condition number is 1e20 instead of 1e8 and sparse solvers fill in.
+Scaling: stress by ``stress_unit`` c0, the largest diagonal stiffness, and phi by ``potential_unit`` = sqrt(c0/eps).
+Without it the condition number is 1e20 instead of 1e8, and sparse solvers fill in.
 """
 
 from dataclasses import dataclass, replace
@@ -58,7 +58,7 @@ class Medium:
 
     @property
     def displaced(self) -> np.ndarray:
-        """Which fields are displacements, shape (fields,), bool."""
+        """True for the fields that are displacements, shape (fields,)."""
         return np.array([name != "phi" for name in self.fields])
 
     @property

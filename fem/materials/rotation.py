@@ -99,11 +99,11 @@ def fields(solid: Solid) -> tuple[str, ...]:
     between = np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y are coupled to each other
     transverse, electric = transverse or (electric and between), electric or (transverse and between)
     present = {"ux": True, "uy": transverse, "uz": True, "phi": electric}
-    return tuple(field for field, kept in present.items() if kept)
+    return tuple(field for field, coupled in present.items() if coupled)
 
 
 def isotropic_about_normal(solid: Solid) -> bool:
-    """Whether a turn about z changes none of a solid's moduli (by more than 1e-9)."""
+    """True if no rotation about z changes a modulus of a solid, relative to the largest, by more than 1e-9."""
     turned = rotated(solid, (_GENERIC_TURN, 0.0, 0.0))
     pairs = ((getattr(turned, name), getattr(solid, name)) for name in ("stiffness", "coupling", "permittivity"))
     return all(abs(after - before).max() <= _SYMMETRY * abs(before).max() for after, before in pairs)

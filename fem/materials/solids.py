@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.exceptions import InputError
+from fem.exceptions import InputError, refuse_unless_positive
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
 _ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
@@ -62,8 +62,7 @@ class Solid:
             object.__setattr__(self, key, table)
         for key in ("density", "mechanical_quality", "dielectric_loss"):
             object.__setattr__(self, key, float(getattr(self, key)))
-        if not (np.isfinite(self.density) and self.density > 0):
-            raise InputError("density", "must be positive and finite", self.density, "kg/m3")
+        refuse_unless_positive("density", self.density, "kg/m3")
         if not self.mechanical_quality > 0:
             raise InputError("mechanical_quality", "must be positive", self.mechanical_quality)
         if not (np.isfinite(self.dielectric_loss) and self.dielectric_loss >= 0):
@@ -71,12 +70,12 @@ class Solid:
 
     @property
     def is_piezoelectric(self) -> bool:
-        """Whether strain and electric field are coupled at all."""
+        """True if strain and electric field are coupled."""
         return bool(np.any(self.coupling))
 
     @property
     def is_lossy(self) -> bool:
-        """Whether any power is dissipated."""
+        """True if the solid dissipates power."""
         return np.isfinite(self.mechanical_quality) or self.dielectric_loss > 0
 
     @property
@@ -157,16 +156,15 @@ def isotropic(
     youngs_modulus : float
         Pa.
     poisson_ratio : float
-        Between -1 and 0.5, both excluded.  Towards 0.5 a stiffness in floating point forgets mu =
-        (c11 - c12)/2: what follows from it is good to about 1e-16/(1 - 2 nu).
+        Between -1 and 0.5, both excluded.  Towards 0.5 mu = (c11 - c12)/2 loses digits: its relative error is about
+        1e-16 / (1 - 2 nu).
 
     Raises
     ------
     ValueError
         Naming the constant, the rule, the value and the unit.
     """
-    if not (np.isfinite(youngs_modulus) and youngs_modulus > 0):
-        raise InputError("youngs_modulus", "must be positive and finite", youngs_modulus, "Pa")
+    refuse_unless_positive("youngs_modulus", youngs_modulus, "Pa")
     if not -1 < poisson_ratio < 0.5:
         raise InputError("poisson_ratio", "must lie between -1 and 0.5", poisson_ratio)
     shear = youngs_modulus / (2 * (1 + poisson_ratio))

@@ -1,4 +1,4 @@
-"""What solids of the catalogue withstand: contact pressure, dynamic stress and field. For warnings, not for design.
+"""Limits of the catalogue's solids: contact pressure, dynamic stress and electric field. For warnings, not for design.
 
 Ceramics: compressive strength, rated dynamic tensile strength and AC depoling field (peak, 25 degC) of the
 manufacturer's tables, D. Berlincourt, H. H. A. Krueger and C. Near, Properties of Piezoelectricity Ceramics, Technical
@@ -30,7 +30,7 @@ class Strength:
     field : float or None
         At which a ceramic depoles or a crystal reverses its domains, peak, V/m.
     pressure_source, field_source : str
-        What the limits are.
+        Kind of each limit, and its publication.
     """
 
     contact_pressure: float
@@ -71,7 +71,7 @@ _STRENGTHS = {
 
 
 def strength(name: str) -> Strength | None:
-    """Return what a solid of the catalogue withstands, by its name; None where nothing is known.
+    """Return the limits of a solid of the catalogue, by its name; None if none are known.
 
     Examples
     --------

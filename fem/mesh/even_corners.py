@@ -1,9 +1,10 @@
 """Triangles of even size around singular vertices.
 
-Layers towards a vertex keep the shapes of its elements: where one edge at it is much longer than another, or than its
-distance from the vertex, the field between both lengths is resolved by the order alone, and a level divides the error
-by 1.3 to 2 instead of 8.  Long edges are therefore halved first, by longest-edge bisection, which keeps the mesh
-conforming and its angles above half of the smallest (Rivara, Int. J. Numer. Methods Eng. 20 (1984) 745).
+Geometric layers towards a singular vertex keep the shapes of the elements there.  If an edge at the vertex is much
+longer than the shortest one there, or another edge much longer than its distance from the vertex, no layer resolves the
+field between the two lengths, and a level divides the error by 1.3 to 2 instead of 8.  Long edges are therefore halved
+first, by longest-edge bisection, which keeps the mesh conforming and its angles above half of the smallest (Rivara,
+Int. J. Numer. Methods Eng. 20 (1984) 745).
 """
 
 from dataclasses import replace
@@ -116,6 +117,7 @@ class _Triangles:
                 self._halve_triangle(triangle, edge)
 
     def _halve_triangle(self, triangle: int, edge: tuple[int, int]) -> None:
+        """Replace a triangle by two, cut from the middle of an edge to the opposite corner."""
         nodes, solid = self.nodes.pop(triangle), self.solid.pop(triangle)
         first = next(k for k in range(3) if _key(nodes[k], nodes[(k + 1) % 3]) == edge)
         turn = [first, (first + 1) % 3, (first + 2) % 3]

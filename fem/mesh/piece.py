@@ -19,10 +19,10 @@ class MeshPiece:
     Attributes
     ----------
     name : str
-        What messages call it.
+        Name in messages.
     mesh : SectionMesh
     position : float
-        Where the mesh's x = 0 lies, from the stator's left end, m.
+        Of the mesh's x = 0, m from the stator's left end.
     solids : tuple of (str, Solid)
         Surface groups other than ``stator`` and their solids, in the stator's axes.
     electrodes : tuple of (str, str)
@@ -38,7 +38,7 @@ class MeshPiece:
 
     @property
     def contents(self) -> tuple:
-        """What it is, wherever it stands: equal for pieces that are condensed once."""
+        """Mesh, solids and electrodes without the position: equal for pieces that are condensed once."""
         return self.mesh, self.solids, self.electrodes
 
     @property
@@ -59,7 +59,7 @@ class MeshPiece:
         return tuple((self.position + low, self.position + high) for low, high in self.mesh.gaps)
 
     def connection(self, electrode: str) -> str:
-        """What an electrode is connected to."""
+        """Connection of an electrode, as in ``electrodes``."""
         return dict(self.electrodes).get(electrode, FLOATING)
 
     def strips(self, connection: str) -> np.ndarray:
@@ -78,7 +78,7 @@ class MeshPiece:
         return np.array(merged).reshape(-1, 2)
 
     def interface(self, side: str) -> tuple[float, float, float] | None:
-        """Place on the stator, height and upper end z of an interface, m; None where the piece is the stator's end."""
+        """Position on the stator, height and upper end z of an interface, m; None where the piece is an end."""
         line = self.mesh.interface(side)
         return None if line is None else (self.position + line[0], *line[1:])
 
@@ -88,9 +88,9 @@ class MeshPiece:
         return -float(self.mesh.points[:, 1].min())
 
     def fits(self, side: str, thickness: float) -> bool:
-        """Whether an interface is as high as the stator and ends at its surface.
+        """True if an interface is as high as the stator and ends at its surface.
 
-        Where the stator is a half-space (infinite ``thickness``), it reaches down to the lowest point of the mesh.
+        On a half-space (infinite ``thickness``) it must reach down to the lowest point of the mesh.
         """
         line = self.interface(side)
         thickness = thickness if np.isfinite(thickness) else self.depth

@@ -1,4 +1,4 @@
-"""Warnings about the drawing of a meshed piece: what no finer discretisation of the same file can show or mend."""
+"""Warnings about errors of a drawing that no finer discretisation of the same file can show or reduce."""
 
 import numpy as np
 

@@ -125,7 +125,7 @@ class SectionMesh:
         return edges[low][np.argsort(self.points[edges[low, 0], 0])]
 
     def interface(self, side: str) -> tuple[float, float, float] | None:
-        """Place x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
+        """Position x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
         if side not in self.lines:
             return None
         ends = self.points[np.unique(self.lines[side])]
@@ -337,7 +337,7 @@ def _at(points: np.ndarray, nodes) -> str:
 
 
 def _no_element(name: str, points: np.ndarray, nodes) -> str:
-    """What is told of a group's line that no element touches: mostly the border of a hole."""
+    """Message about a line of a group that is no edge of an element: mostly the border of a hole."""
     return (
         f"no element has the line at {_at(points[:, :2], nodes)} of the group {name} as an edge: either the mesh has a "
         "hole there (gmsh writes only surfaces that are in a physical group), or the line is none of the body's"
@@ -395,7 +395,7 @@ def _check_topology(mesh: SectionMesh) -> None:
         if loop != outer and not named.intersection(inside.tolist()):
             raise MeshError(
                 f"the mesh has a hole at {_at(mesh.points, inside)}: gmsh writes only surfaces that are in a "
-                "physical group; put the lines of a hole that is meant into the group surface"
+                "physical group; put the lines of an intended hole into the group surface"
             )
 
 

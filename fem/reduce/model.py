@@ -122,6 +122,7 @@ class ReducedModel:
         )
 
     def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> FingerColumns:
+        """Cell of a finger from its interpolated halves; ``weights``: of the nodes."""
         halves, section = self.half_cells[shape], self.section
 
         def interpolated(stack: np.ndarray, side: int) -> FingerColumns:

@@ -106,7 +106,7 @@ def piece_of_cascade(
         at = piece.at(frequency)
         if lines == 1:
             wall = Wall(matrix=at.matrix, recover=at.recover, floating_potential=at.floating_potential)
-            return wall.sent_back(modes, 0 if "right" in assembly.sides else 1, modes.propagating)
+            return wall.reflection(modes, 0 if "right" in assembly.sides else 1, modes.propagating)
         own = Scatterer(piece=at, modes=modes, potentials=np.zeros((ports, 0)))
         return np.hstack([own.sides(*each) for each in incoming])
 

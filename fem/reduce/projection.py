@@ -1,6 +1,7 @@
 """Construction of a reduced model from full solutions at some frequencies of a band: snapshots, bases, projection."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -90,6 +91,16 @@ class NodeSolutions:
     pieces: dict[tuple, list[MeshedPiece]] = field(repr=False)
 
 
+class _Node(NamedTuple):
+    """Superelements at one node, and a solution if the whole stator is solved there; no walls for absorbing ends."""
+
+    matrices: dict  # by finger shape: half cells as in `NodeSolutions`
+    walls: np.ndarray | None
+    fields: tuple | None
+    solution: Solution | None
+    pieces: dict[tuple, MeshedPiece]
+
+
 def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:
     """Condense half cells and ends at every node, and solve the whole stator at three of them."""
     stator, transducers = problem.stator, problem.transducers
@@ -101,7 +112,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     shapes = dict.fromkeys(FingerShape.of(each, unit) for each in transducers)
     meshes = StatorMeshes(stator, section, resolution, problem.limits[1])
 
-    def at_node(index: int):
+    def at_node(index: int) -> _Node:
         frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
         condensed = meshes.condensed(frequency)
         make = Condensation(section, frequency)
@@ -126,20 +137,20 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             shape: tuple(np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair))
             for shape, pair in halves.items()
         }
-        return matrices, walls, fields, solution, condensed
+        return _Node(matrices, walls, fields, solution, condensed)
 
     nodes = side_by_side(at_node, range(len(squares)))
-    fields = [each for _, _, each, _, _ in nodes if each is not None]
+    fields = [node.fields for node in nodes if node.fields is not None]
     gaps = np.hstack([gap for gap, _ in fields] + [section.constant_potential[:, None]])
     return NodeSolutions(
         section=section,
         resolution=resolution,
-        half_cells={shape: [matrices[shape] for matrices, *_ in nodes] for shape in shapes},
-        walls=[walls for _, walls, *_ in nodes if walls is not None],
+        half_cells={shape: [node.matrices[shape] for node in nodes] for shape in shapes},
+        walls=[node.walls for node in nodes if node.walls is not None],
         fields=(gaps, np.hstack([finger for _, finger in fields])),
-        solutions=[solution for *_, solution, _ in nodes if solution is not None],
+        solutions=[node.solution for node in nodes if node.solution is not None],
         meshes=meshes,
-        pieces={key: [condensed[key] for *_, condensed in nodes] for key in meshes.assemblies},
+        pieces={key: [node.pieces[key] for node in nodes] for key in meshes.assemblies},
     )
 
 

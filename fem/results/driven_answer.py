@@ -59,7 +59,7 @@ class SurfaceWave(Surface):
 
     @cached_property
     def power(self) -> PowerBalance:
-        """Where the power goes."""
+        """Power balance."""
         return self.balance()
 
     @property

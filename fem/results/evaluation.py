@@ -56,12 +56,12 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
 
     def condensed(start: float, stop: float, index: int, **rest) -> CondensedPiece:
         origin = start if np.isfinite(start) else stop
+
+        def motion_in_metres(inside) -> Callable[[np.ndarray], np.ndarray]:
+            return lambda x: inside.motion((x - origin) / unit)
+
         return CondensedPiece(
-            start=start,
-            stop=stop,
-            recover=lambda: _in_metres(recovered(solve(), index), origin, unit),
-            index=index,
-            **rest,
+            start=start, stop=stop, recover=lambda: motion_in_metres(recovered(solve(), index)), index=index, **rest
         )
 
     pieces: list = [*segments[0]]
@@ -82,11 +82,6 @@ def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
         outside = [] if wall.beyond is None else [_beyond(solution, side, length, wall.beyond)]
         pieces = [*outside, piece, *pieces] if side == 0 else [*pieces, piece, *outside]
     return tuple(pieces)
-
-
-def _in_metres(field, origin: float, unit: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Surface motion of a recovered field as a function of x in m."""
-    return lambda x: field.motion((x - origin) / unit)
 
 
 def _beyond(solution: Solution, side: int, length: float, outside: Beyond) -> UniformSegment:

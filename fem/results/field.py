@@ -72,8 +72,8 @@ class WaveField:
     densities : Densities or None
         Strain energy and power flow, if they were requested.
     inside : ndarray of bool, shape (nx, nz), or None
-        Whether a node lies in the solid, where a meshed piece leaves some of the grid empty: there the field is 0.
-        What a mesh has above z = 0 is not on the grid.
+        True at nodes in the solid, if a meshed piece leaves some of the grid empty; the field is 0 at the other nodes.
+        The part of a mesh above z = 0 is not on the grid.
     pieces : tuple of PieceField
         The meshed pieces in the span, on their own elements.
     """
@@ -227,9 +227,8 @@ class _Part:
 
     def on_lines(self, which) -> "_Part":
         """The part on some of its lines."""
-        cut = (None if each is None else each[which] for each in (self.along, self.upward))
+        along, upward = (None if each is None else each[which] for each in (self.along, self.upward))
         inside = self.inside if len(self.inside) == 1 else self.inside[which]
-        along, upward = cut
         solids = tuple((solid, nodes[which]) for solid, nodes in self.solids)
         return _Part(self.x[which], self.values[which], along, upward, inside, solids)
 

@@ -73,9 +73,7 @@ def _write(wave_field: WaveField, data: Callable[[WaveField | PieceField], dict]
     points, quads, columns = zip(*parts, strict=True)
     first_point = np.cumsum([0, *(len(each) for each in points[:-1])])
     all_quads = np.concatenate([each + first for each, first in zip(quads, first_point, strict=True)])
-    used, renumbered = np.unique(
-        all_quads, return_inverse=True
-    )  # points of quadrilaterals that are left out are dropped
+    used, renumbered = np.unique(all_quads, return_inverse=True)  # the other points are dropped
     point_data = {name: np.concatenate([each[name] for each in columns])[used] for name in grid_data}
     _write_quads(np.concatenate(points)[used], renumbered.reshape(all_quads.shape), point_data, path)
 

@@ -129,6 +129,7 @@ def _load_power(solution: Solution, index: int, taken: float) -> float:
 
 
 def _at_piece(solution: Solution, index: int) -> _Crossing:
+    """Powers at a piece of the cascade; with finite apertures those of the transducer's own aperture."""
     fields, circuit, scatterer = solution.fields, solution.circuit, solution.fields.network.scatterers[index]
     modes, at, frequency = fields.modes, scatterer.at, fields.frequency
     owner = fields.owners[index]
@@ -161,7 +162,7 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
 
 
 def _at_force(solution: Solution, number: int, before: SegmentWaves, after: SegmentWaves) -> _Crossing:
-    """``number``: port of the network; ``before``, ``after``: the parts of the segment on either side of the force."""
+    """Powers at a force, number ``number`` of the network's ports, between the parts of its segment on either side."""
     fields, modes = solution.fields, solution.fields.modes
     aperture = solution.circuit.aperture
     fluxes = []

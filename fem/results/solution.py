@@ -24,11 +24,11 @@ class Solution:
         return np.concatenate([self.circuit.voltages, silent if self.forces is None else self.forces])
 
     def sides(self, index: int) -> np.ndarray:
-        """Lines and electrode potentials of a transducer, scaled, shape (2 n + 2,)."""
+        """Unknowns of a scatterer's lines and ports, scaled, shape (2 n + ports,)."""
         return self.fields.sides[index] @ self.weights
 
     def incoming(self, index: int) -> np.ndarray:
-        """Part of a transducer's lines that comes in, scaled, shape (2 n,)."""
+        """Incident part of a scatterer's lines, scaled, shape (2 n,)."""
         return self.fields.incoming[index] @ self.weights
 
 

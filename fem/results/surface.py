@@ -15,7 +15,7 @@ from fem.exceptions import ConvergenceError, InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface
 PER_WAVELENGTH = 12  # samples of the surface that a file and a picture show
-# M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
+# m per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
 MAX_MOTION_PER_VOLT = 1e-6
 FINER = 64  # points of a spline between two samples
 
@@ -177,6 +177,7 @@ class Surface:
         return x, self.motion(x)
 
     def _gather(self, x, part):
+        """Motion ``part(piece, positions)`` of the pieces at positions x, with the errors that `motion` raises."""
         x = np.asarray(x, dtype=float)
         if not np.all((x >= 0) & (x <= self.length)):
             raise InputError("x", f"must lie on the stator, 0 to {self.length:g} m", x[()], "m")

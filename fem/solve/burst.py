@@ -8,11 +8,11 @@ end,
 
 S(t, phase) is the envelope, relative to exp(i omega0 t + i phase), of the response to cos(omega0 t + phase) for t > 0.
 This voltage has the spectrum [exp(i phase) / (i x) + exp(-i phase) / (i (x + 2 omega0))] / 2 with x = omega - omega0.
-With the response H(f) per volt the inverse transform over positive frequencies, as a sum over f_k with step df, is
+With the response H(f) per volt, a window G and x = 2 pi (f_k - f0), the inverse transform over positive frequencies, as
+a sum over f_k with step df, is
 
-    S(t, phase) = sum_k G_k H_k df [ (exp(i x t) - exp(-i x a)) / (i x) + exp(i x t - 2 i phase) / (i (x + 2 omega0)) ],
-
-x = 2 pi (f_k - f0).                                                                                        (2)
+    S(t, phase) = sum_k G_k H_k df [ (exp(i x t) - exp(-i x a)) / (i x)
+                                     + exp(i x t - 2 i phase) / (i (x + 2 omega0)) ].                       (2)
 
 The second term, the counter-rotating half of the voltage, matters close to the switch.  The constant exp(-i x a) makes
 the first term vanish at t = -a, before which the motion is taken as zero; at x = 0 this term is t + a.  S tends to
@@ -36,7 +36,7 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.discretize.error_estimate import refine
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ConvergenceError, InputError, refuse_unless_positive
 from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
@@ -212,7 +212,7 @@ def burst_response(
     low, high = band.limits
     if not low < frequency < high:
         raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
-    _refuse_endless(duration)
+    refuse_unless_positive("duration", duration, "s")
     motions = _Motions(band, position, drive, frequency)
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
@@ -265,11 +265,6 @@ class _Motions:
         return (float(max(change, missed) / steady),)
 
 
-def _refuse_endless(duration: float) -> None:
-    if not (np.isfinite(duration) and duration > 0):
-        raise InputError("duration", "must be positive and finite", duration, "s")
-
-
 def _envelope(
     duration: float,
     spectrum: _Spectrum,
@@ -279,7 +274,7 @@ def _envelope(
     share: float = 1.0,
 ) -> BurstEnvelope:
     """Envelopes of a burst; ``errors``: by the frequency step, of the response; ``frequencies``: number solved."""
-    _refuse_endless(duration)
+    refuse_unless_positive("duration", duration, "s")
     span = np.arange(0.0, 1 / spectrum.step, spectrum.tick)
     during = int(np.count_nonzero(span < duration))
     time = np.append(span[:during], duration + span)

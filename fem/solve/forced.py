@@ -11,7 +11,7 @@ import numpy as np
 from fem.circuit import Drive
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.exceptions import InputError, refuse_above
+from fem.exceptions import InputError, refuse_above, refuse_unless_positive
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -74,8 +74,7 @@ def forced_wave(
     """
     check_layout(stator, transducers)
     for name, value, unit in (("tolerance", tolerance, ""), ("frequency", frequency, "Hz")):
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(name, "must be positive and finite", value, unit)
+        refuse_unless_positive(name, value, unit)
     _refuse_forces(stator, forces)
     at = np.array(places)
     amplitudes = np.array([each.amplitude for each in forces])

@@ -35,14 +35,14 @@ class FullModel:
     interpolation: tuple[StatorMeshes, WholePiece] | None = field(default=None, repr=False)
 
     def cascade(self, frequency: float, forces: tuple[LineForce, ...] = ()) -> StatorCascade:
-        """Row at a frequency of the band (Hz), with line forces on the bare surface."""
+        """Cascade at a frequency of the band (Hz), with line forces on the bare surface."""
         stator, transducers, resolution = self.stator, self.transducers, self.resolution
         if self.interpolation is None:
             return stator_cascade(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
-        piece_row, piece = self.interpolation
-        modes = guided_modes(piece_row.section, frequency)
-        (contents,) = piece_row.assemblies  # the mesh that is the whole stator
-        pieces = piece_row.arranged({contents: piece.at(frequency)}, modes)
+        meshes, piece = self.interpolation
+        modes = guided_modes(meshes.section, frequency)
+        (contents,) = meshes.assemblies  # the mesh that is the whole stator
+        pieces = meshes.arranged({contents: piece.at(frequency)}, modes)
         return joined_cascade(stator, transducers, [], modes=modes, resolution=resolution, pieces=pieces, forces=forces)
 
     def interpolated(
@@ -56,10 +56,10 @@ class FullModel:
         """
         unit = slowest_wavelength(self.stator.solid, self.limits[1])
         section = discretise(self.stator, self.resolution, wavelength=unit, surface_scale=np.inf)
-        piece_row = StatorMeshes(self.stator, section, self.resolution, self.limits[1])
-        (assembly,) = piece_row.assemblies.values()
+        meshes = StatorMeshes(self.stator, section, self.resolution, self.limits[1])
+        (assembly,) = meshes.assemblies.values()
         condensed = [assembly.condensed(float(frequency)) for frequency in np.linspace(*self.limits, FIRST_NODES)]
         piece, error = piece_of_whole_stator(condensed, potentials, positions / unit, self.limits, tolerance)
         if error > tolerance:
             return self, 0.0
-        return replace(self, interpolation=(piece_row, piece)), error
+        return replace(self, interpolation=(meshes, piece)), error

@@ -18,7 +18,7 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import absorbs_slowly, refine
 from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN, Section
-from fem.exceptions import InputError, refuse_above
+from fem.exceptions import InputError, refuse_above, refuse_unless_positive
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.segment_modes import FreeWave, SegmentModes
@@ -35,8 +35,7 @@ def _refined_modes(
     stator: Stator, frequency: float, lateral_wavenumber: float, tolerance: float, orders, difference
 ) -> tuple[GuidedModes, GuidedModes, float]:
     """Modes of the finest section that was needed, of the one before, and the error from their ``difference``."""
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise InputError("tolerance", "must be positive and finite", tolerance)
+    refuse_unless_positive("tolerance", tolerance)
     unit = slowest_wavelength(stator.solid, frequency)
 
     @cache
@@ -182,8 +181,7 @@ def guided_modes(
     >>> bool(np.isclose(oblique.surface_velocity, along.surface_velocity, rtol=1e-6))
     True
     """
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
     if not np.isfinite(lateral_wavenumber):
         raise InputError("lateral_wavenumber", "must be finite", lateral_wavenumber, "rad/m")
     modes, coarse, error = _refined_modes(
@@ -228,7 +226,7 @@ def _shapes(modes: GuidedModes, numbers: np.ndarray) -> np.ndarray:
 
 
 def _resolved(modes: GuidedModes, coarse: GuidedModes, tolerance: float, checked: np.ndarray) -> np.ndarray:
-    """Modes whose error is ``checked`` and those that the coarser discretisation has too, least decaying first."""
+    """Indices of the ``checked`` modes and of those that the coarser section has too, least decaying first."""
     k = modes.wavenumbers
     scale = np.sqrt(abs(k) ** 2 + modes.lateral_wavenumber**2)
     nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)

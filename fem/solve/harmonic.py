@@ -13,7 +13,7 @@ import numpy as np
 from fem.circuit import Drive
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.exceptions import InputError, refuse_above
+from fem.exceptions import InputError, refuse_above, refuse_unless_positive
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
 from fem.materials import fields
@@ -99,8 +99,7 @@ def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency:
         raise InputError("transducer", f"needs a piezoelectric stator, and {stator.solid.name} {why}")
     if not tolerance > 0:
         raise InputError("tolerance", "must be positive", tolerance)
-    if not (np.isfinite(frequency) and frequency > 0):
-        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
+    refuse_unless_positive("frequency", frequency, "Hz")
 
 
 def solution_differences(fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]) -> tuple[float, float]:

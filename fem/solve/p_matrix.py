@@ -3,17 +3,20 @@
 The transducer stands alone between uniform semi-infinite segments.  For waves of amplitude a incident on the outer
 edges of its outer gaps and a voltage V, the outgoing waves b and the current I into it are
 
-    b = S a + p V,    I = -2 p^T a + Y V,
+    b = S a + p V,    I = -2 p^T a + Y V,                                                                       (1)
 
 the P-matrix of Tobolka (IEEE Ultrasonics Symp. 1979, 676) in the form of Morgan (*Surface Acoustic Wave Filters*, 2nd
 ed., 2007, appendix D): amplitudes are such that a wave carries the power |a|^2 / 2, peak values.  Either all
 propagating modes are kept or only those of the surface wave; bulk waves are then left out, as in coupled-mode (COM)
 theory.  Decaying modes are left out in both cases, the near field of the fingers included.
 
-Waves are scaled by the reciprocity of the field, i omega (l_i^T F_rj - F_li^T r_j) = 2 delta_ij per aperture (r, l:
-shapes to the right and to the left, F their fluxes), so that S is symmetric with losses too.  In a thick plate the
-surface waves of both faces have equal wavenumbers up to rounding, and the eigensolver may return any two combinations
-of them.  The waves used here are the combinations of which only the first moves the upper surface.
+Waves are scaled by the reciprocity of the field,
+
+    i omega (l_i^T F_rj - F_li^T r_j) = 2 delta_ij per aperture,                                                (2)
+
+with the shapes r to the right and l to the left and their fluxes F, so that S is symmetric with losses too.  In a thick
+plate the surface waves of both faces have equal wavenumbers up to rounding, and the eigensolver may return any two
+combinations of them.  The waves used here are the combinations of which only the first moves the upper surface.
 """
 
 from collections.abc import Sequence
@@ -269,6 +272,7 @@ def waves_of(modes: GuidedModes, indices: np.ndarray, per_area: float) -> Scaled
         return upper
 
     right = right * np.exp(-1j * np.angle(face_motion(shape, right)))
+    # equation (2) determines the waves to the left
     products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
     left = np.linalg.inv(products).T
     # With loss both directions share the scale, so that a reflection is the ratio of the motions of two equal waves.

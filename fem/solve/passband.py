@@ -129,10 +129,6 @@ def _alone(stator: Stator, transducer: Transducer) -> tuple[Stator, Transducer]:
     )
 
 
-def _level(transducer: Transducer) -> Resolution:
-    return LEVELS[int(transducer.finger_pairs >= MANY_PAIRS)]
-
-
 def _guess(stator: Stator, transducer: Transducer) -> float:
     """Return the product of frequency and period in m/s for a half-space."""
     solid, surface = stator.solid, stator.bare_surface
@@ -151,7 +147,8 @@ def _maximise(power_at: Callable[[float, Resolution], float], guess: float, tran
     """Return the argument of the largest power within SCAN / N of a guess and above MIN_SCAN times the guess."""
     from scipy.optimize import minimize_scalar
 
-    pairs, level = transducer.finger_pairs, _level(transducer)
+    pairs = transducer.finger_pairs
+    level = LEVELS[int(pairs >= MANY_PAIRS)]
     count = 2 * round(SCAN / STEP) + 1
     scan = guess * np.linspace(max(1 - SCAN / pairs, MIN_SCAN), 1 + SCAN / pairs, count)
     power = np.array([power_at(float(value), LEVELS[0]) for value in scan])

@@ -127,6 +127,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
 
 
 def _of_cascade(stator: Stator, modes: GuidedModes, meshed: CondensedPieces) -> Reflector:
+    """Reflector on one discretisation, without an error."""
     waves = waves_of(modes, modes.rayleigh, modes.section.solid.stress_unit)
 
     def p_matrix_of(pieces: Sequence[tuple[float, Piece]]) -> PMatrix:
@@ -156,7 +157,7 @@ def _of_cascade(stator: Stator, modes: GuidedModes, meshed: CondensedPieces) -> 
     for side, (end_piece, wall) in enumerate(zip(stator.placement.ends, meshed.ends, strict=True)):
         if end_piece is None or not isinstance(wall, Wall):
             continue
-        reflected = wall.sent_back(modes, side, waves.modes)[waves.modes]
+        reflected = wall.reflection(modes, side, waves.modes)[waves.modes]
         outgoing, incident = (waves.right, waves.left) if side == 0 else (waves.left, waves.right)
         kind = "step" if is_step(end_piece, stator.depth) else "end"
         # from amplitudes of modes to those of the scaled surface waves, which in a plate are mixtures of two modes

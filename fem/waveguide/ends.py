@@ -32,7 +32,7 @@ class Wall:
     floating_potential: bool = False  # as in `Piece`; the mean potential is then set to zero
     beyond: "Beyond | None" = field(default=None, repr=False)  # the uniform stator behind a step of thickness
 
-    def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
+    def reflection(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes q of all reflected modes for each incident mode p at the line: (E - X_back) q = -(E + X_on) p."""
         impedances = modes.left_impedance, modes.right_impedance
         on, back = impedances if side == 0 else impedances[::-1]
@@ -73,7 +73,7 @@ def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarra
     the right.
     """
     if isinstance(ends, Wall):
-        return ends.sent_back(modes, side, arriving)
+        return ends.reflection(modes, side, arriving)
     shapes = (modes.left, modes.right) if side == 0 else (modes.right, modes.left)
     fluxes = (modes.left_flux, modes.right_flux) if side == 0 else (modes.right_flux, modes.left_flux)
     held = np.zeros(modes.section.size, dtype=bool)

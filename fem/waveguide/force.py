@@ -3,7 +3,7 @@
 A force F per width along y (N/m) at one position of the surface makes the nodal flux jump, f_right - f_left = -F e,
 with e the surface's unknown of that component.  With the radiation impedances of both sides
 
-    (X_right + X_left) u = -F e,
+    (X_right + X_left) u = -F e,                                                                    (1)
 
 and the modes' amplitudes on either side follow from u.  The surface wave's part is the surface's compliance Gamma at
 its pole: U_z to the right is -i Gamma F_z for a normal force.
@@ -93,7 +93,7 @@ class ForceResponse:
 
 
 def force_response(modes: GuidedModes, component: str) -> ForceResponse:
-    """Response to a line force along "x" or "z" (normal) on the surface of a segment with these modes."""
+    """Response to a line force along "x" or "z" (normal) on a segment with these modes, by equation (1)."""
     section = modes.section
     load = section.surface_rows[("x", "z").index(component)] / section.solid.stress_unit
     line = -np.linalg.solve(_with_held_mean(modes), load)

@@ -173,6 +173,7 @@ class Grating:
         return StopBand(lower=edges[0], upper=edges[1], pitch=self.pitch)
 
     def _matrix_and_slope(self, omega_squared, open_fingers):
+        """B and its derivative with respect to omega^2, by differences."""
         step = STEP * omega_squared
         around = [self.edge_matrix(omega_squared + side * step, open_fingers=open_fingers) for side in (-1, 1)]
         return (around[0] + around[1]) / 2, (around[1] - around[0]) / (2 * step)

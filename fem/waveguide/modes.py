@@ -232,7 +232,7 @@ def _unit_shapes(shapes):
 
 
 def _nearest_to_constant(constant, wavenumbers, shapes):
-    """Modes sorted by |k|, those last (1 is added) whose unit shape is not nearly the constant potential."""
+    """Indices of the modes by |k|; 1 is added to |k| unless the unit shape is nearly the constant potential."""
     return np.argsort(abs(wavenumbers) + (abs(constant @ shapes) < 0.9), kind="stable")
 
 
@@ -252,8 +252,8 @@ def _with_constant(constant, wavenumbers, shapes):
 def _both_ways(constant, second, first, skew, zeroth):
     """Modes going right and left where x -> -x is no symmetry: twice (wavenumbers, shapes).
 
-    A mode that goes left has the number of the mode that goes right whose wavenumber is most nearly opposite; the
-    modes with the smallest |k| choose first.  The constant potential is a double mode, once in each direction.
+    A mode that goes left has the number of the mode that goes right whose wavenumber is most nearly opposite, matched
+    in the order of rising |k|.  The constant potential is a double mode, once in each direction.
     """
     size = len(second)
     wavenumbers, shapes = companion_modes(second, 1j * skew, zeroth)

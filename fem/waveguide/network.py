@@ -125,19 +125,19 @@ class _Segment:
     start: float
     stop: float
     travel: float  # distance that the modes travel from end to end, length units; 0 if the segment is semi-infinite
-    kept: np.ndarray  # indices of the modes that couple the ends
+    coupling_modes: np.ndarray  # indices of the modes that couple the ends
     first: int  # number in the cascade of their first wave: waves to the right, then waves to the left
     forces: tuple[int, ...]  # ports of the network that are forces on it, from left to right
 
     @property
     def right(self) -> np.ndarray:
         """Numbers in the cascade of the waves to the right."""
-        return self.first + np.arange(len(self.kept))
+        return self.first + np.arange(len(self.coupling_modes))
 
     @property
     def left(self) -> np.ndarray:
         """Numbers in the cascade of the waves to the left."""
-        return self.right + len(self.kept)
+        return self.right + len(self.coupling_modes)
 
     def passed(self, towards: str, distance: float) -> np.ndarray:
         """Propagation factors of all modes over a distance in their direction."""
@@ -151,7 +151,7 @@ class _Segment:
 
     def arriving(self, towards: str) -> np.ndarray:
         """Propagation factors of the coupling modes over the distance `half`."""
-        return self.passed(towards, self.half)[self.kept]
+        return self.passed(towards, self.half)[self.coupling_modes]
 
     def sent(self, towards: str, lines: np.ndarray, *, by_end: bool = False) -> np.ndarray:
         """Amplitudes of the coupling modes in fields (n, m) that leave a piece or an end.
@@ -163,14 +163,15 @@ class _Segment:
         with the modes are a symmetric matrix by reciprocity.  The fluxes of fast decaying modes, with which plain ends
         are solved, err by up to 1e-9 on the finest level; the mean with the transpose keeps reciprocity to rounding.
         """
-        modes, kept = self.modes, self.kept
+        modes, coupling_modes = self.modes, self.coupling_modes
         shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
-        tests = opposite[:, kept].T @ modes.impedance_sum
+        tests = opposite[:, coupling_modes].T @ modes.impedance_sum
         products = tests @ lines
         if by_end:
             products = 0.5 * (products + products.T)
         return np.linalg.solve(
-            tests @ shapes[:, kept], self.passed(towards, self.travel - self.half)[kept, None] * products
+            tests @ shapes[:, coupling_modes],
+            self.passed(towards, self.travel - self.half)[coupling_modes, None] * products,
         )
 
 
@@ -191,10 +192,10 @@ def _scattered(
 ) -> _Scattered:
     """Response of a scatterer between two segments; ``ports``: those of the network that determine its potentials."""
     modes, at = scatterer.modes, Blocks(scatterer.modes.section.size)
-    m, count = len(before.kept), len(before.kept) + len(after.kept)
+    m, count = len(before.coupling_modes), len(before.coupling_modes) + len(after.coupling_modes)
     incoming = np.zeros((2 * at.size, count + len(ports)), dtype=complex)
-    incoming[at.left, :m] = modes.right[:, before.kept] * before.arriving("right")
-    incoming[at.right, m:count] = modes.left[:, after.kept] * after.arriving("left")
+    incoming[at.left, :m] = modes.right[:, before.coupling_modes] * before.arriving("right")
+    incoming[at.right, m:count] = modes.left[:, after.coupling_modes] * after.arriving("left")
     potentials = np.zeros((len(scatterer.potentials), count + len(ports)))
     potentials[:, count:] = scatterer.potentials
     lines = scatterer.sides(incoming, potentials)
@@ -254,8 +255,8 @@ class Network:
     def forces_on(self, segment: int) -> tuple[int, ...]:
         """Numbers of the ports that are forces on a segment, from left to right."""
         start, stop = self.segments[segment]
-        mine = [number for number in self.forces if start <= self.ports[number].position <= stop]
-        return tuple(sorted(mine, key=lambda number: self.ports[number].position))
+        numbers = [number for number in self.forces if start <= self.ports[number].position <= stop]
+        return tuple(sorted(numbers, key=lambda number: self.ports[number].position))
 
     def _coupled_segments(self, waves: np.ndarray) -> list[_Segment]:
         """Segments with their coupling modes; ``waves``: modes that arrive from outside at absorbing ends."""
@@ -277,12 +278,13 @@ class Network:
             forces = self.forces_on(index)
             # A force excites modes anew: they reach the nearest edge after a distance shorter than the segment.
             length = min([stop - start, *(abs(positions[each] - edge) for each in forces for edge in (start, stop))])
-            kept, travel = self.survivors(length), stop - start
+            coupling_modes, travel = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             # No wave returns from an absorbing end: a piece beside it receives only the waves from outside and those of
             # forces between the two.
             if any(semi_infinite):
-                kept = np.append(waves, np.setdiff1d(kept, waves)) if forces and not all(semi_infinite) else waves
+                forced = forces and not all(semi_infinite)
+                coupling_modes = np.append(waves, np.setdiff1d(coupling_modes, waves)) if forced else waves
                 travel = 0.0
             before = segments[-1] if segments else None
             segments.append(
@@ -291,8 +293,8 @@ class Network:
                     start=start,
                     stop=stop,
                     travel=travel,
-                    kept=kept,
-                    first=before.first + 2 * len(before.kept) if before else 0,
+                    coupling_modes=coupling_modes,
+                    first=before.first + 2 * len(before.coupling_modes) if before else 0,
                     forces=forces,
                 )
             )
@@ -311,8 +313,8 @@ class Network:
         ports = len(self.ports)
         segments, excitations = self._coupled_segments(waves), ports + 2 * len(waves)
         # segments[-side] is the first segment (segments[0]) at the left end, side 0, and the last one at the right end
-        sent_back = [self._sent_back(side, segments[-side].kept) for side in (0, 1)]
-        elements = [self._end(side, segments[-side], sent_back[side], excitations) for side in (0, 1)]
+        reflected = [self._reflection(side, segments[-side].coupling_modes) for side in (0, 1)]
+        elements = [self._end(side, segments[-side], reflected[side], excitations) for side in (0, 1)]
         responses = [
             _scattered(scatterer, own_ports, before, after, excitations)
             for scatterer, own_ports, before, after in zip(
@@ -333,7 +335,7 @@ class Network:
             reactions[own_ports] += scatterer.reactions(sides[-1])
         from_ends = [
             sent @ (segments[-side].arriving(towards)[:, None] * solved.arriving[elements[side].arrives])
-            for side, (towards, sent) in enumerate(zip(("left", "right"), sent_back, strict=True))
+            for side, (towards, sent) in enumerate(zip(("left", "right"), reflected, strict=True))
         ]
         amplitudes = self.segment_waves(sides, arrived, segments, from_ends)
         for number in self.forces:
@@ -344,17 +346,17 @@ class Network:
             segments=amplitudes,
             reactions=reactions,
             coupling=solved.coupling,
-            waves=np.concatenate([np.tile(each.kept, 2) for each in segments]),
+            waves=np.concatenate([np.tile(each.coupling_modes, 2) for each in segments]),
         )
 
     def _solve_whole(self, waves: np.ndarray) -> "PortSolution":
         """Fields of a stator that is one piece from end to end, on which only the potentials of its ports act."""
-        (scatterer,), (mine,), ports = self.scatterers, self.numbers, len(self.ports)
+        (scatterer,), (own_ports,), ports = self.scatterers, self.numbers, len(self.ports)
         if self.forces or len(waves):
             raise InputError("piece", "must leave some uniform stator for a line force or a wave from outside")
-        potentials = scatterer.potentials @ np.eye(ports)[mine]
+        potentials = scatterer.potentials @ np.eye(ports)[own_ports]
         reactions = np.zeros((ports, ports), dtype=complex)
-        reactions[mine] = scatterer.reactions(potentials)
+        reactions[own_ports] = scatterer.reactions(potentials)
         return PortSolution(
             sides=(potentials,),
             incoming=(potentials[:0],),
@@ -364,23 +366,23 @@ class Network:
             waves=NO_WAVES,
         )
 
-    def _sent_back(self, side: int, arriving: np.ndarray) -> np.ndarray:
+    def _reflection(self, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes that an end reflects, for a unit of each incident mode, (n, arriving)."""
         end = self.ends[side]
         if not len(arriving) or (isinstance(end, str) and end == "absorbing"):
             return np.zeros((self.modes.section.size, len(arriving)))
         return end_reflection(self.modes, end, side, arriving)
 
-    def _end(self, side: int, segment: _Segment, sent_back: np.ndarray, excitations: int) -> Element:
+    def _end(self, side: int, segment: _Segment, reflected: np.ndarray, excitations: int) -> Element:
         """The left (0) or the right (1) end as an element of the cascade."""
         towards, away = ("left", "right") if side == 0 else ("right", "left")
         shapes = self.modes.right if side == 0 else self.modes.left
-        scattering = np.zeros((len(segment.kept),) * 2, dtype=complex)
-        if sent_back.any():
-            scattering = segment.sent(away, shapes @ sent_back, by_end=True) * segment.arriving(towards)
+        scattering = np.zeros((len(segment.coupling_modes),) * 2, dtype=complex)
+        if reflected.any():
+            scattering = segment.sent(away, shapes @ reflected, by_end=True) * segment.arriving(towards)
         return Element(
             scattering=scattering,
-            excitation=np.zeros((len(segment.kept), excitations)),
+            excitation=np.zeros((len(segment.coupling_modes), excitations)),
             leaves=segment.right if side == 0 else segment.left,
             arrives=segment.left if side == 0 else segment.right,
         )
@@ -392,15 +394,15 @@ class Network:
         """
         if not (self.forces or len(waves)):
             return None
-        outside = np.zeros((segments[-1].first + 2 * len(segments[-1].kept), excitations), dtype=complex)
+        outside = np.zeros((segments[-1].first + 2 * len(segments[-1].coupling_modes), excitations), dtype=complex)
         for segment in segments:
             for number in segment.forces:
                 force, position = self.forces[number], self.ports[number].position
                 rightwards = segment.passed("right", segment.stop - position) * force.right
                 leftwards = segment.passed("left", position - segment.start) * force.left
-                outside[segment.right, number] = rightwards[segment.kept]
-                outside[segment.left, number] = leftwards[segment.kept]
-        # `kept` of a semi-infinite segment begins with ``waves``, so that entry `number` is wave `number`
+                outside[segment.right, number] = rightwards[segment.coupling_modes]
+                outside[segment.left, number] = leftwards[segment.coupling_modes]
+        # `coupling_modes` of a semi-infinite segment begins with ``waves``, so that entry `number` is wave `number`
         for number, column in enumerate(range(len(self.ports), len(self.ports) + len(waves))):
             outside[segments[0].right[number], column] = 1.0
             outside[segments[-1].left[number], column + len(waves)] = 1.0
@@ -430,14 +432,14 @@ class Network:
         out = [own[at.lines] - arrived for own, arrived in zip(sides, incoming, strict=True)]
         leaving = np.array(out, dtype=complex).reshape(len(out), 2 * at.size, excitations)
 
-        def apart(amplitudes: Callable[[np.ndarray], np.ndarray], lines: np.ndarray) -> list[np.ndarray]:
+        def by_piece(amplitudes: Callable[[np.ndarray], np.ndarray], lines: np.ndarray) -> list[np.ndarray]:
             """Amplitudes in the fields of all pieces (pieces, n, excitations), by one factorisation of the modes."""
             both = amplitudes(np.moveaxis(lines, 0, 1).reshape(at.size, -1))
             return list(np.moveaxis(both.reshape(at.size, len(lines), -1), 1, 0)) if len(lines) else []
 
         left_end, right_end = from_ends or (np.zeros((at.size, excitations), dtype=complex),) * 2
-        right = [left_end, *apart(modes.right_amplitudes, leaving[:, at.right])]
-        left = [*apart(modes.left_amplitudes, leaving[:, at.left]), right_end]
+        right = [left_end, *by_piece(modes.right_amplitudes, leaving[:, at.right])]
+        left = [*by_piece(modes.left_amplitudes, leaving[:, at.left]), right_end]
         return tuple(self._parts(*each) for each in zip(segments, right, left, strict=True))
 
     def _parts(self, segment: _Segment, right: np.ndarray, left: np.ndarray) -> tuple[SegmentWaves, ...]:

@@ -25,7 +25,7 @@ from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import LineSpace
-from fem.exceptions import ConvergenceError
+from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce
@@ -89,7 +89,7 @@ class StatorCascade:
         weights[:, : len(names)] /= medium.potential_unit
         charge_unit = medium.stress_unit / medium.potential_unit
         currents = charge_currents(charges[voltage] @ weights * charge_unit, self.frequency)
-        check_passive(currents[:, : len(names)], names)
+        check_passive(currents[:, : len(names)], names, self.frequency)
         fields = solution.weighted(weights)
         return PortFields(
             **vars(fields),
@@ -129,13 +129,13 @@ class PortFields(StatorCascade, PortSolution):
         """Unknowns of the discretised problem that was condensed."""
         return sum(scatterer.piece.unknowns for scatterer in self.network.scatterers)
 
-    def amplification(self, swing: float) -> tuple[float, float]:
+    def amplification(self, phase_range: float) -> tuple[float, float]:
         """Resonant amplification of small errors at this frequency, and the largest near it.
 
         Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
         propagating modes).  The effect of a small phase error is therefore proportional to 1 / |1 - mu|, with mu the
         eigenvalue of M nearest to 1.  With frequency the phases of the mu change, in the range of interest by at most
-        ``swing`` (rad); their magnitudes hardly change.
+        ``phase_range`` (rad); their magnitudes hardly change.
         """
         # the phase of an evanescent mode does not change
         propagating = np.isin(self.waves, self.modes.propagating)
@@ -143,8 +143,8 @@ class PortFields(StatorCascade, PortSolution):
         if not len(factors):
             return 1.0, 1.0
         angles = abs(np.angle(factors))
-        turned = abs(factors) * np.exp(1j * np.maximum(angles - swing, 0.0))
-        return float(1 / abs(1 - factors).min()), float(1 / abs(1 - turned).min())
+        nearest = abs(factors) * np.exp(1j * np.maximum(angles - phase_range, 0.0))  # to 1, over that range
+        return float(1 / abs(1 - factors).min()), float(1 / abs(1 - nearest).min())
 
 
 def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
@@ -312,17 +312,17 @@ def _force_port(force: LineForce, unit: float) -> Port:
     )
 
 
-def check_passive(admittances: np.ndarray, names: tuple[str, ...]) -> None:
-    """Raise a ConvergenceError if an admittance matrix is not passive, beyond rounding and discretisation errors."""
+def check_passive(admittances: np.ndarray, names: tuple[str, ...], frequency: float) -> None:
+    """Raise an ActivePortError if admittances at a frequency in Hz are not passive, beyond a share of `PASSIVE`."""
     if not len(names):
         return
     powers, volts = np.linalg.eigh((admittances.real + admittances.real.T) / 2)
     if powers[0] < -PASSIVE * abs(admittances).max():
         name = names[int(np.argmax(abs(volts[:, 0])))]
-        raise ConvergenceError(
-            f"transducer {name!r} would give out power, a conductance of {powers[0]:.3g} S beside an admittance of "
-            f"{abs(admittances).max():.3g} S: the computed field is not good enough here; ask for a smaller error, or "
-            "take a longer aperture"
+        raise ActivePortError(
+            f"transducer {name!r} would give out power at {frequency / 1e6:.6g} MHz, a conductance of "
+            f"{powers[0]:.3g} S beside an admittance of {abs(admittances).max():.3g} S: the computed field is not good "
+            "enough here; ask for a smaller error, or take a longer aperture"
         )
 
 

@@ -81,10 +81,10 @@ def _along(driven: DrivenContact, trajectory, level: float):
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:
     """Return the solution method for a steady state or a burst; "auto" if the scene's exists only for the other one."""
-    wanted = scene.slider.method
-    if wanted in available:
-        return wanted
-    if scene.burst is None or wanted not in STEADY_METHODS + BURST_METHODS:
-        names = " or ".join(f'"{name}"' for name in available)
-        raise SceneError("slider.method", f"must be {names} for {what}, got {wanted!r}")
-    return "auto"
+    method = scene.slider.method
+    if method not in available:
+        if scene.burst is None or method not in STEADY_METHODS + BURST_METHODS:
+            names = " or ".join(f'"{name}"' for name in available)
+            raise SceneError("slider.method", f"must be {names} for {what}, got {method!r}")
+        return "auto"
+    return method

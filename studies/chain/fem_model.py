@@ -144,9 +144,12 @@ def driven(scene: Scene):
 
 
 def _transducer(block: Transducer, period: float):
-    (x, y), alike = block.center_xy, "name finger_pairs metallisation aperture termination pattern split".split()
-    own = {name: getattr(block, name) for name in alike}
-    return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
+    x, y = block.center_xy
+    return fem.Transducer(
+        name=block.name, center=x, center_y=y, angle=math.radians(block.angle % 360), period=period,
+        finger_pairs=block.finger_pairs, metallisation=block.metallisation, aperture=block.aperture,
+        termination=block.termination, pattern=block.pattern, split=block.split,
+    )  # fmt: skip
 
 
 def unturned(block: Transducer, period: float):

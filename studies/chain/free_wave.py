@@ -5,7 +5,7 @@ import time
 import fem
 from studies.chain import fem_model
 from studies.chain.left_out import left_out
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.record import Record
 from studies.scene import Scene
 
@@ -13,7 +13,7 @@ from studies.scene import Scene
 def free_wave_record(scene: Scene, tolerance: float) -> Record:
     """Return the record of the free wave of a section."""
     start_time = time.perf_counter()
-    with answered():
+    with as_run_errors():
         wave = fem.free_wave(fem_model.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
     names = [f"{name}_per_m_of_u_z" for name in ("u_x", "u_y", "u_z", "phi_V")]
     block = {

@@ -1,6 +1,7 @@
 """Comparison of a run with measured velocities, a vibrometer's scan or the trace of a burst, at the measured points."""
 
 import logging
+import math
 
 import numpy as np
 
@@ -11,14 +12,14 @@ from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
-from studies.record.velocity_comparison import compared, deviations
+from studies.record.velocity_comparison import compared, deviations, missing_burst
 from studies.refusal import SceneError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
 
 
-def beside(record: Record, measured: Measurement) -> dict:
+def measured_block(record: Record, measured: Measurement) -> dict:
     """Return the block ``measured`` of a run: for velocities, a scan, or velocity or position over a burst's time.
 
     Raises
@@ -48,13 +49,12 @@ def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | No
     Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
     stator.
     """
-    known = {point[record.level]: point.get("velocity_m_per_s") for point in record.points}
-    missing = [level for level in dict.fromkeys(levels) if level not in known]
+    answers = {point[record.level]: point for point in record.points}
+    missing = [level for level in dict.fromkeys(levels) if level not in answers]
     if missing:
         changes = [{record.scene.level_key: level} for level in missing]
-        answers = Predictor.of_record(record).answers(changes)
-        known |= {level: answer.get("velocity_m_per_s") for level, answer in zip(missing, answers, strict=True)}
-    return [known[level] for level in levels]
+        answers |= zip(missing, Predictor.of_record(record).answers(changes), strict=True)
+    return [answers[level].get("velocity_m_per_s") for level in levels]
 
 
 def scan_block(scene: Scene, scan, predicted) -> dict:
@@ -66,15 +66,14 @@ def scan_block(scene: Scene, scan, predicted) -> dict:
 def _trace(record: Record, measured: Measurement) -> dict:
     """Return the comparison of a trace with the trajectory at its level, shifted in time for the best agreement."""
     if not record.trajectories:
-        setting = f'--set {record.scene.source_key}.burst="0.1 s"'
-        raise SceneError("--measured", f"{measured.name!r} holds a burst: {setting} says how long it was")
+        raise missing_burst(record.scene, measured)
     levels = [level for level, _ in record.trajectories]
-    wanted = measured.levels[0] if measured.levels else levels[-1]
-    close = [k for k, level in enumerate(levels) if abs(level - wanted) <= 1e-9 * max(abs(wanted), abs(level))]
-    if not close:
-        known = ", ".join(f"{level:.6g}" for level in levels)
-        raise SceneError("--measured", f"{measured.name!r} was taken at {wanted:.6g}, and the run has {known}")
-    path = record.trajectories[close[0]][1]
+    measured_level = measured.levels[0] if measured.levels else levels[-1]
+    paths = [path for level, path in record.trajectories if math.isclose(level, measured_level, rel_tol=1e-9)]
+    if not paths:
+        listed = ", ".join(f"{level:.6g}" for level in levels)
+        raise SceneError("--measured", f"{measured.name!r} was taken at {measured_level:.6g}, and the run has {listed}")
+    path = paths[0]
     time, values = np.array(measured.time), np.array(measured.values)
     curve = path.velocity if measured.quantity == "burst" else travelled_distance(path.time, path.velocity)
     unsigned = bool(np.all(values >= 0.0) and np.mean(curve) < 0.0)

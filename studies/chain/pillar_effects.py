@@ -136,8 +136,8 @@ def leak(record: Record, motion) -> Effects:
 def _neighbours(body, motion, slider, level) -> Effects:
     """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
     layout = pillars.layout(slider)
-    known = 4 <= layout.x.size <= MAX_COMPARED and float(layout.diameter.mean()) / 2 / layout.pitch <= 0.4
-    if slider.pillars.interaction or not known or motion.velocity == 0.0:
+    computable = 4 <= layout.x.size <= MAX_COMPARED and float(layout.diameter.mean()) / 2 / layout.pitch <= 0.4
+    if slider.pillars.interaction or not computable or motion.velocity == 0.0:
         return
     try:
         other = replace(body, pillars=pillars.pillars_of(slider, interaction=True)).motion(level, near=motion)

@@ -35,7 +35,7 @@ LENGTHS = PLACES | DISPLACEMENTS  # units of the columns of a file
 LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds
 # a/p beyond that, and the stiffness of a punch relative to the mean plane over that of one alone
 NEIGHBOURS = (0.2, 0.3, 0.4), (1.92, 3.21, 6.96)
-SILICON = "silicon"  # whose moduli pillars have where nothing says what they are of
+SILICON = "silicon"  # default material of the pillars
 
 
 def resolved_pillars(slider: Slider) -> Slider:
@@ -59,7 +59,7 @@ def resolved_pillars(slider: Slider) -> Slider:
 
 
 class Layout(NamedTuple):
-    """Where the pillars of a slider stand, in m; x and y from the slider's centre."""
+    """Geometry of the pillars of a slider, in m; x and y from the slider's centre."""
 
     x: np.ndarray
     y: np.ndarray
@@ -71,7 +71,7 @@ class Layout(NamedTuple):
 
 @lru_cache(16)
 def layout(slider: Slider) -> Layout:
-    """Return where the pillars of a slider stand, from its grid or its file."""
+    """Return the geometry of the pillars of a slider, from its grid or its file."""
     block = slider.pillars
     if block.file is not None:
         x, y, heights, diameter = _of_file(block)
@@ -119,13 +119,14 @@ def _refuse_overlap(block, x, y, diameter):
 
     if x.size < 2:
         return
-    near, which = cKDTree(np.stack([x, y], axis=1)).query(np.stack([x, y], axis=1), k=2)
-    apart, other = near[:, 1], which[:, 1]
-    room = apart - 0.5 * (diameter + diameter[other]) * (1 - 1e-9)
-    worst = int(room.argmin())
-    if room[worst] < 0.0:
-        points = " and ".join(str(each) for each in sorted((worst + 1, int(other[worst]) + 1)))
-        block.refuse("file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between points {points}")
+    points = np.stack([x, y], axis=1)
+    (_, apart), (_, other) = (each.T for each in cKDTree(points).query(points, k=2))  # the first is the point itself
+    gap = apart - 0.5 * (diameter + diameter[other]) * (1 - 1e-9)
+    worst = int(gap.argmin())
+    if gap[worst] < 0.0:
+        first, second = sorted((worst + 1, int(other[worst]) + 1))
+        rule = f"must hold pillars that do not overlap, got {apart[worst]:g} m between points {first} and {second}"
+        block.refuse("file", rule)
 
 
 def neighbours(radius_over_pitch):
@@ -138,21 +139,20 @@ def neighbours(radius_over_pitch):
     """
     from scipy.interpolate import PchipInterpolator
 
-    share = float(radius_over_pitch)
-    if share <= LATTICE_REACH:
-        return 1.0 - LATTICE * share
+    ratio = float(radius_over_pitch)
+    if ratio <= LATTICE_REACH:
+        return 1.0 - LATTICE * ratio
     ratios, stiffer = NEIGHBOURS
-    if share > ratios[-1]:
-        raise SceneError(
-            "slider.pillars.interaction", f"knows a radius of at most {ratios[-1]:g} pitches, got {share:.3g}"
-        )
-    joint = np.array([LATTICE_REACH / 2, LATTICE_REACH])  # two points of the line keep the slope there too
+    if ratio > ratios[-1]:
+        rule = f"knows a radius of at most {ratios[-1]:g} pitches, got {ratio:.3g}"
+        raise SceneError("slider.pillars.interaction", rule)
+    joint = np.array([LATTICE_REACH / 2, LATTICE_REACH])  # two points of the line keep its slope at LATTICE_REACH
     compliances = [*(1.0 - LATTICE * joint), *(1.0 / np.array(stiffer))]
-    return float(PchipInterpolator([*joint, *ratios], compliances)(share))
+    return float(PchipInterpolator([*joint, *ratios], compliances)(ratio))
 
 
 def stiffnesses(slider: Slider, interaction: bool | None = None):
-    """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
+    """Return k_n and k_t of the pillars of a resolved slider, arrays, N/m; ``interaction`` replaces the scene's."""
     block, geometry = slider.pillars, layout(slider)
     a = geometry.diameter / 2
     near = neighbours(a.mean() / geometry.pitch) if (block.interaction if interaction is None else interaction) else 1.0

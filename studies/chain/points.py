@@ -33,11 +33,11 @@ class SliderAnswer:
     def blocks(self, tolerance: float) -> dict:
         """Return the blocks of the record, with the largest error of all points."""
         failed = [point for point in self.points if "relative_error" not in point]
-        known = [part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point]
+        parts = [part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point]
         names = ("points", "summary", "trajectories", "pillars", "slider_wave")
         blocks = {name: getattr(self, name) for name in names}
-        if known:
-            stator, contact = max(known, key=sum)
+        if parts:
+            stator, contact = max(parts, key=sum)
             error = stator + contact
             blocks["error"] = {"relative": error, "parts": {"stator": stator, "contact": contact}}
             if error > tolerance:

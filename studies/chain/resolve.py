@@ -201,4 +201,6 @@ def _refuse_endless_burst(scene: Scene) -> None:
         cycles = scene.burst * frequency
         hours = cycles * CYCLE_SECONDS[method] / 3600
         rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
-        raise SceneError(f"{scene.source_key}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")
+        raise SceneError(
+            f"{scene.source.block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst"
+        )

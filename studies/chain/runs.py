@@ -146,7 +146,7 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
     stator, positions, seconds = stator_alone(scene), scene.positions, 0.0
     motion = contacts.motion(stator, positions, SHARE * contacts.tolerance)
 
-    def answered() -> tuple[SliderAnswer, RingUp | None]:
+    def solve_contact() -> tuple[SliderAnswer, RingUp | None]:
         nonlocal seconds
         driven = contacts.bursting(DrivenContact.of_stator(scene, SolvedStator.of(motion, positions), motion), motion)
         contact_start = time.perf_counter()
@@ -154,7 +154,7 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
         seconds += time.perf_counter() - contact_start
         return answer, driven.ringing
 
-    answer, ringing = answered()
+    answer, ringing = solve_contact()
     for _ in range(ROUNDS - 1):
         section, whole = motion.wave.relative_error, motion.relative_error(positions)
         rings = 0.0 if ringing is None else ringing.error
@@ -165,7 +165,7 @@ def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotio
             motion = contacts.motion(stator, positions, goal)
         except RunError:
             break  # the answer of the round before is recorded, with its error
-        answer, _ = answered()
+        answer, _ = solve_contact()
         if motion.wave.relative_error >= section or motion.relative_error(positions) > STALLED * whole:
             break
     return motion, answer, ringing, seconds
@@ -198,8 +198,8 @@ def needed_section_tolerance(
     if not parts or max(parts) <= ringing:
         return None
     beam = beam_share * (max(parts) - ringing)
-    room = 0.5 * (tolerance - beam) - ringing
-    if room <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
+    allowed = 0.5 * (tolerance - beam) - ringing
+    if allowed <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
         return None
-    goal = reached * room / (max(parts) - ringing - beam)
+    goal = reached * allowed / (max(parts) - ringing - beam)
     return goal if goal < reached else None

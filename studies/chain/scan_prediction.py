@@ -103,7 +103,7 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
 
 
 def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> np.ndarray:
-    """Return the S-parameters of a scene's transducers with two combs at the frequencies of a file, (n, ports, ports).
+    """Return the S-parameters (n, ports, ports) of the transducers with two electrodes at the n frequencies of a file.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
     """
     names = [each.name for each in scene.transducer if each.has_two_electrodes]
     if data.ports != len(names):
-        rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
+        rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two electrodes"
         raise SceneError("--data", rule)
     refuse_other_range(scene, data, "--data")
     return scattering_matrix(scene, data.frequency, data.reference, tolerance)[2]

@@ -28,7 +28,7 @@ def network(
     Parameters
     ----------
     scene : Scene, path or name of a shipped scene
-        Its transducers with two combs are the ports, in its order, whatever drives or terminates them there.
+        Its transducers with two electrodes are the ports, in the same order; drive and terminations are ignored.
     band : str or array, optional
         ``"2.1:2.3:201"`` in MHz, or with units; or frequencies in Hz. By default the driven transducer's passband.
     z0 : str or float
@@ -63,7 +63,7 @@ def network(
 def scattering_matrix(
     scene: Scene, at: np.ndarray, reference: float, tolerance: float
 ) -> tuple[list[str], Any, np.ndarray]:
-    """Return names, `fem.PortAdmittance` and S, (frequencies, ports, ports), of a resolved scene in its order."""
+    """Return the names of the ports, the `fem.PortAdmittance` and S (frequencies, ports, ports) of a resolved scene."""
     names = [each.name for each in scene.transducer if each.has_two_electrodes]
     ports = port_admittances(scene, at, tolerance)
     order = [ports.names.index(name) for name in names]

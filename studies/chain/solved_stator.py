@@ -15,10 +15,10 @@ MAX_DRIVES = 10_000  # in memory
 POSITION_KEYS = ("slider.position", "slider.contacts")
 
 
-def of_stator(key: str) -> bool:
+def changes_stator(key: str) -> bool:
     """Return whether a change of a key requires a new solution of the section or its circuit."""
-    own = key.startswith(("stator.", "transducer.", "drive."))
-    return own and key not in ("drive.voltage", "drive.power", "drive.burst")
+    in_stator = key.startswith(("stator.", "transducer.", "drive."))
+    return in_stator and key not in ("drive.voltage", "drive.power", "drive.burst")
 
 
 class LocalMotion(NamedTuple):

@@ -9,8 +9,8 @@ from studies.refusal import RunError, SceneError
 
 
 @contextmanager
-def answered(where: str = "") -> Iterator[None]:
-    """Turn a solver's `ConvergenceError` into a `RunError`; ``where`` is put before its sentence."""
+def as_run_errors(where: str = "") -> Iterator[None]:
+    """Turn a solver's `ConvergenceError` into a `RunError`; its message begins with ``where``."""
     try:
         yield
     except (fem.ConvergenceError, contact.ConvergenceError) as error:
@@ -19,12 +19,12 @@ def answered(where: str = "") -> Iterator[None]:
 
 @contextmanager
 def stator_keys(path: str, names=(), pieces=()) -> Iterator[None]:
-    """Turn an `fem.InputError` into a `SceneError` about the scene's key; otherwise as `answered`.
+    """Turn an `fem.InputError` into a `SceneError` about the scene's key; otherwise as `as_run_errors`.
 
-    ``path``: key of what is read; ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
+    ``path``: key of the block that is read; ``names``, ``pieces``: names of the transducers and of the meshed pieces.
     """
     try:
-        with answered():
+        with as_run_errors():
             yield
     except fem.InputError as error:
         key, rule = error.key, error.rule

@@ -15,7 +15,7 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
@@ -60,7 +60,7 @@ def response(
 
     def alone(frequency: float):
         LOGGER.info(f"stator: {frequency / 1e6:.5g} MHz")
-        with answered(f"at {frequency / 1e6:.6g} MHz"):
+        with as_run_errors(f"at {frequency / 1e6:.6g} MHz"):
             return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
 
     bands = []
@@ -94,7 +94,7 @@ def port_admittances(scene: Scene, frequencies, tolerance: float):
         which = f"frequency {last}" if len(group) == 1 else f"frequencies {done + 1} to {last}"
         LOGGER.info(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
         done = last
-        with answered(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
+        with as_run_errors(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
             parts.append(fem_model.port_admittance(scene, group, tolerance))
     return fem.PortAdmittance(
         names=parts[0].names, frequency=frequencies, matrix=np.concatenate([part.matrix for part in parts]),

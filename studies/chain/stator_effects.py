@@ -20,7 +20,7 @@ import fem
 from studies.chain import fem_model
 from studies.record import Record
 
-# Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for combs of 3 to 30
+# Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for 3 to 30 finger
 # pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms
 # (tests/fem/beam/test_finger_ends.py).
 UNIFORM_CHARGE = 0.05

@@ -59,10 +59,10 @@ def averaged_answers(states: list[tuple[DrivenContact, float]], tolerance: float
     """Return the averaged steady state of each contact as in `steady_answers`, or None if its error is too large."""
     answers: list[dict | None] = [None] * len(states)
     sliders = [driven.scene.slider for driven, _ in states]
-    taken = [k for k, each in enumerate(sliders) if each.method in AVERAGED_METHODS and each.pillars is None]
-    some = (states[k] for k in taken)
+    allowed = [k for k, each in enumerate(sliders) if each.method in AVERAGED_METHODS and each.pillars is None]
+    some = (states[k] for k in allowed)
     contacts = [(driven.slider, driven.orbits, driven.stator_error, level) for driven, level in some]
-    for k, (velocity, regime, of_contact, of_stator, thrust) in zip(taken, averaged(contacts), strict=True):
+    for k, (velocity, regime, of_contact, of_stator, thrust) in zip(allowed, averaged(contacts), strict=True):
         if regime != "unknown" and of_contact <= SHARE * tolerance:
             state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
             state |= judged(tolerance, of_stator, of_contact)
@@ -77,8 +77,8 @@ def averaged(contacts: list[tuple]) -> list[tuple]:
     number of orbits are computed in one compiled loop (`contact.steady_sweep`).  The regime is "unknown" where
     averaging does not apply.  The loop takes the threads that SAWMOTOR_THREADS allows, by default all processors.
     """
-    wanted = os.environ.get("SAWMOTOR_THREADS", "")
-    threads = int(wanted) if wanted.isdecimal() and int(wanted) else None
+    setting = os.environ.get("SAWMOTOR_THREADS", "")
+    threads = int(setting) if setting.isdecimal() and int(setting) else None
     answers: list[tuple] = [()] * len(contacts)
     for count in {len(orbits) for _, orbits, _, _ in contacts}:
         members = [at for at, each in enumerate(contacts) if len(each[1]) == count]

@@ -1,4 +1,4 @@
-"""Motion of the surface under the slider, per volt: of the finite aperture where that is known, else of the section.
+"""Motion of the surface under the slider, per volt: with the finite aperture if possible, else of the plane section.
 
 The motion of the section depends on x alone.  The beam (`fem.surface_beam`) distributes the section's charges over the
 aperture, so that the amplitude depends on x and y and a motion u_y arises off the axis.  `surface_motion` chooses
@@ -13,7 +13,7 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 
@@ -31,11 +31,11 @@ class SurfaceMotion:
     """Motion of a driven stator's surface."""
 
     wave: "SurfaceWave" = field(repr=False)  # of the section
-    # Of the finite aperture; None where the section stands for it
+    # Of the finite aperture; None where the section is used instead
     beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one
-    # Motion and error at the positions (x, y) that have been evaluated
-    known: dict = field(default_factory=dict, init=False, repr=False, compare=False)
+    # Motion and error by position (x, y), of those that have been evaluated
+    evaluated: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def circuit(self):
@@ -49,7 +49,7 @@ class SurfaceMotion:
 
     def at(self, positions):
         """Return u_x, u_y and u_z in m per V at positions (x, y) in m, complex, shape (3, positions)."""
-        return np.array([each for each, _ in self._known_at(positions)]).T
+        return np.array([each for each, _ in self._evaluated_at(positions)]).T
 
     def along(self, x, y: float):
         """Return u_x, u_y and u_z at many x in m on a line of constant y, complex, shape (3, len(x))."""
@@ -57,7 +57,7 @@ class SurfaceMotion:
 
     def errors(self, positions):
         """Return the estimated error at positions (x, y) over max(|u_x|, |u_z|) at each."""
-        return [error for _, error in self._known_at(positions)]
+        return [error for _, error in self._evaluated_at(positions)]
 
     def relative_error(self, positions) -> float:
         """Return the largest of these errors."""
@@ -71,13 +71,13 @@ class SurfaceMotion:
         """Whether a position lies under a transducer or on a meshed piece of the section."""
         return self.wave.covered(self.in_section(position))
 
-    def _known_at(self, positions) -> list:
+    def _evaluated_at(self, positions) -> list:
         """Return motion and error at each position; those that are new are computed together."""
-        new = [position for position in dict.fromkeys(positions) if position not in self.known]
+        new = [position for position in dict.fromkeys(positions) if position not in self.evaluated]
         if new:
             motions, errors = self._both(*zip(*new, strict=True))
-            self.known.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
-        return [self.known[position] for position in positions]
+            self.evaluated.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
+        return [self.evaluated[position] for position in positions]
 
     def _both(self, x, y):
         if self.beam is not None:
@@ -124,7 +124,7 @@ def solved_motion(
             return error.reached
 
     try:
-        with answered():
+        with as_run_errors():
             if scene.crossed:
                 return crossed_motion(scene, positions, solve)
             whole = fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene)
@@ -138,7 +138,7 @@ def solved_motion(
 
 
 def crossed_motion(scene, positions, solve) -> SurfaceMotion:
-    """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
+    """Return the motion of a scene with rotated transducers; ``solve`` as for `fem.crossed_beam`."""
     beam = fem.crossed_beam(
         fem_model.whole_stator(scene), fem_model.transducers(scene), width=scene.stator.width,
         frequency=scene.frequency, drive=fem_model.drive(scene), solve=solve, places=tuple(positions),

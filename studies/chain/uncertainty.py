@@ -20,7 +20,7 @@ import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
 from studies.chain.predictor import Predictor
-from studies.chain.solved_stator import of_stator
+from studies.chain.solved_stator import changes_stator
 from studies.record import Record
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS, Tolerance
@@ -46,7 +46,7 @@ def with_bands(record: Record) -> Record:
     half = 0.5 * np.abs(changes[:, 0] - changes[:, 1])
     centre, width = _centre(record), np.sqrt(np.sum(half**2, axis=0))
     bends = 0.5 * np.abs(changes.sum(axis=1)) > BEND * width
-    if "method" not in settings and bends.any() and not any(of_stator(each.key) for each in numbers):
+    if "method" not in settings and bends.any() and not any(changes_stator(each.key) for each in numbers):
         # represents the nonlinearity without solving the stator again
         options = options | {"method": "sampled"}
     block: dict = {"method": options["method"], "level": LEVEL}

@@ -195,8 +195,8 @@ def _contact(record: Record) -> Iterator[str]:
     at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
     punch = slider.shape == "punch"
     kind, what = ("Mean pressure under a punch,", "punches") if punch else ("Hertz pressure", "balls")
-    known = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))
-    for part, limits in known:
+    parts = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))
+    for part, limits in parts:
         if limits is None or highest <= limits.contact_pressure:
             continue
         resting = at_rest > limits.contact_pressure
@@ -222,10 +222,9 @@ def _points(record: Record) -> Iterator[str]:
                 f"{after * 1e3:.3g} mm/s): give {record.scene.level_key} more values between them"
             )
     if record.at_rest:  # the only answer is the threshold, whose error is that of the wave
-        known = record.wave.get("relative_error")
-        threshold = record.limit("threshold")
+        error, threshold = record.wave.get("relative_error"), record.limit("threshold")
         starts = "" if threshold is None else f"; it starts at {named(threshold)}"
-        accuracy = "" if known is None else f"; the relative error of the wave under the slider is {known:.1e}"
+        accuracy = "" if error is None else f"; the relative error of the wave under the slider is {error:.1e}"
         yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
 
 

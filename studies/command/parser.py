@@ -16,9 +16,9 @@ EXIT_CODES = (
 
 # options by the arguments of `studies.design`, `studies.fit` and `studies.sweep` that they give
 OPTIONS = {
-    "goals": "--maximise", "variables": "--over", "constraints": "--subject", "measurements": "--data",
-    "parameters": "--free", "also": "--also", "evaluations": "--evaluations", "out": "--out", "over": "--over",
-    "points": "--points", "scheduler": "--scheduler", "workers": "--workers",
+    "goals": "--maximise", "minimise": "--minimise", "variables": "--over", "constraints": "--subject",
+    "measurements": "--data", "parameters": "--free", "also": "--also", "evaluations": "--evaluations",
+    "out": "--out", "over": "--over", "points": "--points", "scheduler": "--scheduler", "workers": "--workers",
 }  # fmt: skip
 
 

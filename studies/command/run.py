@@ -81,9 +81,9 @@ def call(arguments: argparse.Namespace) -> int:
         with Progress():
             record = run_chain(scene, tolerance=tolerance)
             if measured is not None:
-                from studies.chain.measured_run import beside
+                from studies.chain.measured_run import measured_block
 
-                record = replace(record, measured=beside(record, measured))
+                record = replace(record, measured=measured_block(record, measured))
             whole = record.to_dict()
             if result is not None:
                 LOGGER.info("writing the results")

@@ -12,7 +12,7 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, switched
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.export import reduced_motor as model
 from studies.export.force_grid import force_tables, mean_forces, packed
 from studies.export.motor_model import RESPONSE_STEP, AveragedMotor, Drive, ring_speed
@@ -87,7 +87,7 @@ def averaged_motor(
         "wrong by up to twice that",
     ]
     LOGGER.info("tables of mean forces")
-    with answered():
+    with as_run_errors():
         tables = [None if drive.mirrored else force_tables(slider, drive) for drive in drives]
         steady = _steady(slider, drives[0], driven.levels)
     averaging = max((abs(second - first) / scale for _, second, first, scale in steady), default=0.0)

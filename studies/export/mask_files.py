@@ -118,11 +118,12 @@ def _picture(drawn: Mask, scene: Scene, ax, tolerance: float) -> None:
         beam = run(alone, tolerance=max(tolerance, 1e-2)).surface_motion.beam
     if beam is not None:
         _, _, motion = surface_map(beam, scene.stator)
-        size = np.abs(motion[2]).T * 1e9
+        shade, mm = quantity("normal_m_per_V"), quantity("x_m").scale
+        size = np.abs(motion[2]).T * shade.scale
         top = float(np.quantile(size, 0.995))
-        edges = (0.0, scene.stator.length * 1e3, -scene.stator.width * 5e2, scene.stator.width * 5e2)
+        edges = tuple(mm * each for each in (0.0, scene.stator.length, -scene.stator.width / 2, scene.stator.width / 2))
         image = ax.imshow(size, origin="lower", extent=edges, cmap="viridis", vmin=0.0, vmax=top, aspect="equal")
-        ax.figure.colorbar(image, ax=ax, label=quantity("normal_m_per_V").axis, shrink=0.7)
+        ax.figure.colorbar(image, ax=ax, label=shade.axis, shrink=0.7)
     draw(drawn, ax, beam=beam is not None)
 
 

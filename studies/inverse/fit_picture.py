@@ -27,42 +27,39 @@ def draw_fit(fit: Fit, path: Path) -> None:
 
 def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     """Draw one measurement with band and curve into Axes, its residuals into others below."""
-    at, along = measurement.levels, quantity(measurement.level_key or "normal_amplitude_m")
-    data = measurement.network or measurement.scan
+    scan, data, along = measurement.scan, measurement.network or measurement.scan, quantity("time_s")
     if data is not None:
-        by_frequency = measurement.scan is None or measurement.scan.kind == "frequency"
-        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "beam_position_m")
-    if measurement.time:
-        at, along = measurement.time, quantity("time_s")
-    scale, drawn = along.scale, QUANTITIES[measurement.quantity]
-    factor = drawn.scale
-    where, best, low, high = fit.band(measurement)
-    values, scatter = np.array([measurement.values, measurement.deviations])
-    seen = np.array(at)
-    if measurement.scan is not None and measurement.scan.is_complex:  # a wave of many periods: its size is drawn
-        half = len(where) // 2
+        by_frequency = scan is None or scan.kind == "frequency"
+        along = quantity("frequency_Hz" if by_frequency else "beam_position_m")
+    elif not measurement.time:
+        along = quantity(measurement.level_key or "normal_amplitude_m")
+    drawn = QUANTITIES[measurement.quantity]
+    scale, factor = along.scale, drawn.scale
+    x, best, low, high = fit.band(measurement)
+    values, deviations = np.array([measurement.values, measurement.deviations])
+    measured_x = np.array(measurement.coordinate)
+    if scan is not None and scan.is_complex:  # a wave of many periods: its size is drawn
+        half = len(x) // 2
         real, imaginary = best[:half], best[half:]
         best = np.hypot(real, imaginary)
-        spread = np.hypot(real * (high - low)[:half], imaginary * (high - low)[half:]) / np.maximum(best, 1e-300)
-        where, low, high = where[:half], best - 0.5 * spread, best + 0.5 * spread
-        seen, values, scatter = seen[:half], np.hypot(values[:half], values[half:]), scatter[:half]
-    elif data is not None:  # real and imaginary parts lie on one axis: a line each
-        half = len(where) // len(data.coordinate)
-        where, best, low, high = (np.insert(each.astype(float), [len(each) // half] if half > 1 else [], np.nan)
-                                  for each in (where, best, low, high))  # fmt: skip
-    if len(where) == 1:  # a band and a curve of one point would not be seen
-        half_widths = np.array([best - low, high - best]) * factor
+        width = np.hypot(real * (high - low)[:half], imaginary * (high - low)[half:]) / np.maximum(best, 1e-300)
+        x, low, high = x[:half], best - 0.5 * width, best + 0.5 * width
+        measured_x, values, deviations = measured_x[:half], np.hypot(values[:half], values[half:]), deviations[:half]
+    elif data is not None and len(x) > len(data.coordinate):  # a gap between the curves of real and imaginary parts
+        starts = range(len(data.coordinate), len(x), len(data.coordinate))
+        x, best, low, high = (np.insert(each.astype(float), starts, np.nan) for each in (x, best, low, high))
+    if len(x) == 1:  # a band and a curve of one point would not be seen
         upper.errorbar(
-            where * scale, best * factor, yerr=half_widths, fmt="D", color=COLOURS["slip"], markersize=5, capsize=6,
-            label="best fit, 95 % of the fitted motors",
+            x * scale, best * factor, yerr=np.array([best - low, high - best]) * factor, fmt="D", color=COLOURS["slip"],
+            markersize=5, capsize=6, label="best fit, 95 % of the fitted motors",
         )  # fmt: skip
     else:
-        upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
+        upper.fill_between(x * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
                            label="95 % of the fitted motors")  # fmt: skip
-        upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
-    size = 3.5 if len(seen) < MANY else 2.0
+        upper.plot(x * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
+    size = 3.5 if len(measured_x) < MANY else 2.0
     upper.errorbar(
-        seen * scale, values * factor, yerr=scatter * factor, fmt="o", color=COLOURS["line"], markersize=size,
+        measured_x * scale, values * factor, yerr=deviations * factor, fmt="o", color=COLOURS["line"], markersize=size,
         linewidth=0.8, capsize=size - 1.5, label="measured, 1 standard deviation",
     )  # fmt: skip
     fixed = [f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))]
@@ -71,5 +68,6 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     upper.legend(frameon=False, fontsize="small", loc="best")
     lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
-    lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=size)
+    residual_x = np.array(measurement.coordinate) * scale
+    lower.plot(residual_x, residuals, "o", color=COLOURS["line"], markersize=size)
     finished(lower, along.axis, quantity("residual").axis, "", columns=0)

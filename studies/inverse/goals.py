@@ -35,6 +35,12 @@ class Goal:
     columns: tuple[str, ...]  # of a point, of which the first that has a value is taken
     less: bool = False  # True: minimised
 
+    @property
+    def argument(self) -> str:
+        """The argument of `studies.design` that names it, and its name, for messages."""
+        name = self.name.removeprefix(LEAST)
+        return f"goals {name}" if name == self.name else f"minimise {name}"
+
     def column(self, point: dict) -> str | None:
         """Return the first column that has a value at a point; None without an answer."""
         return next((name for name in self.columns if point.get(name) is not None), None)
@@ -82,7 +88,9 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
         elif text != name and name in least:
             goals.append(Goal(name=text, columns=(least[name],), less=True))
         elif text != name:
-            raise SceneError(f"goals {name}", f"cannot be minimised: must be of {', '.join(least)}")
+            raise SceneError(f"minimise {name}", f"must be of {', '.join(least)}")
+        elif text in least:
+            raise SceneError(f"goals {text}", "can only be minimised")
     if not 1 <= len(goals) == len(set(texts)) == len(texts) <= 2:
         rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(texts) or 'none'}"
         raise SceneError("goals", rule)

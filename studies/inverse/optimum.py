@@ -7,6 +7,7 @@ is repeated for weights between them (weighted Chebyshev distance from the best 
 that no other exceeds in both.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
@@ -17,8 +18,8 @@ import numpy as np
 from studies.chain.outcomes import keywords
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
-from studies.inverse.goals import LEAST, read_constraint, read_goals, read_variable
-from studies.inverse.parameters import ranges
+from studies.inverse.goals import LEAST, Constraint, read_constraint, read_goals, read_variable
+from studies.inverse.parameters import Parameter, ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
@@ -32,8 +33,8 @@ CHANGE = 0.05  # of each variable, for the robustness
 def design(
     scene: Scene | str | Path | dict,
     goals: str | Sequence[str] = (),
-    variables: Sequence | dict = (),
-    constraints: Sequence = (),
+    variables: Sequence | Parameter | dict = (),
+    constraints: Sequence | Constraint = (),
     *,
     minimise: str | Sequence[str] = (),
     options: Options = DEFAULT,
@@ -47,9 +48,9 @@ def design(
         With a slider; of several voltages or amplitudes the largest is taken.
     goals : str or list of str
         Of ``GOALS``, to be maximised; "least power_W" is the same as ``minimise="power_W"``.
-    variables : list or dict
+    variables : str, Parameter, list or dict
         Texts ``"slider.preload=1 mN:20 mN"`` or `Parameter` objects, or a dict of a key's range.
-    constraints : list
+    constraints : str, Constraint or list
         Texts ``"stick_margin <= 0"`` or `Constraint` objects.
     minimise : str or list of str
         To be minimised: power_W, contact_pressure, normal_amplitude or a key of ``variables``.  There are one or two
@@ -69,6 +70,7 @@ def design(
         table = scene if isinstance(scene, dict) else Scene.load(scene).to_table()
         names = [*_listed(goals), *(LEAST + each for each in _listed(minimise))]
         readers = [partial(read_variable, each) for each in ranges(variables)]
+        constraints = [constraints] if isinstance(constraints, (str, Constraint)) else constraints
         read = all_answers([*readers, *(partial(read_constraint, each) for each in constraints)])
         varied, bounds = tuple(read[: len(readers)]), tuple(read[len(readers) :])
         aims = read_goals(names, varied)
@@ -80,6 +82,12 @@ def design(
             raise SceneError("evaluations", f"must be at least {min_budget}, got {budget}")
         also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
         plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
+        known = {*plan.question.keys, *plan.question.outcomes}
+        columns = {each.argument: each.columns for each in aims}
+        columns |= {f"constraints {each.column}": (each.column,) for each in bounds}
+        for argument, names_of_columns in columns.items():
+            if not known.intersection(names_of_columns):
+                raise SceneError(argument, "is neither varied nor an outcome of this scene")
         # part of the identity of the store: another search in the same directory is refused
         search = {"goals": names, "subject": [each.text for each in bounds], "evaluations": budget,
                   "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in varied]}  # fmt: skip
@@ -111,9 +119,11 @@ def _front(searcher: Search) -> list[dict]:
     """Return the Pareto front: the points that no other point exceeds in all goals; with one goal the best point."""
     points = {tuple(goal.merit(point) for goal in searcher.goals): point for point in reversed(searcher.feasible)}
     if not points:
-        count = len(searcher.evaluate.points)
-        raise RunError(f"none of {count} evaluations satisfies all constraints: {_closest(searcher)}")
+        raise RunError(_why_none(searcher))
     merits = np.array(list(points))
+    if not merits.any():
+        goals = " and ".join(each.name for each in searcher.goals)
+        raise RunError(f"no evaluation that satisfies the constraints has a {goals} other than 0: widen the ranges")
     dominated = {each: np.any(np.all(merits >= each, axis=1) & np.any(merits > each, axis=1)) for each in points}
     return [points[each] for each in sorted(points, reverse=True) if not dominated[each]]
 
@@ -121,7 +131,7 @@ def _front(searcher: Search) -> list[dict]:
 def _robustness(searcher: Search, optimum: dict) -> dict:
     """Return the share of the first goal that is left with each variable 5 % off, or a whole number 1 off."""
     goal = searcher.goals[0]
-    base, robustness = goal.merit(optimum), {}
+    base, robustness = goal.merit(optimum) or math.inf, {}
     own = [optimum[each.key] for each in searcher.variables]
     for k, each in enumerate(searcher.variables):
         change = 1 if each.counted else CHANGE * own[k]
@@ -136,8 +146,11 @@ def _robustness(searcher: Search, optimum: dict) -> dict:
     return robustness
 
 
-def _closest(searcher: Search) -> str:
-    """Return what the point nearest to all constraints breaks."""
-    point = min(searcher.evaluate.points, key=searcher.violation)
+def _why_none(searcher: Search) -> str:
+    """Return why no point is feasible: what the point nearest to all constraints breaks."""
+    points = searcher.evaluate.points
+    point = min(points, key=searcher.violation)
+    if searcher.violation(point) >= UNKNOWN:
+        return f"none of {len(points)} evaluations has an answer; the first one: {points[0]['status']}"
     broken = ", ".join(each.text for each in searcher.constraints if each.excess(point) > 0.0)
-    return point["status"] if searcher.violation(point) >= UNKNOWN else f"{broken} is broken by the closest"
+    return f"none of {len(points)} evaluations satisfies all constraints: {broken} is broken by the closest"

@@ -8,16 +8,20 @@ encoder (a low-pass filter of first order), ``sampling`` the time over which eac
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import read_measured
-from studies.refusal import SceneError, all_answers, nearest, shown
+from studies.refusal import SceneError, all_answers, nearest, shown, suggestion
 from studies.report.intermediate import scaled_unit
+from studies.scene import Scene
+from studies.scene.block import keys_of
 from studies.scene.keys import LEVELS, rule_at, unit_of
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
@@ -31,6 +35,7 @@ OWN = {
     WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), SAMPLING: Quantity("s"),
     TIME_OFFSET: Quantity("s", negative=True),
 }  # fmt: skip
+FREE = tuple(name for name in OWN if name != SYSTEMATIC)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,20 +63,9 @@ class Parameter:
     vary: bool = True
     stderr: float | None = None
 
-    @property
-    def name(self) -> str:
-        """The key."""
-        return self.key
-
-    @property
-    def min(self) -> float:
-        """Lower end of the range."""
-        return self.low
-
-    @property
-    def max(self) -> float:
-        """Upper end of the range."""
-        return self.high
+    name = property(lambda self: self.key, doc="The key.")
+    min = property(lambda self: self.low, doc="Lower end of the range.")
+    max = property(lambda self: self.high, doc="Upper end of the range.")
 
     @property
     def unit(self) -> str:
@@ -124,8 +118,8 @@ class Parameter:
     def end_in_words(self, value: float, within: float) -> list[str]:
         """Return the remark that a best value lies at an end of the range; nothing where it does not."""
         side = self.end_reached(value, within)
-        here = f"{self.key} is best at the {side} end of its range, {self.text(value)}"
-        return [] if side is None else [f"{here}: a wider range may hold a better value"]
+        where = f"at the {side} end of its range, {self.text(value)}"
+        return [] if side is None else [f"{self.key} is best {where}: a wider range may hold a better value"]
 
     def inner(self, value: float) -> float:
         """Return the solvers' variable x at a value."""
@@ -156,24 +150,32 @@ def read_parameter(text: str | Parameter, option: str = "parameters", *, design:
     >>> read_parameter("slider.preload=1 mN:5 mN")
     Parameter(key='slider.preload', low=0.001, high=0.005, value=None, vary=True, stderr=None)
     """
-    if isinstance(text, Parameter):
-        return text
+    parameter = text if isinstance(text, Parameter) else _parsed(text, option, design=design)
+    low, high = parameter.low, parameter.high
+    if parameter.vary and not -math.inf < low < high < math.inf:
+        raise SceneError(f"{option} {parameter.key}", f"must have LOW below HIGH, got {low:g} and {high:g}")
+    return parameter
+
+
+def _parsed(text: str, option: str, *, design: bool) -> Parameter:
     low: float
     high: float
+    if not isinstance(text, str):
+        raise SceneError(option, f"must be KEY=LOW:HIGH or a Parameter, got {shown(text)}")
     key, span = parts_of(option, text, "KEY=LOW:HIGH")
     ends = [end.strip() for end in span.split(":")]
     if len(ends) != 2:
         raise SceneError(option, f"must be KEY=LOW:HIGH, got {shown(text)}")
     if key in LEVELS and not design:
         raise SceneError(f"{option} {key}", "follows from each measured point and cannot be free")
+    if key == SYSTEMATIC:
+        raise SceneError(f"{option} {key}", "belongs to a measurement, as in FILE.csv systematic=0.02")
     if design and "." in key and isinstance(rule_at(key), Count):
         if not all(end.isdigit() for end in ends):
             raise SceneError(f"{option} {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
         low, high = (int(end) for end in ends)
     else:
-        low, high = (_number(option, key, end) for end in ends)
-    if not low < high:
-        raise SceneError(f"{option} {key}", f"must have LOW below HIGH, got {low:g} and {high:g}")
+        low, high = (_number(option, key, end, known=() if design else FREE) for end in ends)
     return Parameter(key=key, low=low, high=high)
 
 
@@ -202,8 +204,8 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
     return tuple(all_answers(partial(read_parameter, each) for each in ranges(parameters)))
 
 
-def ranges(parameters: Sequence | dict) -> list:
-    """Return a list of parameters or their texts, from such a list or a dict of a key's range.
+def ranges(parameters: Sequence | Parameter | dict) -> list:
+    """Return a list of parameters or their texts, from one, such a list or a dict of a key's range.
 
     Examples
     --------
@@ -211,9 +213,9 @@ def ranges(parameters: Sequence | dict) -> list:
     ['slider.preload=1 mN:5 mN', 'slider.mass=1e-05:0.001']
     """
     if not isinstance(parameters, dict):
-        return list(parameters)
+        return [parameters] if isinstance(parameters, (str, Parameter)) else list(parameters)
     return [
-        f"{key}={span if isinstance(span, str) else ':'.join(str(end) for end in span)}"
+        f"{key}={':'.join(map(str, span)) if isinstance(span, (tuple, list, np.ndarray)) else span}"
         for key, span in parameters.items()
     ]
 
@@ -249,9 +251,14 @@ def _setting(text: str) -> tuple[str, object]:
     return key, _number("measurements", key, value) if key in OWN else rule_at(key).read(key, toml_value(value))
 
 
-def _number(option: str, key: str, text: str) -> float:
-    if "." not in key and key not in OWN:
-        raise SceneError(f"{option} {key}", f"is no key of a scene{nearest(key, OWN)}")
+def _number(option: str, key: str, text: str, known: Iterable[str] = OWN) -> float:
+    """Read a number of a key of the scene, or of a ``known`` name, in SI units."""
+    if "." not in key and key not in known:
+        blocks = [(block, kind) for block, each in keys_of(Scene).items() for kind in getattr(each.rule, "kinds", ())]
+        of_blocks = {name: f"{block}.{name}" for block, kind in blocks for name in keys_of(kind)}
+        meant = suggestion(key, known) or of_blocks.get(suggestion(key, of_blocks) or "")
+        hint = nearest(key, known) if meant is None else f"; did you mean {meant}?"
+        raise SceneError(f"{option} {key}", f"is no key of a scene{hint}")
     rule = (OWN.get(key) or rule_at(key)).number
     value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) else None
     if isinstance(value, bool) or not isinstance(value, float):

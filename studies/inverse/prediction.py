@@ -20,7 +20,7 @@ from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
-from studies.chain.solved_stator import POSITION_KEYS, of_stator
+from studies.chain.solved_stator import POSITION_KEYS, changes_stator
 from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
     AMPLITUDE_FACTOR,
@@ -52,7 +52,7 @@ class MeasurementPredictor(Predictor):
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3):
         if scene.wave is None and not scene.transducer:
-            scene.refuse("transducer", "is missing: nothing drives the slider")
+            scene.refuse("transducer", "is missing: a driven stator or a [wave] is needed")
         super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1)
         self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
         self._stage, self._total, self._done, self._last_report = "", 0, 0, 0.0
@@ -94,7 +94,7 @@ class MeasurementPredictor(Predictor):
 
     def needs_stator(self, key: str) -> bool:
         """Return whether a change of the key requires a new solution of the stator."""
-        return not self.prescribed_wave and (key in POSITION_KEYS or of_stator(key))
+        return not self.prescribed_wave and (key in POSITION_KEYS or changes_stator(key))
 
     def predict(self, questions: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers by key; NaN where there is no answer.
@@ -171,7 +171,7 @@ class MeasurementPredictor(Predictor):
         if AMPLITUDE_PER_VOLT not in numbers:
             raise SceneError(
                 f"measurements {measurement.name}",
-                "holds voltages, and a [wave] has none: add amplitude_per_volt=LENGTH to the file, or free it",
+                "holds voltages, and a [wave] has none: state amplitude_per_volt=LENGTH after the file, or free it",
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
@@ -191,8 +191,10 @@ class MeasurementPredictor(Predictor):
         """
         duration = driven.scene.burst
         if duration is None:
-            key = f"{driven.scene.source_key}.burst"
-            raise SceneError(f"measurements {measurement.name}", f'holds a burst: add its duration, {key}="0.1 s"')
+            key = f"{driven.scene.source.block}.burst"
+            raise SceneError(
+                f"measurements {measurement.name}", f'holds a burst: state its duration after the file, {key}="0.1 s"'
+            )
         driven = self.bursting(driven, self.motion_of(driven))
         if driven.along is not None:
             driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))

@@ -70,12 +70,11 @@ class Fit:
         """Return what `sawmotor fit` prints."""
         rows = [["parameter", "value", "95 % from", "to", "unit"]]
         for each in self.problem.parameters:
-            value, ends = self.values[each.key], self.intervals[each.key]
+            value, (low, high) = self.values[each.key], self.intervals[each.key]
             factor, unit = scaled_unit(value, each.unit)
-            low, high = ends
             width = abs(value) if low is None or high is None else high - low
             digits = max(4, 3 + math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12))))  # show the interval
-            texts = ("open" if end is None else f"{end * factor:.{digits}g}" for end in ends)
+            texts = ("open" if end is None else f"{end * factor:.{digits}g}" for end in (low, high))
             rows.append([each.key, f"{value * factor:.{digits + 1}g}", *texts, unit])
         title = self.problem.predictor.table.get("title", "") or "no title"
         return "\n".join([title, "", *table(rows), "", *labelled(self._notes())])
@@ -88,8 +87,11 @@ class Fit:
             factor, _ = scaled_unit(value, each.unit)
             low, high = ("open" if end is None else f"{end * factor:.4g}" for end in self.intervals[each.key])
             parts.append(f"{each.key} = {each.text(value)} ({low} to {high})")
-        freedom = f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
-        return f"Fit({', '.join([*parts, freedom])})"
+        return f"Fit({', '.join([*parts, self._chi2_in_words])})"
+
+    @property
+    def _chi2_in_words(self) -> str:
+        return f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
 
     @property
     def params(self) -> dict[str, Parameter]:
@@ -148,11 +150,11 @@ class Fit:
             "informs": [{"measurement": name, "times_narrower": gains} for name, gains in self.informs],
         }  # fmt: skip
         if self.candidates is not None:
+            names = ("measurement", "narrows", "relative_deviation_before", "relative_deviation_after")
             whole["next_measurements"] = [
-                {"measurement": each.name, "narrows": each.key, "relative_deviation_before": each.before,
-                 "relative_deviation_after": each.after}
+                dict(zip(names, (each.name, each.key, each.before, each.after), strict=True))
                 for each in self.candidates
-            ]  # fmt: skip
+            ]
         more = {"other_minima": list(self.rivals), "probability": self.probability,
                 "estimated_standard_deviation": self.deviation}  # fmt: skip
         return whole | {key: value for key, value in more.items() if value not in (None, [])}
@@ -179,7 +181,7 @@ class Fit:
             narrowed = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
             yield "informs", f"{name}: {', '.join(narrowed) or 'none of the numbers'}"
         if self.candidates is None:
-            yield "measure next", "not computed: it would double the time of the fit (--next asks for it)"
+            yield "measure next", "not computed; --next does it, in about the time of the fit"
         for candidate in (self.candidates or ())[:SHOWN_CANDIDATES]:
             gain = f"{candidate.key} from {100 * candidate.before:.3g} % to {100 * candidate.after:.3g} %"
             yield "measure next", f"{candidate.name}: {gain}"
@@ -189,11 +191,10 @@ class Fit:
             measured = QUANTITIES[self.problem.measurements[0].quantity]
             size = f"{self.deviation * measured.scale:.3g} {measured.shown}"
             return f"standard deviation from the residuals {size}; data without one cannot contradict the model"
-        text = f"chi^2 {self.chi2:.4g} with {self.degrees_of_freedom} degrees of freedom"
         if self.probability is None:
-            return text
+            return self._chi2_in_words
         doubt = ": the model does not explain these data" if self.probability < DOUBTFUL else ""
-        return f"{text}, probability {self.probability:.2g}{doubt}"
+        return f"{self._chi2_in_words}, probability {self.probability:.2g}{doubt}"
 
     def write(self, folder: Path) -> None:
         """Write fit.json and fitted.toml, the scene with the estimates, which runs, into a directory."""
@@ -229,12 +230,8 @@ class Fit:
         problem.predictor.begin(f"fit: band of {measurement.name}")
         at = np.array(curve.coordinate)
         best = problem.predictions([self.inner], (curve,))[0][0]
-        slow = (
-            problem.predictor.one_by_one
-            or measurement.quantity not in ("velocity", "amplitude")
-            or any(problem.predictor.needs_stator(p.key) for p in problem.parameters)
-        )
-        if slow:
+        slow = problem.predictor.one_by_one or measurement.quantity not in ("velocity", "amplitude")
+        if slow or any(problem.predictor.needs_stator(p.key) for p in problem.parameters):
             steps = np.linalg.cholesky(self.covariance).T
             moved = [np.clip(self.inner + step, problem.low, problem.high) for step in steps]
             shifts = [values - best for (values,) in problem.predictions(moved, (curve,))]

@@ -44,19 +44,22 @@ BALLS_SECONDS, PILLARS_SECONDS, PILLAR_SECONDS, OTHER_SECONDS = 0.1, 0.2, 1e-4, 
 
 
 @study("twente-contact")
-def run(scene: Scene, *, outcomes: tuple[str, ...] | None = None, tolerance: float = 1e-2) -> Answered:
+def run(scene: Scene, *, outcomes: str | tuple[str, ...] | None = None, tolerance: float = 1e-2) -> Answered:
     """Return the elasticities of a motor.
 
     Parameters
     ----------
-    outcomes : tuple of str, optional
+    outcomes : str or tuple of str, optional
         Of velocity, threshold, release, thrust, efficiency and start-up time; by default all that the slider has.
     tolerance : float
         Of the velocity, for the stator.
     """
+    if scene.slider is None:
+        scene.refuse("slider", "is missing: this study needs a slider")
     predictor = MeasurementPredictor(scene, tolerance=tolerance)
     level = max(predictor.contact({}).scene.levels)
-    slopes = elasticities(predictor, answers_of_slider(predictor) if outcomes is None else outcomes, level)
+    outcomes = answers_of_slider(predictor) if outcomes is None else outcomes
+    slopes = elasticities(predictor, (outcomes,) if isinstance(outcomes, str) else outcomes, level)
     changes = both_sides(predictor, tuple(name for name, by_key in slopes.items() if by_key), level)
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, by_key in slopes.items():

@@ -9,7 +9,6 @@ release; the thrust is at most mu times the preload. Run time: about 5 s.
 """
 
 import logging
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -20,6 +19,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from studies.chain.resolve import resolved
+from studies.motor.regime_map import finite_lists
 from studies.record.plots import finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
@@ -81,7 +81,7 @@ def run(
     failed = f"{points.failed} of {points.points} points have no answer"
     columns, shape = points.columns(), (len(y), len(x))
     grid = {
-        name: np.array([math.nan if each is None else each for each in column]).reshape(shape)
+        name: np.array(column, float).reshape(shape)
         for name, column in columns.items()
         if name.endswith(("_factor", "_efficiency", "_m_per_s", "_N"))
     }
@@ -90,11 +90,11 @@ def run(
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
     shared = {
         "x_key": x_key, "x": x, "y_key": y_key, "y": y, "own_x": _own(table, x_key), "own_y": _own(table, y_key),
-        **{key: _as_lists(grid[key]) for key in ("threshold_factor", "release_factor")},
+        **{key: finite_lists(grid[key]) for key in ("threshold_factor", "release_factor")},
     }  # fmt: skip
     panels = [
         Panel(name=name, title=title, data=shared | {
-            "value": _as_lists(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale,
+            "value": finite_lists(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale,
         })
         for name, (key, drawn) in PANELS.items() if key in grid
     ]  # fmt: skip
@@ -172,13 +172,6 @@ def contour_levels(values) -> list[float]:
     return [*(-level for level in reversed(series(-low))), 0.0, *series(high)]
 
 
-def _as_lists(values) -> list:
-    """Return an array as nested lists, with None for values that are not finite."""
-    lists = values.astype(object)
-    lists[~np.isfinite(values)] = None
-    return lists.tolist()
-
-
 def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     """Return axes of the level (amplitude or voltage) and of the preload that cover all regimes."""
     preload = scene.slider.preload
@@ -188,9 +181,7 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
     factors = columns["threshold_factor"][0], columns["release_factor"][0]
     if None in factors:
-        raise SceneError(
-            "over", "must be given twice: this scene has no threshold or release, from which default axes follow"
-        )
+        raise SceneError("over", "must be used twice: this scene has no threshold or release to derive axes from")
     low, high = (max(scene.levels) * factor for factor in factors)
     return {
         level: np.geomspace(0.4 * low, 6.0 * high, counts[0]),
@@ -199,8 +190,8 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
 
 
 def _check(axes) -> None:
-    if len(axes) != 2 or any(isinstance(each, tuple) for each in axes):
-        raise SceneError("over", f"must be given twice for a map, START:STOP:N or a list, got {len(axes)}")
+    if len(axes) != 2:
+        raise SceneError("over", f"must be used twice for a map, with START:STOP:N or a list, got {len(axes)}")
     for each in axes:
         values, key = each.columns[0], each.keys[0]
         if unit_of(rule_at(key)) is None or not all(isinstance(value, (int, float)) for value in values):
@@ -212,12 +203,11 @@ def _check(axes) -> None:
 def _own(table: dict, key: str) -> list[float]:
     """Return the numerical values of a key in the scene as a list, which may be empty."""
     value = value_at(table, key)
-    values = value if isinstance(value, list) else [value]
-    return [each for each in values if isinstance(each, (int, float))]
+    return [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, (int, float))]
 
 
 def _even_in_logarithm(values) -> bool:
-    if values[0] <= 0.0:
+    if values[0] <= 0.0 or values[-1] <= 3.0 * values[0]:
         return False
     steps = np.diff(np.log(values))
-    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)) and values[-1] > 3.0 * values[0]
+    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0.0))

@@ -34,7 +34,7 @@ LOGGER = logging.getLogger(__name__)
 QUICK = {"films": False, "maps": False}
 # fractions of the largest voltage; the nearest voltages of the scene are used
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)
-LONG = 2.0  # burst duration over the time in which the full friction force would reach the steady velocity
+BURST_RATIO = 2.0  # burst duration over the time in which the full friction force would reach the steady velocity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +79,7 @@ def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True)
     slider = driven.slider
     acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
     largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
-    duration = float(f"{LONG * largest / acceleration:.2g}")
+    duration = float(f"{BURST_RATIO * largest / acceleration:.2g}")
     options = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
     bursts = tuple(
         (driven.scene.named(level), contact.burst(slider, driven.at(level), **options))

@@ -4,12 +4,11 @@ Method: the motor of a scene (``twente-contact`` by default) is computed through
 (`studies.motor.followed_motor`). A sensor with resolution, noise and delay and a controller with a period
 (`--controller two_phase`, dead_zone_pi, burst_length or FILE.py:FUNCTION) move it from rest to `--target "10 um"` and
 back, with two drives if the scene has two. The error of the positions follows from the same drive with half as many
-steps per cycle. The same drive is also given to the averaged motor, which `sawmotor export` writes for simulators.
+steps per cycle. The same drive is also applied to the averaged motor, which `sawmotor export` writes for simulators.
 
 After a stop, the slider rings in its contacts, and the next burst begins with the velocity of the ring at that instant.
-The averaged motor includes the ring, but its error of about 0.1 um/s at a stop changes the amplitude and the frequency
-of the ring, so that its phase is lost within about 10 ms. From then on its velocity can be wrong by up to twice the
-velocity of the ring (22 um/s for ``twente``), and its position by up to 44 nm per millisecond of sliding.
+The averaged motor loses the phase of the ring within about 10 ms: from then on its velocity can be wrong by up to twice
+that of the ring (22 um/s for ``twente``), and its position by up to 44 nm per millisecond of sliding.
 
 `--loop KEY=VALUE` sets the loop (resolution, noise, delay, period, force, force_at, preload, limit, hold, seed) and the
 parameters of the controller. A second panel shows the steps of bursts of a few cycles: within one elastic deformation

@@ -94,7 +94,7 @@ def run(
     )  # fmt: skip
     panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data={
         "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(),
-        "velocity_m_per_s": [[v if np.isfinite(v) else None for v in row] for row in states.velocity.tolist()],
+        "velocity_m_per_s": finite_lists(states.velocity),
         "lines_m": lines, "operating_amplitude_m": operating, "operating_preload_N": operating_preload,
     })  # fmt: skip
     return (panel,), findings
@@ -111,6 +111,13 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
         )
     at = np.geomspace(min(0.4 * threshold, 0.8 * operating[0]), max(6.0 * release, 1.2 * operating[-1]), amplitudes)
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), operating
+
+
+def finite_lists(values: np.ndarray) -> list:
+    """Return an array as nested lists, with None for values that are not finite, as JSON needs them."""
+    lists = values.astype(object)
+    lists[~np.isfinite(values)] = None
+    return lists.tolist()
 
 
 def _largest_difference(sliders, per_metre, amplitudes, states, checked: int) -> float:

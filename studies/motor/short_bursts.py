@@ -10,7 +10,7 @@ import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.resolve import resolved
-from studies.chain.solved_stator import of_stator
+from studies.chain.solved_stator import changes_stator
 from studies.chain.steps import Steps
 from studies.chain.uncertainty import sampled, without_level
 from studies.export.motor_model import AveragedMotor
@@ -60,7 +60,7 @@ def step_scatter(scene: Scene, motor: AveragedMotor) -> tuple[float, float] | No
     if scene.uncertain is None:
         return None
     LOGGER.info("positioning: scatter by the tolerances")
-    inputs = tuple(each for each in tolerances(resolved(scene)) if each.key in LEVELS or not of_stator(each.key))
+    inputs = tuple(each for each in tolerances(resolved(scene)) if each.key in LEVELS or not changes_stator(each.key))
     if not inputs:
         return None
     contacts = ChangedContacts(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2)

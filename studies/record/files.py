@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import fem
+from studies.record.quantities import described
 from studies.record.surface_map import surface_map
 from studies.refusal import RunError
 from studies.results.content import write_json
@@ -65,6 +66,13 @@ def flat(values: dict) -> dict:
         else:
             columns[key] = value
     return columns
+
+
+def labelled_column(key: str, values: list) -> tuple[np.ndarray, dict[str, str]]:
+    """Return a column as an array, of texts where one value is a text, and its attributes in xarray."""
+    if any(isinstance(value, str) for value in values):
+        return np.array([value or "" for value in values], dtype=str), described(key)
+    return np.array(values, dtype=float), {"units": "1"} | described(key)
 
 
 def write_columns(path: Path, columns: dict) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from studies.record.quantities import described, quantity
+from studies.record.quantities import quantity
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
@@ -246,14 +246,13 @@ class Record:
         >>> data["velocity_m_per_s"].attrs["units"], data["normal_amplitude_m"].attrs["units"]
         ('m/s', 'm')
         """
-        from studies.record.files import flat
+        from studies.record.files import flat, labelled_column
 
-        data, points = {}, [flat(point) for point in self.points]
-        for key in dict.fromkeys(key for point in points for key in point):
-            values = [point.get(key) for point in points]
-            words = any(isinstance(value, str) for value in values)
-            column = np.array([value or "" for value in values] if words else values, dtype=str if words else float)
-            data[key] = (self.level, column, ({} if words else {"units": "1"}) | described(key))
+        points = [flat(point) for point in self.points]
+        data = {
+            key: (self.level, *labelled_column(key, [point.get(key) for point in points]))
+            for key in dict.fromkeys(key for point in points for key in point)
+        }
         about = {"title": self.scene.title, "tolerance": self.tolerance}
         level = {self.level: data.pop(self.level)} if data else {}
         return needed("xarray", "to_xarray").Dataset(data, level, about)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 MAX_WAVELENGTHS = 40  # length of a surface whose ripple a picture of this width resolves
 WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
+COMPARED = ("predicted", "measured")  # beginnings of columns of a comparison
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
@@ -42,14 +43,8 @@ def measured_picture(record: "Record", ax):
     if "scan" in block:
         return draw_scan(block, ax)
     trace = block["trace"]
-    unit, up = "m_per_s", quantity("velocity_m_per_s")
-    if "measured_m" in trace:
-        unit, up = "m", quantity("travelled_m")
-    time = trace["time_s"] * quantity("time_s").scale
-    curve(ax, time, trace[f"predicted_{unit}"] * up.scale, "-", "slip", "computed")
-    curve(ax, time, trace[f"measured_{unit}"] * up.scale, "o", "line", f"measured, {block['file']}", size=2.5)
-    title = f"Measured over computed: {block['quantity']}"
-    return finished(ax, quantity("time_s").axis, up.axis, title, columns=2)
+    unit, up = ("m", "travelled_m") if "measured_m" in trace else ("m_per_s", "velocity_m_per_s")
+    return _over_computed(ax, block, "time_s", trace["time_s"], up, *(trace[f"{name}_{unit}"] for name in COMPARED))
 
 
 def draw_scan(block: dict, ax):
@@ -57,13 +52,17 @@ def draw_scan(block: dict, ax):
     points = block["scan"]
     by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
     key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
-    along, up = quantity(key), quantity("amplitude_m_per_V")
-    at = points[key] * along.scale
-    order = np.argsort(at, kind="stable")
-    computed, measured = (np.abs(points[f"{name}_m_per_V"])[order] * up.scale for name in ("predicted", "measured"))
-    curve(ax, at[order], computed, "-", "slip", "computed")
-    curve(ax, at[order], measured, "o", "line", f"measured, {block['file']}", size=2.5)
-    return finished(ax, along.axis, up.axis, f"Measured over computed: {block['quantity']}", columns=2)
+    order = np.argsort(points[key], kind="stable")
+    sizes = (np.abs(points[f"{name}_m_per_V"])[order] for name in COMPARED)
+    return _over_computed(ax, block, key, points[key][order], "amplitude_m_per_V", *sizes)
+
+
+def _over_computed(ax, block: dict, across: str, x, up: str, computed, measured):
+    """Draw measured values over a computed curve, both in SI units."""
+    along, height = quantity(across), quantity(up)
+    curve(ax, x * along.scale, computed * height.scale, "-", "slip", "computed")
+    curve(ax, x * along.scale, measured * height.scale, "o", "line", f"measured, {block['file']}", size=2.5)
+    return finished(ax, along.axis, height.axis, f"Measured over computed: {block['quantity']}", columns=2)
 
 
 def draw_run(record: "Record", folder: Path, names: Sequence[str] | None = None) -> None:

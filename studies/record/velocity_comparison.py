@@ -26,13 +26,18 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
     level = scene.level_column
     if measured.quantity in ("burst", "position"):
         if scene.burst is None:
-            setting = f'--set {scene.source_key}.burst="0.1 s"'
-            raise SceneError(OPTION, f"{measured.name!r} holds a burst: {setting} sets its duration")
+            raise missing_burst(scene, measured)
         return
     if measured.quantity != "velocity":
         raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
     if measured.level_key != level:
         raise SceneError(OPTION, f"must have the column {level} for this scene, got {measured.level_key}")
+
+
+def missing_burst(scene: "Scene", measured: Measurement) -> SceneError:
+    """Return the refusal of a measured burst by a scene without one."""
+    setting = f'--set {scene.source.block}.burst="0.1 s"'
+    return SceneError(OPTION, f"{measured.name!r} holds a burst: {setting} sets its duration")
 
 
 def deviations(measured: np.ndarray, predicted: np.ndarray, unit: str) -> dict[str, float]:

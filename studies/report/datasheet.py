@@ -7,7 +7,7 @@ as exact.
 """
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -36,13 +36,12 @@ LOGGER = logging.getLogger(__name__)
 LOADS = 13  # number of loads of a load line
 LINES = (0.5, 0.75, 1.0)  # fractions of the rated level; the nearest levels of the scene get a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # smallest displacements of the steps, m
-AT_ONCE = "wave at full size from the first cycle"
+FULL_WAVE = "wave at full size from the first cycle"
 SETTLED = 0.9  # fraction of the steady velocity that ends the start
-LONG = 8.0  # burst duration over the time in which the full friction force would reach the steady velocity
+BURST_RATIO = 8.0  # burst duration over the time in which the full friction force would reach the steady velocity
 CONTACT_TOLERANCE = 1e-4
 # relative error of the frequency of the strongest wave, computed on a coarse mesh (fem/solve/passband.py)
-CENTRE = 5e-4
-
+FREQUENCY_ERROR = 5e-4
 
 GROUPS = {
     "speed": "Speed",
@@ -177,7 +176,7 @@ def _of_balls(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
     options, named = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}, driven.scene.named
     lines = {named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels}
     LOGGER.info("start and stop")
-    start_stop = _start_stop(driven, rated)
+    start_stop = _start_and_stop_motion(driven, rated)
     LOGGER.info("steps")
     bursts = Steps.of(driven)
     steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
@@ -194,28 +193,26 @@ def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dic
     line = lines[driven.scene.named(rated)]
     LOGGER.info("start and stop")
     free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
-    start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / (holding_force / slider.mass))
+    start_stop = pillar_burst(body, rated, free, BURST_RATIO * abs(free.velocity) / (holding_force / slider.mass))
     relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
     stall, held = (line.stall, relative_error), (line.held_up_to, relative_error)
-    rows = (*_force_rows(stall, held, holding_force, slider.mass), *_start_and_stop(start_stop, ""))
-    friction = "friction power", free.friction_power, "W", relative_error, "no load, all pillars"
-    return {
-        "lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows,
-        "powers": (Row("power", *friction),),
-    }  # fmt: skip
+    rows = (*_force_rows(stall, held, holding_force, slider.mass), *_start_and_stop_rows(start_stop, ""))
+    friction = Row("power", "friction power", free.friction_power, "W", relative_error, "no load, all pillars")
+    return {"lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (friction,)}
 
 
-def _start_stop(driven: DrivenContact, rated: float) -> Any:
+def _start_and_stop_motion(driven: DrivenContact, rated: float) -> Any:
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
     acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     acceleration_time = abs(steady) / acceleration
-    times = {"duration": LONG * acceleration_time, "after": 2.0 * acceleration_time}
+    times = {"duration": BURST_RATIO * acceleration_time, "after": 2.0 * acceleration_time}
     return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
 
 
-def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
+def _speeds(record: Record, driven: DrivenContact, rated: float) -> Iterator[Row]:
+    """Yield the rows on the velocity, the threshold and the release."""
     point = next(each for each in record.points if each[record.level] == rated)
     # relative_error of a point refers to max(|v|, omega |u_x| / 10); convert it to |v|
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
@@ -234,7 +231,8 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
             yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
 
 
-def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
+def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Iterator[Row]:
+    """Yield the rows on forces; ``line`` is the load line of one ball that represents ``balls`` of them."""
     slider, stall = driven.slider, line.stall
     averaged, held = contact.blocked_thrust(slider, driven.at(rated))
     increased, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
@@ -247,7 +245,7 @@ def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any
     yield from _force_rows((balls * stall.value, error), held, balls * friction, balls * slider.mass)
 
 
-def _force_rows(stall: tuple, held: tuple, holding: float, mass: float) -> Any:
+def _force_rows(stall: tuple, held: tuple, holding: float, mass: float) -> Iterator[Row]:
     """Yield the rows on forces; ``stall`` and ``held`` are a force in N and its relative error."""
     for name, (value, error), unit, condition in (
         ("blocked thrust", stall, "N", "load at which the motor stalls"),
@@ -258,7 +256,8 @@ def _force_rows(stall: tuple, held: tuple, holding: float, mass: float) -> Any:
         yield Row("force", name, value, unit, error, condition)
 
 
-def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> Any:
+def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> Iterator[Row]:
+    """Yield the rows on the steps of `STEPS`, the start and the stop."""
     frequency = bursts.driven.scene.frequency
     for size, step in zip(STEPS, steps, strict=True):
         error = bursts.error(rated, step) + step.error / abs(step.displacement) or None
@@ -269,13 +268,14 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> An
             f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm"
         )
         if bursts.sentence:
-            condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else AT_ONCE}"
+            condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else FULL_WAVE}"
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
     settles = f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle" if bursts.settling else ""
-    yield from _start_and_stop(start_stop, settles)
+    yield from _start_and_stop_rows(start_stop, settles)
 
 
-def _start_and_stop(start_stop: Any, settles: str) -> Any:
+def _start_and_stop_rows(start_stop: Any, settles: str) -> Iterator[Row]:
+    """Yield the rows on start and stop; ``settles``: a remark on the time that the wave needs to settle."""
     time, speed = start_stop.time, abs(start_stop.velocity)
     final_speed = abs(start_stop.velocity_at_burst_end)
     grid, start_time = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * final_speed)])
@@ -288,7 +288,8 @@ def _start_and_stop(start_stop: Any, settles: str) -> Any:
     yield Row("positioning", "stop time", stop_time, "s", grid / stop_time, condition)
 
 
-def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
+def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Iterator[Row]:
+    """Yield the rows on powers and efficiencies at the load of the largest mechanical power."""
     best = int(np.argmax(line.power))
     error = 2.0 * driven.stator_error + float(np.max(line.relative_error)) + CONTACT_TOLERANCE
     power, electrical_power = balls * float(line.power[best]), 0.0
@@ -309,14 +310,15 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
         yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
 
 
-def _resonances(record: Record, driven: DrivenContact) -> Any:
+def _resonances(record: Record, driven: DrivenContact) -> Iterator[Row]:
+    """Yield the rows on the drive's frequency and the resonances of the slider on its contacts."""
     scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
         LOGGER.info("stator: search for the strongest wave")
         best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
-        yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", CENTRE, condition)
+        yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", FREQUENCY_ERROR, condition)
     for name, frequency, springs in (
         ("bounce of the slider", slider.normal_resonance(contacts), "normal"),
         ("tangential ring", slider.tangential_resonance(contacts), "tangential"),

@@ -18,7 +18,7 @@ from studies.chain import fem_model, resolve
 from studies.chain.left_out import left_out
 from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.chain.spectrum import groups
 from studies.record.text import labelled, table
 from studies.report.contents import section
@@ -77,7 +77,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     left_out_options: dict[str, Any] = {}
     operations, block_bytes, seconds = 0.0, 0.0, START + MESH_START * bool(scene.piece) + SEARCH * searched
     if scene.transducer:
-        with answered():
+        with as_run_errors():
             parts, left_out_options, operations, block_bytes = _driven(scene, tolerance)
     elif scene.wave is None:
         facts = [_stator_text(scene), "guided modes of the bare section: an eigenproblem through the depth alone"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
@@ -21,7 +21,7 @@ DEPTHS = tuple(k / 20 for k in range(61))  # in wavelengths
 FORMATS = (".png", ".jpg", ".jpeg", ".pdf", ".svg", ".tif", ".tiff")
 VOIGT = ("11", "22", "33", "23", "13", "12")
 NOISE = 1e-9  # relative to the largest entry of a tensor; smaller entries are printed as 0
-SEEN = 0.05  # smallest component of a unit vector that is drawn or written
+MIN_COMPONENT = 0.05  # smallest component of a unit vector that is drawn or written
 
 
 def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") -> dict:
@@ -50,7 +50,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         surface = surface_named(surface)
     except fem.InputError as error:
         raise SceneError(error.key, error.rule) from None
-    with answered():
+    with as_run_errors():
         wave = fem.rayleigh(solid, surface)
         coupled = "phi" in wave.fields
         coupling = {"coupling_K2": fem.coupling(solid)} if coupled else {}
@@ -121,11 +121,13 @@ def axes_figure(answer: dict, ax):
     ax.axhspan(-1.5, 0, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     ax.axhline(0, color=COLOURS["line"], linewidth=1.2)
     for name, (x, y, z) in axes(answer["crystal"]).items():
-        if x * x + z * z > SEEN**2:
+        if x * x + z * z > MIN_COMPONENT**2:
             arrow(ax, (0, 0), (x, z), colours[name], width=2.0)
-        mark = "" if abs(y) < SEEN else f" ({abs(y):.2f} {'into' if y > 0 else 'out of'} the page)"
-        projection = max((x * x + z * z) ** 0.5, SEEN)
-        label_position = (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if projection > SEEN else (0.12, -0.12)
+        mark = "" if abs(y) < MIN_COMPONENT else f" ({abs(y):.2f} {'into' if y > 0 else 'out of'} the page)"
+        projection = max((x * x + z * z) ** 0.5, MIN_COMPONENT)
+        label_position = (
+            (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if projection > MIN_COMPONENT else (0.12, -0.12)
+        )
         ax.text(*label_position, name + mark, color=colours[name], ha="center", va="center", fontsize="small")
     ax.plot([0], [0], "o", color=COLOURS["line"], markersize=4)
     ax.text(-1.4, 0.05, "surface", fontsize="small")

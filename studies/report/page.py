@@ -5,6 +5,7 @@ The page is self-contained: pictures are embedded as data URIs, and there are no
 
 import os
 import platform
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -43,6 +44,12 @@ def rendered(template: str, **values) -> str:
     environment.globals |= {"si": si, "percent": percent}
     written = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     return environment.get_template(template).render(written=written, **values)
+
+
+def picture_page(title: str, pictures: Iterable[tuple[str, str]]) -> str:
+    """Return an HTML page of pictures, each a data URI and its caption."""
+    shown = [{"data": data, "caption": caption} for data, caption in pictures]
+    return rendered("pictures.html", title=title, pictures=shown)
 
 
 def report(record: Record) -> str:

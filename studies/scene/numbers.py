@@ -61,10 +61,8 @@ class Quantity(Rule):
         return ", ".join(filter(None, (sign, below))) or "any"
 
     def schema(self):
-        number = {"type": "number", "maximum": MAX_SIZE}
-        number["exclusiveMinimum" if not (self.negative or self.zero) else "minimum"] = (
-            -MAX_SIZE if self.negative else 0
-        )
+        bound = "minimum" if self.negative or self.zero else "exclusiveMinimum"
+        number = {"type": "number", "maximum": MAX_SIZE, bound: -MAX_SIZE if self.negative else 0}
         if self.below is not None:
             number["exclusiveMaximum"] = self.below
         if not self.unit:

@@ -123,11 +123,6 @@ class Scene(Block):
         return self.drive if self.wave is None else self.wave
 
     @property
-    def source_key(self) -> str:
-        """Key of that block."""
-        return "drive" if self.wave is None else "wave"
-
-    @property
     def level_key(self) -> str:
         """Key of the levels."""
         return "drive.voltage" if self.wave is None else "wave.normal_amplitude"
@@ -143,7 +138,7 @@ class Scene(Block):
 
     def with_source(self, **keys: Any) -> Self:
         """Return the scene with keys of its `source` replaced by values in SI units, which are not checked."""
-        source: dict[str, Any] = {self.source_key: replace(self.source, **keys)}
+        source: dict[str, Any] = {self.source.block: replace(self.source, **keys)}
         return replace(self, **source)
 
     def at_level(self, level: float) -> Self:

@@ -156,11 +156,11 @@ class Slider(Block):
                     yield key, f"is required and missing: give {keys_of(Slider)[key].rule.expected}"
             for key in ("loading", "tilt", "preload_at", "load_height", "backing"):
                 if getattr(self, key) != keys_of(Slider)[key].default:
-                    yield key, "must be absent without [slider.pillars], which alone know it"
+                    yield key, "must be absent without [slider.pillars]"
             return
         for key in ALONE:
             if getattr(self, key) is not None:
-                yield key, "must be absent with [slider.pillars], which say what touches the stator and where"
+                yield key, "must be absent with [slider.pillars], which define the contacts"
         if self.law != "elastic":
             yield "law", 'must be "elastic" with [slider.pillars]: a flat pillar slips as a whole'
         if isinstance(self.friction_coefficient, Friction):

@@ -19,7 +19,7 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model, passband
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.record.plots import PALETTE, curve, lines
 from studies.record.quantities import quantity
 from studies.refusal import RunError
@@ -166,7 +166,7 @@ class _ForceProblem:
         """Return what a solver of ``fem`` answers for the scene's stator at a frequency in Hz."""
         scene = self.scene
         try:
-            with answered(f"at {frequency / 1e6:.6g} MHz"):
+            with as_run_errors(f"at {frequency / 1e6:.6g} MHz"):
                 return solve(
                     fem_model.whole_stator(scene), fem_model.section_transducers(scene), frequency=float(frequency),
                     tolerance=self.tolerance, drive=fem_model.drive(scene), **options,

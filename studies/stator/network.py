@@ -27,9 +27,7 @@ from studies.scene import Scene
 from studies.stator.network_deviation import deviations
 from studies.study import Answered, Panel, StudyRecord, judged, of_record, study
 
-# a transducer of few fingers is refused near a zero of its response: a count whose frequencies keep clear of 2/3 of the
-# middle one, the zero of three pairs
-QUICK = {"count": 10, "tolerance": 0.3}
+QUICK = {"count": 11, "tolerance": 0.3}
 BRANCHES = 5
 CLOSE = 0.1  # error of a circuit that may stand for the transducer, over the largest admittance
 PASSIVE, RECIPROCAL = 1e-12, 1e-11

@@ -16,7 +16,7 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model, passband
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.chain.spectrum import port_admittances
 from studies.record.plots import COLOURS, curve, lines
 from studies.record.quantities import quantity
@@ -51,7 +51,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     for f in at:
         LOGGER.info(f"P-matrices at {f / 1e6:.5g} MHz")
         kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
-        with answered(f"at {f / 1e6:.6g} MHz"):
+        with as_run_errors(f"at {f / 1e6:.6g} MHz"):
             for kind, each in zip(kinds, row, strict=True):
                 if kind not in known:
                     known[kind] = fem.p_matrix(stator, each, frequency=float(f), tolerance=tolerance)

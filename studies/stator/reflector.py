@@ -12,7 +12,7 @@ import numpy as np
 
 import fem
 from studies.chain import fem_model, passband, resolve
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.record.plots import lines
 from studies.scene import Scene
 from studies.study import Answered, Panel, judged, of_record, study
@@ -46,7 +46,7 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
     answers = []
     for f in at:
         LOGGER.info(f"reflection at {f / 1e6:.5g} MHz")
-        with answered(f"at {f / 1e6:.6g} MHz"):
+        with as_run_errors(f"at {f / 1e6:.6g} MHz"):
             answers.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
     center = answers[len(answers) // 2]
     panels, answer, matrices = [], [], [each.scattering for each in answers if each.scattering is not None]

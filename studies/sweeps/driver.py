@@ -64,7 +64,7 @@ class Driver:
                 rows += [(point, *values[point], *outcomes) for point, *outcomes in outcomes_of_points]
                 batches.append((len(outcomes_of_points), seconds))
                 self._adapt(len(outcomes_of_points), seconds - stator_seconds, stator_seconds)
-            self.store.keep(rows, batches)
+            self.store.write(rows, batches)
             stored += len(rows)
             failed += sum(row[-1] != Status.OK for row in rows)
             cost += sum(seconds for _, seconds in batches)

@@ -17,7 +17,7 @@ import numpy as np
 
 from studies.chain.changed_scenes import ChangedScenes
 from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
-from studies.chain.solved_stator import POSITION_KEYS, of_stator
+from studies.chain.solved_stator import POSITION_KEYS, changes_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.sweeps.axes import Axis, axis, level_key, point_axis
@@ -62,7 +62,7 @@ class Question:
     @property
     def stator_keys(self) -> tuple[str, ...]:
         """The keys whose every value needs a stator of its own."""
-        own = (key for key in self.keys if of_stator(key) or (key in POSITION_KEYS and not self.positions))
+        own = (key for key in self.keys if changes_stator(key) or (key in POSITION_KEYS and not self.positions))
         return tuple(own) if self.kind == "driven" else ()
 
     @property

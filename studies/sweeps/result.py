@@ -7,10 +7,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from studies.progress import duration
-from studies.record.quantities import described, quantity
+from studies.record.files import labelled_column
+from studies.record.quantities import quantity
 from studies.record.status import Status
 from studies.record.text import labelled, table
 from studies.refusal import needed
@@ -138,11 +137,9 @@ class Sweep:
         ]
         data, shape = {}, tuple(map(len, self.axes))
         for name, column in self.columns().items():
-            if name in dict(pairs) or name == "point":
-                continue
-            text = any(isinstance(value, str) for value in column)
-            values = np.array([value or "" for value in column] if text else np.array(column, float))
-            data[name] = (dims, values.reshape(shape), described(name))
+            if name not in dict(pairs) and name != "point":
+                values, attributes = labelled_column(name, column)
+                data[name] = (dims, values.reshape(shape), attributes)
         return needed("xarray", "to_xarray").Dataset(data, dict(pairs))
 
 

@@ -38,7 +38,7 @@ class Store:
     """The points of one sweep, in a folder whose lock it holds, or in memory."""
 
     def __init__(self, folder: Path | None, design: Design, identity: dict[str, str] | None = None):
-        self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
+        self.folder, self._names = folder, ("point", *design.question.keys, *design.question.outcomes)
         self._lock = None if folder is None else _lock(folder)
         self.path = None if folder is None else folder / FILE
         with self._explained():
@@ -51,22 +51,20 @@ class Store:
         except (SceneError, RunError):
             self.close()
             raise
-        marks = ", ".join("?" * (len(self._names) + 1))
-        self._insert = f"insert or replace into points values ({marks})"
+        self._insert = f"insert or replace into points values ({', '.join('?' * len(self._names))})"
 
     def columns(self) -> dict[str, list]:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
         with closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection) as connection:
             rows = connection.execute("select * from points order by point")
-            return dict(zip(_names(rows), map(list, zip(*rows, strict=True)), strict=True))
+            return dict(zip(self._names, map(list, zip(*rows, strict=True)), strict=True))
 
     def rows(self, first: int, end: int) -> Iterator[dict]:
         """Yield the rows of the points from ``first`` up to and without ``end``, as values by name."""
         rows = self.connection.execute(
             "select * from points where point >= ? and point < ? order by point", (first, end)
         )
-        names = _names(rows)
-        yield from (dict(zip(names, row, strict=True)) for row in rows.fetchall())
+        yield from (dict(zip(self._names, row, strict=True)) for row in rows.fetchall())
 
     def close(self) -> None:
         """Close the file and release the lock; a store in memory stays."""
@@ -84,7 +82,7 @@ class Store:
             done[np.array(some)[:, 0]] = True
         return done
 
-    def keep(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
+    def write(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
         """Write rows (point, values, outcomes) and batches (points, seconds); durable on return."""
         with self._explained(), self.connection:
             self.connection.executemany(self._insert, ([_stored(each) for each in row] for row in rows))
@@ -104,8 +102,7 @@ class Store:
 
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Write the question of the sweep; refuse a file that holds another sweep."""
-        versions = {f"version of {name}": version for name, version in provenance().items()}
-        identity = identity | versions
+        identity = identity | {f"version of {name}": version for name, version in provenance().items()}
         for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
             stored = json.loads(text)
             names = [name for name in stored | identity if stored.get(name) != identity.get(name)]
@@ -115,11 +112,10 @@ class Store:
         question = design.question
         about: dict[str, Any] = {
             "identity": identity, "scene": question.table, "keys": question.keys, "tolerance": question.tolerance,
-            "points": len(design),
-            "driver": f"process {os.getpid()} on {socket.gethostname()}",
+            "points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}",
         }  # fmt: skip
         with self._explained(), self.connection:
-            columns = ", ".join(f'"{name}"' for name in self._names)
+            columns = ", ".join(f'"{name}"' for name in self._names[1:])
             self.connection.execute(f"create table if not exists points (point integer primary key, {columns})")
             self.connection.executemany(
                 "insert or replace into sweep values (?, ?)",
@@ -163,10 +159,6 @@ def _owner(folder: Path) -> str:
     except sqlite3.Error:
         return ""
     return "" if owner is None else f", {json.loads(owner[0])},"
-
-
-def _names(cursor: sqlite3.Cursor) -> list[str]:
-    return [entry[0] for entry in cursor.description]
 
 
 def _stored(value):

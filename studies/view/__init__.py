@@ -17,7 +17,7 @@ import numpy as np
 import fem
 from studies.record import Record, plots
 from studies.refusal import RunError, SceneError
-from studies.report.page import rendered
+from studies.report.page import picture_page
 from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
 from studies.view.contact_view import contact_writers
@@ -136,9 +136,8 @@ def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
         plots.saved(file, draw, size=size)
 
     def page(file) -> None:
-        picture = {"data": plots.as_uri(draw, size=size, kind="png"), "caption": "size of u_z over the surface"}
-        text = rendered("pictures.html", title=f"{scene.title}: beam", pictures=[picture])
-        Path(file).write_text(text, encoding="utf-8")
+        picture = plots.as_uri(draw, size=size, kind="png"), "size of u_z over the surface"
+        Path(file).write_text(picture_page(f"{scene.title}: beam", [picture]), encoding="utf-8")
 
     return {"screenshot": still, "html": page, "window": lambda: plots.show(draw)}
 

@@ -18,14 +18,14 @@ from matplotlib.patches import Circle, Patch
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.record.quantities import Quantity, quantity
 from studies.refusal import SceneError
-from studies.report.page import rendered
+from studies.report.page import picture_page
 from studies.view import movie
 from studies.view.run_field import recomputed_motion
 
@@ -72,8 +72,8 @@ def contact_writers(record: Record, wanted) -> dict[str, Callable]:
             for kind, write in (("gif", film), ("png", still)):
                 picture = Path(folder) / f"contact.{kind}"
                 write(picture)
-                pictures.append({"data": data_uri(picture.read_bytes(), kind), "caption": title})
-        Path(file).write_text(rendered("pictures.html", title=title, pictures=pictures), encoding="utf-8")
+                pictures.append((data_uri(picture.read_bytes(), kind), title))
+        Path(file).write_text(picture_page(title, pictures), encoding="utf-8")
 
     return {
         "screenshot": still,
@@ -104,7 +104,7 @@ def steady_history(record: Record, *, level: float | None):
     LOGGER.info("following the contact")
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(level)
-    with answered():
+    with as_run_errors():
         speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity
         history = contact.contact_history(
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS

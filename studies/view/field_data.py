@@ -17,7 +17,7 @@ from studies.view.run_field import LINES, RunField
 
 LOGGER = logging.getLogger(__name__)
 
-LARGE = 20e6  # bytes above which the size is announced before writing
+ANNOUNCED_SIZE = 20e6  # bytes above which the size is announced before writing
 # Bytes per number in a table, in a .vtu file (vectors have a third component), and in an instant (single precision)
 TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2
 
@@ -48,7 +48,7 @@ def save(
     else:
         field = run.field if surface else run.with_energies
     size = expected_size(field, file, instants)
-    if size > LARGE and not surface:
+    if size > ANNOUNCED_SIZE and not surface:
         advice = "--surface writes the surface alone, --span a part" if kind == ".csv" else "--span writes a part"
         note(f"writing about {size / 1e6:.0f} MB to {file}, {field.potential.size} nodes; {advice}")
     if surface:

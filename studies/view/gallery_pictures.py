@@ -5,6 +5,7 @@ show theory, points show computed values.
 """
 
 import logging
+from functools import partial
 from pathlib import Path
 
 import matplotlib
@@ -65,11 +66,10 @@ def draw_all(gallery, folder: Path) -> None:
     for picture, name in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
         LOGGER.info(f"drawing {picture}")
         still(Picture(run, views(run), size=STILL, **(FIELD | {"quantity": name})), folder / f"{picture}.png")
-    saved(folder / "velocity.png", lambda ax: velocity(record, ax))
-    _reduce(folder / "velocity.png")
-    for module, panel in gallery.others:
-        saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
-        _reduce(folder / f"{panel.name}.png")
+    others = {panel.name: partial(module.figure, panel) for module, panel in gallery.others}
+    for picture, draw in {"velocity": partial(velocity, record), **others}.items():
+        saved(folder / f"{picture}.png", draw)
+        _reduce(folder / f"{picture}.png")
     if gallery.films:
         _films(gallery, folder)
 

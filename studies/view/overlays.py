@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem import rotation_matrix
-from studies.report.free_surface import SEEN
+from studies.report.free_surface import MIN_COMPONENT
 from studies.view.run_field import RunField
 
 AXIS_COLOUR, BALL_COLOUR = "#009E73", "#999999"
@@ -67,5 +67,7 @@ def crystal_axes(run: RunField) -> tuple[tuple[str, float, float], ...]:
     """Return the name and the x and z components of each crystal axis with a visible projection on the section."""
     columns = rotation_matrix(run.scene.stator.orientation).T
     return tuple(
-        (name, float(x), float(z)) for name, (x, _, z) in zip("XYZ", columns, strict=True) if np.hypot(x, z) > SEEN
+        (name, float(x), float(z))
+        for name, (x, _, z) in zip("XYZ", columns, strict=True)
+        if np.hypot(x, z) > MIN_COMPONENT
     )

@@ -26,7 +26,7 @@ from studies.refusal import needed
 from studies.view import overlays
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import SectionPart, Sheet, beam_sheet, magnification, mesh_sheets, sheets, strips
+from studies.view.section import SectionPart, Sheet, beam_sheet, magnification, sheets, strips
 from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, View, frames, right_edge
 
 BARE, EDGE = "#D9D9D9", "#606060"
@@ -120,11 +120,15 @@ class Picture:
             else:
                 drawn = self._part_of(frame)
                 self.parts.append(drawn)
-                meshed = mesh_sheets(self.run, drawn, self.shade, solid=self.solid)
-                for sheet in [*sheets(self.run, drawn, solid=self.solid), *meshed]:
+                for sheet in sheets(self.run, drawn, self.shade, solid=self.solid):
                     self._add_sheet(sheet)
                 motion = drawn.surface
             self._add_electrodes(motion)
+        self._add_colour_bar()
+        self.set_phase(self.phase)
+
+    def _add_colour_bar(self) -> None:
+        """Draw the colour bar at the right: beside the highest view, and below the legend of the electrodes."""
         self.plotter.subplot(0, 0)
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
@@ -143,7 +147,6 @@ class Picture:
             fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
             height=(high - low) / height, title_font_size=LETTERS, label_font_size=LETTERS,
         )  # fmt: skip
-        self.set_phase(self.phase)
 
     def set_phase(self, phase: float) -> None:
         """Show another instant."""
@@ -222,15 +225,14 @@ class Picture:
         """Draw the parts of the solid without a field: outside the aperture, or below the surface of a beam."""
         run = self.run
         half, width, depth = 0.5 * run.aperture, 0.5 * run.scene.stator.width, run.field.z[0]
-        parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the front half is transparent
-        if self.spreads:
+        if self.spreads:  # the solid lies below the troughs of the wave, and at rest a little below its surface
             parts = [(-width, width, 1.0)]
+            top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
+            top -= 0.01 * run.wavelength
         elif width - half < 1e-9:
             return
-        top = 0.0
-        if self.spreads:  # keep the solid below the wave troughs
-            top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
-            top -= 0.01 * run.wavelength  # at rest it would coincide with the surface
+        else:
+            parts, top = [(-width, -half, 0.25), (half, width, 1.0)], 0.0  # the front half is transparent
         for low, high, opacity in parts:
             ends = (0.0, self._length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))

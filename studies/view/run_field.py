@@ -13,7 +13,7 @@ import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
 from studies.chain import fem_model
 from studies.chain import run as run_chain
-from studies.chain.solver_errors import answered
+from studies.chain.solver_errors import as_run_errors
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from fem.results.driven_answer import SurfaceWave
 
 LOGGER = logging.getLogger(__name__)
-
 
 LINES = 16  # nodes per wavelength in the uniform parts of a driven stator
 FREE_WAVELENGTHS = 10  # largest shown length of a free wave, in wavelengths
@@ -41,7 +40,7 @@ class RunField:
     length: float  # largest length that can be shown, m
     record: Record = field(repr=False)
     wavelength: float  # of the surface wave, m
-    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the combs, "o" for open strips
+    # edges (left, right) of the fingers in m, by sign: "+" and "-" for the two electrodes, "o" for open strips
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]  # first and last x of each transducer, m
     wave: "SurfaceWave | None" = field(default=None, repr=False)  # None for a free wave
@@ -207,7 +206,7 @@ def recomputed_motion(record: Record) -> SurfaceMotion:
 
 def _free(record: Record) -> RunField:
     scene, stator = record.scene, fem_model.whole_stator(record.scene)
-    with answered():
+    with as_run_errors():
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     wavelength = wave.velocity / wave.frequency
     return RunField(

@@ -19,7 +19,7 @@ from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
 AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn
-FACET = 4.0  # largest distance of drawn points over the smallest
+MAX_SPACING_RATIO = 4.0  # largest distance of drawn points over the smallest
 PER_WAVELENGTH = 12, 8  # lines on the surface under a beam: along x; along x and y where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 
@@ -50,7 +50,7 @@ class SectionPart:
         cls, run: RunField, shading: Shade, *, span: tuple[float, float], bottom: float, spacing: float
     ) -> "SectionPart":
         """Return the field within a span of x and down to z = ``bottom`` on points at least ``spacing`` (m) apart."""
-        energies, facet = shading.quantity.harmonic == 2, FACET * spacing
+        energies, facet = shading.quantity.harmonic == 2, MAX_SPACING_RATIO * spacing
         if facet < run.wavelength / LINES:
             field = run.compute(span=span, per_wavelength=run.wavelength / facet, energies=energies)
         else:
@@ -98,8 +98,11 @@ class Sheet(NamedTuple):
     hidden: np.ndarray | None = None
 
 
-def sheets(run: RunField, drawn: SectionPart, *, solid: bool) -> list[Sheet]:
-    """Return the section; for a solid also its surface and its right end, as wide as the aperture."""
+def sheets(run: RunField, drawn: SectionPart, shading: Shade, *, solid: bool) -> list[Sheet]:
+    """Return the section; for a solid also its surface and its right end, as wide as the aperture.
+
+    A sheet for each meshed piece follows, on the piece's own elements.
+    """
     moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
     edges = np.array([-0.5, 0.5]) * run.aperture if solid else np.zeros(1)
     whole, last = slice(None), slice(-1, None)
@@ -112,14 +115,8 @@ def sheets(run: RunField, drawn: SectionPart, *, solid: bool) -> list[Sheet]:
         values = (each[along, down, None] for each in (moved, drawn.mean, drawn.amplitude))
         sheet = Sheet(name, np.stack(points, axis=-1)[..., [0, 2, 1]], *values)
         listed.append(sheet if name == "end" else sheet._replace(hidden=_hidden(drawn, surface=name == "surface")))
-    return listed
-
-
-def mesh_sheets(run: RunField, drawn: SectionPart, shading: Shade, *, solid: bool) -> list[Sheet]:
-    """Return one sheet for each meshed piece of the section, on the piece's own elements."""
-    y, listed = -0.5 * run.aperture if solid else 0.0, []
     for number, each in enumerate(drawn.meshed):
-        rest = np.insert(each.points, 1, y, axis=1)[:, None, None]
+        rest = np.insert(each.points, 1, edges[0], axis=1)[:, None, None]
         moved = np.insert(each.displacement[:, [0, 2]], 1, 0.0, axis=-1)[:, None, None]
         mean, amplitude = (part[:, None, None] for part in shading.parts(each))
         listed.append(Sheet(f"piece {number}", rest, moved, mean, amplitude, quads=each.quads))

@@ -10,10 +10,10 @@ from studies.view import overlays
 from studies.view.run_field import RunField
 
 MM = quantity("x_m").scale  # from m to the unit of lengths in pictures
-CLOSE = 7.0  # half-length of an enlarged view, in wavelengths
-NARROWEST = 0.05  # smallest length of a view, in wavelengths
+HALF_SPAN = 7.0  # half-length of an enlarged view, in wavelengths
+MIN_SPAN = 0.05  # smallest length of a view, in wavelengths
 LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # margins of a view in pixels, for labels and colour bar
-NARROW = 140  # pixels of height per view below which the margins shrink
+FULL_MARGINS = 140  # pixels of height per view below which the margins shrink
 BALL_SHARE = 0.35  # largest fraction of the height of a view that a ball covers
 
 
@@ -53,7 +53,7 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
         return 0.0, run.length
     if isinstance(span, str):
         focus, slider = run.focus[1], run.scene.slider
-        half = (0.5 if span == "wavelength" else CLOSE) * run.wavelength
+        half = (0.5 if span == "wavelength" else HALF_SPAN) * run.wavelength
         if span == "slider" and slider is not None:  # include all balls
             farthest = max(abs(run.in_section(each) - focus) for each in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
@@ -61,7 +61,7 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
     if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
         rule = f"must lie on the stator, 0:{run.length * MM:g} mm"
         raise SceneError("--span", f"{rule}, got {span[0] * MM:g}:{span[1] * MM:g} mm")
-    min_length = NARROWEST * run.wavelength
+    min_length = MIN_SPAN * run.wavelength
     if span[1] - span[0] < min_length:
         rule = f"must be at least {min_length * MM:.3g} mm long, a twentieth of a wavelength"
         raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * MM:.3g} mm")
@@ -77,7 +77,7 @@ def views(run: RunField) -> tuple[View, ...]:
     """Return the default views: the whole section, the driven transducer and the slider."""
     if run.free:
         return span_views(run, (0.0, run.length))
-    driven, half_length = run.in_section(run.scene.driven_transducer.center_xy), CLOSE * run.wavelength
+    driven, half_length = run.in_section(run.scene.driven_transducer.center_xy), HALF_SPAN * run.wavelength
     start, stop = limits(run, "slider")
     whole = View(name="the whole section", start=0.0, stop=run.length, weight=0.17)
     name = f"driven transducer {run.scene.driven_transducer.name!r}"
@@ -118,7 +118,7 @@ def frames(run: RunField, views, *, size: tuple[int, int], framed: bool, head: i
     right, result = right_edge(width), []
     if not views:
         return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
-    weights, margin_scale = sum(view.weight for view in views), min(1.0, upper / (NARROW * len(views)))
+    weights, margin_scale = sum(view.weight for view in views), min(1.0, upper / (FULL_MARGINS * len(views)))
     above, below = margin_scale * ABOVE, margin_scale * BELOW
     heights = [each.points[:, 1] for each in run.field.pieces]
     lowest = min([float(run.field.z[0]), *(float(each.min()) for each in heights)])

@@ -21,7 +21,7 @@ from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
 
 SPACING = 1 / 30  # smallest distance of nodes, in wavelengths
-SHORT = 32767
+MAX_INT16 = 32767
 CYCLE = 2.5  # duration of one period of the wave on the page, s
 
 
@@ -37,8 +37,7 @@ def page(run: RunField, *, quantity: str, phase: float, factor: float | None, sp
     inside = np.ones(displacement.shape[:2]) if field.inside is None else field.inside[selection]
     parts["inside"] = inside.astype("u1")
     largest = float(abs(displacement).max()) or 1.0
-    parts["moved"] = _short(np.stack([displacement[..., k].real if part == 0 else displacement[..., k].imag
-                                      for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip
+    parts["moved"] = _short(np.ascontiguousarray(displacement).view(float), largest)  # u_x and u_z, real and imaginary
     quantities = []
     for name in present(run):
         shading = shade(run, name)
@@ -92,7 +91,7 @@ def _beam(run: RunField) -> str:
 
 
 def _short(values: np.ndarray, largest: float) -> np.ndarray:
-    return np.round(values / largest * SHORT).astype("<i2")
+    return np.round(values / largest * MAX_INT16).astype("<i2")
 
 
 def _described(name: str, shading: Shade, scale: float) -> dict:

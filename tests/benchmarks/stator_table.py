@@ -215,7 +215,7 @@ def physics() -> None:
     piece = repeated(condensed(own.fields.section, 2.2e6, width=0.25, electrode=None), 8).matrix
     inner = np.linalg.solve(piece[n : 2 * n, n : 2 * n] - modes.right_impedance, piece[n : 2 * n, :n])
     wall = piece[:n, :n] - piece[:n, n : 2 * n] @ inner  # two wavelengths of elements, then the absorbing end
-    back = Wall(matrix=wall, recover=None).sent_back(modes, 1, modes.rayleigh)
+    back = Wall(matrix=wall, recover=None).reflection(modes, 1, modes.rayleigh)
     sent = abs(back[modes.rayleigh]).max()
     row("absorbing ends: reflection of the Rayleigh wave, met through two wavelengths of elements", 1e-10, sent)
     lossless = replace(posed.stator.solid, mechanical_quality=np.inf, dielectric_loss=0.0)

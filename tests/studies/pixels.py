@@ -1,4 +1,4 @@
-"""What the pixels of a field's picture show: places, values of the colours, edges of the section, the solid's corners.
+"""What the pixels of a picture show: positions, values of the colours, edges of the section, the corners of the solid.
 
 Oracle of positions: the scale that the picture's frames state, and orthographic projection from the corner of the
 solid that the picture's documentation names (35 degrees about z, 28 degrees up).

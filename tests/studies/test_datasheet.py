@@ -32,7 +32,7 @@ MOTOR = ("stator.length=24 mm", "stator.thickness=1 mm", "transducer.0.center=9 
 
 @pytest.fixture(scope="module")
 def motor():
-    """A short motor of ten finger pairs and two balls at one place, with a name that a page must escape."""
+    """A short motor of ten finger pairs and two balls at one position, with a name that a page must escape."""
     table = read_table("twente-left")
     table = assigned(table, *MOTOR)
     return Scene.from_table("", table | {"title": "Motor <A> & co"})

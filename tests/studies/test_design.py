@@ -15,6 +15,7 @@ from studies import Scene
 from studies.__main__ import main
 from studies.inverse.goals import read_constraint, read_variable
 from studies.inverse.optimum import Options, design
+from studies.inverse.parameters import Parameter
 from studies.inverse.search import REPEATED
 from studies.refusal import RunError, SceneError
 from studies.sweeps import sweep
@@ -141,9 +142,7 @@ def test_the_least_amplitude_for_a_velocity_is_that_of_the_velocity_curve(tmp_pa
     assert 0.03 <= whole["optimum"]["velocity_m_per_s"] < 0.0301
     assert whole["robustness"][key] == {"least_share_of_goal": pytest.approx(1 / 1.05), "keeps_constraints": False}
     assert f"# least {key} of" in (tmp_path / "least" / "optimum.toml").read_text()
-    with pytest.raises(
-        SceneError, match=r"goals slider\.mass cannot be minimised: must be of power_W, .*, slider\.pre"
-    ):
+    with pytest.raises(SceneError, match=r"minimise slider\.mass must be of power_W, .*, slider\.pre"):
         design(Scene.load("twente-contact"), ["least slider.mass"], VARIABLES)
 
 
@@ -169,6 +168,34 @@ def test_goals_and_counts_that_do_not_exist_are_refused():
         read_variable("transducer.0.finger_pairs=2.5:10")
     assert read_variable("transducer.0.finger_pairs=5:12").low == 5
     assert read_variable("drive.voltage=5 V:100 V").high == 100.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"minimise": "power_W"}, "minimise power_W is neither varied nor an outcome"),
+        ({"goals": "power_W"}, "goals power_W can only be minimised"),
+        ({"goals": "velocity", "constraints": "slider.mass <= 1 g"}, "constraints slider.mass is neither varied nor"),
+        ({"goals": "velocity", "variables": "friction=0.1:0.2"}, r"did you mean slider\.friction_coefficient"),
+        ({"goals": "velocity", "variables": Parameter(key="slider.mass", low=2.0, high=1.0)}, "LOW below HIGH"),
+    ],
+)
+def test_what_no_evaluation_could_answer_is_refused_before_the_search(arguments, words):
+    with pytest.raises(SceneError, match=words):
+        design("twente-contact", **{"variables": "slider.preload=1 mN:4 mN"} | arguments)
+
+
+def test_a_goal_that_is_zero_everywhere_is_no_optimum():
+    """All amplitudes lie below the threshold."""
+    with pytest.raises(RunError, match="has a velocity other than 0"):
+        design("twente-contact", "velocity", {"wave.normal_amplitude": ("0.1 nm", "0.2 nm")},
+               options=Options(evaluations=12))  # fmt: skip
+
+
+def test_evaluations_without_an_answer_say_why():
+    """The mesh of the grooves is 2 mm high."""
+    with pytest.raises(RunError, match=r"evaluations has an answer; the first one: refused: piece\.0 .* 2 mm high"):
+        design("reflector", "velocity", {"stator.thickness": ("1 mm", "1.5 mm")}, options=Options(evaluations=12))
 
 
 def test_a_best_value_at_an_end_of_its_range_is_remarked():

@@ -291,7 +291,11 @@ def test_a_file_that_is_no_measurement_is_refused(tmp_path, text, settings, word
         ("slider.law=0:1", "must be a number of a scene"),
         ("slider.preloads=1:2", "is no key of a scene"),
         ("wave.normal_amplitude=1e-9:2e-9", "follows from each measured point"),
-        ("friction=0:1", "is no key of a scene"),
+        ("friction=0:1", r"did you mean slider\.friction_coefficient\?"),
+        ("amplitud=0:1", r"did you mean amplitude_factor\?"),
+        ("systematic=0.1:1", "belongs to a measurement"),
+        (("slider.preload", 1e-3, 2e-3), "must be KEY=LOW:HIGH or a Parameter"),
+        (Parameter(key="slider.preload", low=2e-3, high=1e-3), "LOW below HIGH"),
     ],
 )
 def test_what_is_no_free_number_is_refused(text, words):
@@ -305,6 +309,9 @@ def test_a_range_of_a_dict_may_have_units_and_keeps_the_rules_of_a_text():
         assert as_parameters({"slider.preload": span}) == (preload,)
     with pytest.raises(SceneError, match="LOW below HIGH"):
         as_parameters({"slider.preload": (4e-3, 1e-3)})
+    with pytest.raises(SceneError, match="must be KEY=LOW:HIGH"):
+        as_parameters({"slider.preload": 1e-3})
+    assert as_parameters("slider.preload=1 mN:4 mN") == as_parameters(preload) == (preload,)
     with pytest.raises(SceneError, match="did you mean preload"):
         as_parameters({"slider.prelod": (1e-3, 4e-3)})
 

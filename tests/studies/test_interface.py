@@ -160,6 +160,8 @@ def test_a_sweep_as_a_data_set_has_the_runs_own_numbers(contact):
     assert str(grid["regime"][1, 1].item()) == single.regime[0]
     for data in (grid, run(contact).to_xarray()):
         assert all("units" in each.attrs for each in data.variables.values() if each.dtype.kind == "f")
+    refused = sweep(contact, {"slider.preload": [-1e-3, 1e-3]}).to_xarray()
+    assert refused["regime"].to_numpy().tolist()[0] == [""] * refused["regime"].shape[1]
     table = sweep(contact, over).columns()
     assert table["velocity_m_per_s"] == grid["velocity_m_per_s"].to_numpy().ravel().tolist()
 
@@ -251,6 +253,7 @@ def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, rec
         assert data[level].attrs == {"units": unit, "long_name": quantity(level).label}
         assert data["velocity_m_per_s"].attrs["units"] == "m/s"
         assert data["relative_error"].attrs["units"] == "1"
+        assert data["contact_per_cycle"].attrs == {"units": "1"}
         assert "units" not in data["status"].attrs
         assert np.array_equal(data["velocity_m_per_s"], each.velocity)
         assert data.attrs["tolerance"] == each.tolerance

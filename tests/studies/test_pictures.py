@@ -34,7 +34,7 @@ ORBIT = Orbit(frequency=2.2e6, normal=8e-9 * np.exp(0.7j), tangential=5.7e-9j * 
 
 
 @pytest.fixture(scope="module")
-def found():
+def waveforms():
     history = contact_history(SLIDER, ORBIT, stage="steady", skip=0, cycles=2, points_per_cycle=200)
     return history, history_columns(history)
 
@@ -71,9 +71,9 @@ def test_no_module_outside_record_writes_the_unit_of_a_label_itself():
     assert {path.name: own for path in modules if (own := own_units(path.read_text(encoding="utf-8"), units))} == {}
 
 
-def test_the_drawn_path_is_the_contact_s_clock(found):
+def test_the_drawn_path_is_the_contact_s_clock(waveforms):
     """The drawn surface point moves at the history's surface velocity and rises as the approach does."""
-    _, drawn = found
+    _, drawn = waveforms
     step = drawn["time_s"][1] - drawn["time_s"][0]
     speed = np.gradient(drawn["u_x_m"], step)[2:-2]
     np.testing.assert_allclose(speed, drawn["surface_velocity_m_per_s"][2:-2], atol=1e-3 * abs(speed).max())
@@ -90,9 +90,9 @@ def test_the_drawn_path_is_the_contact_s_clock(found):
     )
 
 
-def test_slow_motion_shows_the_instant(found):
+def test_slow_motion_shows_the_instant(waveforms):
     """Force arrows as long as the forces, the ball at its height, the cursor at the time, the colour of the regime."""
-    _, drawn = found
+    _, drawn = waveforms
     motion = SlowMotion(drawn, title="slow")
     assert labelled(motion.figure)
     assert_legible(motion.figure)
@@ -115,8 +115,8 @@ def test_slow_motion_shows_the_instant(found):
     assert np.mean(pictures[0] != pictures[1]) > 0.01
 
 
-def test_a_strip_has_eight_snapshots_over_five_traces(found):
-    figure = strip(found[1], title="strip")
+def test_a_strip_has_eight_snapshots_over_five_traces(waveforms):
+    figure = strip(waveforms[1], title="strip")
     assert_legible(figure)
     assert len(figure.axes) == 13
     assert labelled(figure)
@@ -141,11 +141,11 @@ def test_start_and_stop_end_on_the_slope_of_friction():
 
 def test_orbits_turn_the_way_the_arrows_say():
     """A wave to +x turns anticlockwise, x right and z up: against itself at the crest."""
-    places = np.array([0.01, 0.02, 0.03])
+    positions = np.array([0.01, 0.02, 0.03])
     normal = np.exp([0.3j, -2.0j, 1.1j])
     tangential = np.array([0.7j, 0.6j, -0.7j]) * normal
     assert gallery_pictures.anticlockwise(tangential, normal).tolist() == [True, True, False]
-    figure = gallery_pictures.orbits(places, tangential, normal, title="orbits")
+    figure = gallery_pictures.orbits(positions, tangential, normal, title="orbits")
     figure.canvas.draw()
     assert labelled(figure)
     assert_legible(figure)
@@ -195,17 +195,17 @@ def test_bars_are_as_long_as_the_powers_and_energies():
     assert UNIT.search(figure.axes[0].get_xlabel())
     assert_legible(figure)
     books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
-    rows, balance = gallery_pictures.ledger_entries(books)
+    entries, balance = gallery_pictures.ledger_entries(books)
     assert balance.startswith("balance to ")
-    figure = gallery_pictures.bars(rows, quantity("cycle_energy_J"), "8 nm")
+    figure = gallery_pictures.bars(entries, quantity("cycle_energy_J"), "8 nm")
     assert_legible(figure)
     bars = {
         label.get_text(): bar.get_width()
         for label, bar in zip(figure.axes[0].get_yticklabels(), figure.axes[0].patches, strict=True)
     }
     assert bars["wave, friction force"] == pytest.approx(books.wave_tangential * 1e12)
-    given = bars.pop("wave, friction force") + bars.pop("wave, normal force")
-    assert sum(bars.values()) == pytest.approx(given, rel=1e-5)
+    supplied = bars.pop("wave, friction force") + bars.pop("wave, normal force")
+    assert sum(bars.values()) == pytest.approx(supplied, rel=1e-5)
 
 
 def test_power_along_the_stator_is_drawn_in_milliwatt():

@@ -24,7 +24,7 @@ from studies.view import wave_page
 from studies.view.picture import Picture
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import mesh_sheets, piece, sheets
+from studies.view.section import SectionPart, sheets
 from studies.view.views import views
 from tests.fem.drawings import bevelled_end, chip, rectangle, write_msh
 
@@ -80,15 +80,14 @@ def test_a_groove_runs_from_the_scene_to_the_surface(tmp_path):
 def _drawn_with_its_groove(found, start, groove, foot):
     """In a picture the piece stands on its own elements in the place of the grid; page and solid leave the groove."""
     shading = shade(found, "u_z")
-    drawn = piece(found, shading, span=(0.0, found.length), bottom=-1.1e-3, spacing=0.05e-3)
-    (section,) = sheets(found, drawn, solid=False)
+    drawn = SectionPart.of(found, shading, span=(0.0, found.length), bottom=-1.1e-3, spacing=0.05e-3)
+    section, mesh = sheets(found, drawn, shading, solid=False)
     middle = (drawn.x[1:] + drawn.x[:-1]) / 2
     assert np.array_equal(section.hidden.all(axis=1), (middle > start) & (middle < start + 1e-3))
-    (mesh,) = mesh_sheets(found, drawn, shading, solid=False)
     x, z = mesh.rest[mesh.quads, 0, 0][..., [0, 2]].mean(axis=1).T
     assert (x.min() > start) & (x.max() < start + 1e-3)
     assert not ((x > groove[0]) & (x < groove[1]) & (z > foot)).any()
-    _, surface, _ = sheets(found, drawn, solid=True)
+    _, surface, *_ = sheets(found, drawn, shading, solid=True)
     step = np.diff(drawn.x).max()
     assert surface.hidden[(middle > groove[0]) & (middle < groove[1])].all()
     assert not surface.hidden[(middle < groove[0] - step) | (middle > groove[1] + step)].any()

@@ -1,4 +1,4 @@
-"""The chosen colour maps can be read by every eye: ends apart and even lightness under each colour-blindness."""
+"""The colour maps can be read by every eye: ends apart and even lightness under each colour-blindness."""
 
 import matplotlib
 import numpy as np

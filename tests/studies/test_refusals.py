@@ -332,7 +332,7 @@ PILLARS | slider.position must leave the pillars ... on the bare uniform stator:
     "twente-contact > dispersion": "| stator is missing: a prescribed wave has no section",
     "twente > fmu": 'TWO; slider.heights=["0 nm", "1 nm"] | slider.heights must be absent',
     "silicon-slider > fmu": "| slider.pillars must be absent: tables over two ratios do not hold heights",
-    "pillars > regime_map": "| slider.pillars are not known here",
+    "pillars > regime_map": "| slider.pillars are not supported by this study",
     "pillars > load_line": "wave.normal_amplitude=1e-10 | wave.normal_amplitude must hold a value above 1.05 times",
     "small > load_line": "drive.voltage=1 | drive.voltage must hold a value above 1.05 times the threshold ... V",
     "small > gallery": "drive.voltage=1 | drive.voltage must hold a value above the threshold ... V",

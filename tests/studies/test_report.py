@@ -183,9 +183,9 @@ def test_the_ledger_closes_and_drops_what_rests(contact):
     assert [each.level for each in found] == [3e-9, 10e-9]
     for each in found:
         powers = dict(each.entries)
-        given = powers["wave, normal force"]
-        given += powers["wave, friction force"]
-        assert sum(powers.values()) - given == pytest.approx(given, rel=1e-6, abs=0)
+        supplied = powers["wave, normal force"]
+        supplied += powers["wave, friction force"]
+        assert sum(powers.values()) - supplied == pytest.approx(supplied, rel=1e-6, abs=0)
         speed = next(p["velocity_m_per_s"] for p in contact.points if p["normal_amplitude_m"] == each.level)
         # R_t v^2, R_t of the scene: v hardly varies in a cycle
         assert powers["tangential damper"] == pytest.approx(1e-4 * speed**2, rel=1e-3, abs=0)

@@ -12,6 +12,7 @@ from studies.inverse import elasticity
 from studies.inverse.elasticity import answers_at, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.sensitivity import run, tables, without_effect
+from studies.refusal import SceneError
 
 
 @pytest.fixture(scope="module")
@@ -134,6 +135,12 @@ def test_the_study_says_what_has_no_effect():
     elasticity, _, more, less = map(float, cells)
     assert (more, less) == pytest.approx((0.01 * elasticity, -0.01 * elasticity), rel=0.05)
     assert more != -less
+
+
+def test_one_outcome_may_be_a_text_and_a_scene_needs_a_slider():
+    assert [panel.name for panel in run("twente-contact", outcomes="release").panels] == ["release"]
+    with pytest.raises(SceneError, match="slider is missing"):
+        run(Scene.load("twente-left").replace(slider=None))
 
 
 def test_both_sides_are_those_of_whole_runs_and_a_bend_is_said(predictor):

@@ -82,7 +82,7 @@ def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):
     places = [(x, y), *slider.contact_positions]
     known = {place: (np.array([1e-10j, 0, 1e-10]), size) for place, size in zip(places, sizes, strict=True)}
     motion = SurfaceMotion(wave=plane.surface_wave)
-    motion.known.update(known)
+    motion.evaluated.update(known)
     assert wave_block(scene, motion, (x, y), None)["relative_error"] == 7e-3
     assert motion.relative_error(places[:2]) == 3e-4
 

@@ -47,15 +47,15 @@ def quiet(text):
     return None
 
 
-def picture_of(found, shown=(), **changes):
-    given = {"quantity": "u_z", "phase": 0.0, "factor": None, "size": (700, 300)}
-    return Picture(found, shown, **(given | changes))
+def picture_of(motor, shown=(), **changes):
+    options = {"quantity": "u_z", "phase": 0.0, "factor": None, "size": (700, 300)}
+    return Picture(motor, shown, **(options | changes))
 
 
-def moved(found, phase, factor):
-    """Places x and z (m) of the nodes on the surface as they are drawn."""
-    u = factor * (found.field.displacement[:, -1] * np.exp(1j * phase)).real
-    return found.field.x + u[:, 0], u[:, 2]
+def moved(motor, phase, factor):
+    """Positions x and z (m) of the nodes on the surface as they are drawn."""
+    u = factor * (motor.field.displacement[:, -1] * np.exp(1j * phase)).real
+    return motor.field.x + u[:, 0], u[:, 2]
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -63,10 +63,10 @@ def _the_map_of_a_beam_is_computed_once():
     """Three pictures show the same beam, whose motion over the surface takes most of their time."""
     of_surface, known = section.surface_map, {}
 
-    def once(beam, stator, *given):
-        key = id(beam), stator, given
+    def once(beam, stator, *arguments):
+        key = id(beam), stator, arguments
         if key not in known:
-            known[key] = beam, of_surface(beam, stator, *given)
+            known[key] = beam, of_surface(beam, stator, *arguments)
         return known[key][1]
 
     with pytest.MonkeyPatch.context() as patch:
@@ -84,25 +84,25 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def found(folder):
+def motor(folder):
     return run_field(folder)
 
 
 @pytest.fixture(scope="module")
-def screenshot(found, folder, tmp_path_factory):
+def screenshot(motor, folder, tmp_path_factory):
     """The views of that motor as `sawmotor view --screenshot` writes them: pixels, and its frames."""
     file, size = tmp_path_factory.mktemp("screenshot") / "a.png", (1000, 700)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(view, "run_field", lambda folder: found)
+        patch.setattr(view, "run_field", lambda folder: motor)
         view.view(folder, Wanted(screenshot=str(file), size=size))
     with Image.open(file) as image:
-        return np.asarray(image.convert("RGB")), frames(found, views(found), size=size, framed=True)
+        return np.asarray(image.convert("RGB")), frames(motor, views(motor), size=size, framed=True)
 
 
 @pytest.fixture
-def computed(found, folder, monkeypatch):
+def computed(motor, folder, monkeypatch):
     """The same motor, whose field is not computed again by what shows it."""
-    monkeypatch.setattr(view, "run_field", lambda folder: found)
+    monkeypatch.setattr(view, "run_field", lambda folder: motor)
     return folder
 
 
@@ -116,17 +116,17 @@ def long(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def given(tmp_path_factory):
+def prescribed_run(tmp_path_factory):
     """A run whose scene gives the surface motion."""
-    folder = tmp_path_factory.mktemp("given")
+    folder = tmp_path_factory.mktemp("prescribed")
     scene = changed("twente-contact", "wave.normal_amplitude=[3e-9, 10e-9]")
     write_run(run(scene, tolerance=1e-3), folder, field=False)
     return folder
 
 
-def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp_path):
+def test_the_exported_field_moves_the_surface_as_the_run_says(motor, folder, tmp_path):
     """Read by meshio, linear interpolation along the surface gives run.json's motion of the section there."""
-    field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, note=quiet)
+    field_data.save(motor, tmp_path / "field.vtu", span=None, instants=0, note=quiet)
     mesh = meshio.read(tmp_path / "field.vtu")
     wave = json.loads((folder / "run.json").read_text())["wave"]
     top = mesh.points[:, 2] == 0
@@ -139,13 +139,13 @@ def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp
         assert {name, f"{name}_pulse_real", f"{name}_pulse_imag"} <= set(mesh.point_data)
 
 
-def test_a_run_that_does_not_tell_its_resolution_is_run_again(found, folder, tmp_path):
+def test_a_run_that_does_not_tell_its_resolution_is_run_again(motor, folder, tmp_path):
     shutil.copytree(folder, tmp_path / "older")
     record = json.loads((folder / "run.json").read_text())
     del record["wave"]["resolution"]
     (tmp_path / "older" / "run.json").write_text(json.dumps(record))
     again = run_field(tmp_path / "older")
-    assert again.surface(14.123e-3) == pytest.approx(found.surface(14.123e-3), rel=2e-2)
+    assert again.surface(14.123e-3) == pytest.approx(motor.surface(14.123e-3), rel=2e-2)
 
 
 def test_the_drawn_field_has_the_computed_wavelength(long):
@@ -160,31 +160,31 @@ def test_the_drawn_field_has_the_computed_wavelength(long):
     assert 2 * np.pi / -slope == pytest.approx(long.wavelength, rel=1e-3)
 
 
-def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
+def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(motor):
     """The edge of the section, enlarged to a sixth of a wavelength, has the computed shape; later it lies at larger x.
 
     Along x the material moves by 20 pixels, at the crests to -x.
     """
-    drawn, edges = picture_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),), factor=1.5e6), []
+    drawn, edges = picture_of(motor, (View(name="", start=0.012, stop=0.016, weight=1.0),), factor=1.5e6), []
     (frame,) = drawn.frames
     for phase in (0.0, 0.3):
         window = Window.of(drawn.image(phase), frame)
         edges.append(window.edge(drawn.shade))
-        expected = np.interp(window.x, *moved(found, phase, 1.5e6))
+        expected = np.interp(window.x, *moved(motor, phase, 1.5e6))
         assert abs(edges[-1] - expected).max() < 2.5 * frame.pixel
     before, after = edges
-    step = round(0.3 / (2 * np.pi) * found.wavelength / frame.pixel)
+    step = round(0.3 / (2 * np.pi) * motor.wavelength / frame.pixel)
     assert np.sum(before[:-step] * after[step:]) > 1.05 * np.sum(before[step:] * after[:-step])
 
 
-def test_colours_are_the_field_s_from_end_to_end_of_the_bar(found, screenshot):
+def test_colours_are_the_field_s_from_end_to_end_of_the_bar(motor, screenshot):
     """The undeformed section 0.5 mm below the surface, and the bar beside the frames."""
-    drawn = picture_of(found, views(found)[1:2], factor=0.0)
-    ((start, stop),) = found.spans
-    outside = (found.field.x < start - 0.25 * found.wavelength) | (found.field.x > stop + 0.25 * found.wavelength)
-    largest = abs(found.field.displacement[outside, :, 2]).max() * 1e9
+    drawn = picture_of(motor, views(motor)[1:2], factor=0.0)
+    ((start, stop),) = motor.spans
+    outside = (motor.field.x < start - 0.25 * motor.wavelength) | (motor.field.x > stop + 0.25 * motor.wavelength)
+    largest = abs(motor.field.displacement[outside, :, 2]).max() * 1e9
     assert drawn.shade.limits == pytest.approx((-largest, largest), rel=1e-12)
-    assert abs(found.field.displacement[..., 2]).max() * 1e9 > 1.01 * largest  # singular at the edges
+    assert abs(motor.field.displacement[..., 2]).max() * 1e9 > 1.01 * largest  # singular at the edges
     assert drawn.shade.label == "u_z (nm per V)"
     image, shown = screenshot
     bar = values(image[:, int(shown[0].box[2]) + 20 :], drawn.shade)
@@ -194,12 +194,12 @@ def test_colours_are_the_field_s_from_end_to_end_of_the_bar(found, screenshot):
     assert ends == pytest.approx((largest, -largest), rel=0.02)
     assert last - first > 100
     window = Window.of(drawn.image(0.4), drawn.frames[0])
-    depth = abs(found.field.z + 0.5e-3).argmin()
-    row = abs(window.z - found.field.z[depth]).argmin()
-    u_z = (found.field.displacement[:, depth, 2] * np.exp(0.4j)).real * 1e9
-    told = values(window.pixels[row], drawn.shade)
-    assert abs(told - np.interp(window.x, found.field.x, u_z)).max() < 0.06 * largest
-    energy = picture_of(found, views(found)[1:2], quantity="strain_energy", factor=0.0)
+    depth = abs(motor.field.z + 0.5e-3).argmin()
+    row = abs(window.z - motor.field.z[depth]).argmin()
+    u_z = (motor.field.displacement[:, depth, 2] * np.exp(0.4j)).real * 1e9
+    pixel_values = values(window.pixels[row], drawn.shade)
+    assert abs(pixel_values - np.interp(window.x, motor.field.x, u_z)).max() < 0.06 * largest
+    energy = picture_of(motor, views(motor)[1:2], quantity="strain_energy", factor=0.0)
     assert energy.shade.limits[0] == 0 < energy.shade.limits[1]
     window = Window.of(energy.image(0.0), energy.frames[0])
     below = values(window.pixels[window.z < 0], energy.shade)
@@ -207,9 +207,9 @@ def test_colours_are_the_field_s_from_end_to_end_of_the_bar(found, screenshot):
     assert np.nanmax(below) > 0.5 * energy.shade.scale_end
 
 
-def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
-    far = SectionPart.of(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-3e-3, spacing=0.1e-3)
-    field = found.field
+def test_far_away_nodes_are_passed_over_and_none_is_averaged(motor):
+    far = SectionPart.of(motor, shade(motor, "u_z"), span=(0.0, motor.length), bottom=-3e-3, spacing=0.1e-3)
+    field = motor.field
     lines, rows = np.searchsorted(field.x, far.x), np.abs(field.z[:, None] - far.z).argmin(axis=0)
     assert len(far.x) < 0.6 * len(field.x)
     np.testing.assert_array_equal(field.x[lines], far.x)
@@ -217,37 +217,37 @@ def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
     assert np.diff(far.x)[:-1].min() >= 0.1e-3
 
 
-def test_from_near_the_modes_give_the_lines_between(found):
+def test_from_near_the_modes_give_the_lines_between(motor):
     """Within one wavelength hundreds of lines, on the stator's own motion."""
     start, stop = 14e-3, 15e-3
-    near = SectionPart.of(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
+    near = SectionPart.of(motor, shade(motor, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
     assert len(near.x) > 150
     assert np.diff(near.z).max() < 7e-6
-    coarse = found.compute(span=(start, stop), per_wavelength=4000.0, energies=False)
+    coarse = motor.compute(span=(start, stop), per_wavelength=4000.0, energies=False)
     for k, axis in enumerate((0, 2)):
         expected = np.interp(near.x, coarse.x, coarse.displacement[:, -1, axis].real)
         np.testing.assert_allclose(near.displacement[:, -1, k].real, expected, atol=4e-6 * abs(expected).max())
 
 
-def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
-    factor = magnification(found)
-    assert 0.04 < factor * abs(found.field.displacement).max() / found.wavelength < 0.16
+def test_the_enlarged_displacement_is_seen_and_its_factor_round(motor):
+    factor = magnification(motor)
+    assert 0.04 < factor * abs(motor.field.displacement).max() / motor.wavelength < 0.16
     assert len(f"{factor:g}".strip("0")) == 1
 
 
-def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, screenshot):
+def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(motor, screenshot):
     """In the lowest view the slider, on the crests; in the middle one the fingers: 0.245 mm wide, 0.49 mm apart."""
     image, shown = screenshot
     assert image.shape == (700, 1000, 3)
     window = Window.of(image, shown[-1])
-    told = values(window.pixels, shade(found, "u_z"))
-    assert np.nanmin(told) < -0.08 < 0.08 < np.nanmax(told)
+    pixel_values = values(window.pixels, shade(motor, "u_z"))
+    assert np.nanmin(pixel_values) < -0.08 < 0.08 < np.nanmax(pixel_values)
     ball = close(window.pixels, BALL, 4)
     columns = np.flatnonzero(ball.sum(axis=0) > 6)
     first, last = window.x[columns[[0, -1]]]
     assert 0.5 * (first + last) == pytest.approx(14.123e-3, abs=2 * shown[-1].pixel)
     assert last - first == pytest.approx(2e-3, rel=0.03)
-    crest = magnification(found) * abs(found.surface(14.123e-3)[1])
+    crest = magnification(motor) * abs(motor.surface(14.123e-3)[1])
     assert window.z[ball.any(axis=1)].min() == pytest.approx(crest, abs=2 * shown[-1].pixel)
     window = Window.of(image, shown[1])
     surface = abs(window.z) < 0.1e-3
@@ -258,9 +258,9 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
 
 
 @pytest.mark.parametrize("width", [400, 600])
-def test_the_first_caption_of_a_narrow_picture_is_legible(found, width):
+def test_the_first_caption_of_a_narrow_picture_is_legible(motor, width):
     """It stands in at least two lines of 10 pixels above the view, and beside the legend."""
-    drawn = picture_of(found, span_views(found, (12e-3, 15e-3)), size=(width, 400))
+    drawn = picture_of(motor, span_views(motor, (12e-3, 15e-3)), size=(width, 400))
     _, _, right, high = drawn.frames[0].box
     head = ink(drawn.image(0.0)[: 400 - int(high) - 2, : int(right) + 6])
     first, last = np.flatnonzero(head[:, : int(right)].any(axis=1))[[0, -1]]
@@ -278,9 +278,9 @@ def test_the_smallest_picture_is_drawn_whatever_the_case_of_its_format(computed,
 
 
 @pytest.mark.parametrize(("start", "stop", "whole"), [(0.0, 0.024, True), (0.0138, 0.0144, False)])
-def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
+def test_a_view_has_room_for_depth_and_ball(motor, start, stop, whole):
     """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
-    drawn = picture_of(found, (View(name="", start=start, stop=stop, weight=1.0),), size=(1000, 500))
+    drawn = picture_of(motor, (View(name="", start=start, stop=stop, weight=1.0),), size=(1000, 500))
     (frame,) = drawn.frames
     left, _, right, _ = frame.box
     assert (right - left) * frame.pixel == pytest.approx(stop - start)
@@ -289,20 +289,20 @@ def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     seen = [window.x[ball.any(axis=0)], window.z[ball.any(axis=1)]]
     if whole:
         assert [np.ptp(each) for each in seen] == pytest.approx([2e-3, 2e-3], abs=2.5 * frame.pixel)
-        assert frame.bottom == pytest.approx(found.field.z[0])
+        assert frame.bottom == pytest.approx(motor.field.z[0])
     else:
         assert len(seen[0]) == len(window.x)
     coloured = np.isfinite(values(window.pixels, drawn.shade))
     assert window.z[coloured.any(axis=1)].min() == pytest.approx(frame.bottom, abs=3 * frame.pixel)
 
 
-def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path):
+def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(motor, tmp_path):
     """Balls farther apart than the usual 14 wavelengths; the picture ends below the views."""
-    wide = replace(found.scene.slider, contacts=((-0.008, 0.0), (0.008, 0.0)))
-    wider = replace(found, record=replace(found.record, scene=replace(found.scene, slider=wide)))
+    wide = replace(motor.scene.slider, contacts=((-0.008, 0.0), (0.008, 0.0)))
+    wider = replace(motor, record=replace(motor.record, scene=replace(motor.scene, slider=wide)))
     start, stop = limits(wider, "slider")
     assert stop - start >= 0.016 + 2 * wide.radius
-    assert stop - start > 14.1 * found.wavelength
+    assert stop - start > 14.1 * motor.wavelength
     drawn = picture_of(wider, span_views(wider, (start, stop)), size=(400, 600))
     low = drawn.frames[-1].box[1]
     drawn.save(tmp_path / "a.png", whole=False)
@@ -311,12 +311,12 @@ def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path
 
 
 @pytest.mark.parametrize(("span", "size"), [("wavelength", (800, 550)), ("slider", (720, 300)), (None, (1000, 700))])
-def test_captions_rulers_and_legend_do_not_collide(found, screenshot, span, size):
+def test_captions_rulers_and_legend_do_not_collide(motor, screenshot, span, size):
     """Nothing is cut by the picture's edge; captions lie between the frames, colour bar and legend beside them."""
     if span is None:
         image, shown = screenshot
     else:
-        drawn = picture_of(found, span_views(found, limits(found, span)), size=size)
+        drawn = picture_of(motor, span_views(motor, limits(motor, span)), size=size)
         image, shown = drawn.image(0.0), drawn.frames
     for edge in (image[:2], image[-2:], image[:, :2], image[:, -2:]):
         assert np.all(edge == 255)
@@ -333,26 +333,26 @@ def test_captions_rulers_and_legend_do_not_collide(found, screenshot, span, size
         floor = int(size[1] - frame.box[1])
     beside = image[:, right + 12 :]
     black, pink = (np.flatnonzero(close(beside, colour).any(axis=1)) for colour in (BLACK, PINK))
-    bar = np.flatnonzero(np.isfinite(values(beside, shade(found, "u_z"))).sum(axis=1) > 20)
+    bar = np.flatnonzero(np.isfinite(values(beside, shade(motor, "u_z"))).sum(axis=1) > 20)
     assert black.min() < pink.min() < pink.max() < bar.min()
     high = int(size[1] - max(shown, key=lambda frame: frame.box[3] - frame.box[1]).box[3])
     if high > 80:
         assert drawn[high:, 5:40].any()  # the title of the upright ruler
 
 
-def test_captions_name_the_part_and_its_fingers(found):
-    whole, part = span_views(found, limits(found, "wavelength"))
+def test_captions_name_the_part_and_its_fingers(motor):
+    whole, part = span_views(motor, limits(motor, "wavelength"))
     assert part.name == "1 wavelength, 13.63 to 14.62 mm"
-    assert shown_fingers(found, whole.start, whole.stop) == "6 of 6 fingers"
-    assert shown_fingers(found, part.start, part.stop) == ""
-    assert [(each.sign, each.label) for each in electrodes(found)] == [("+", "+ fingers"), ("-", "- fingers")]
+    assert shown_fingers(motor, whole.start, whole.stop) == "6 of 6 fingers"
+    assert shown_fingers(motor, part.start, part.stop) == ""
+    assert [(each.sign, each.label) for each in electrodes(motor)] == [("+", "+ fingers"), ("-", "- fingers")]
 
 
-def test_fingers_ride_on_the_surface(found):
+def test_fingers_ride_on_the_surface(motor):
     """Black and pink lines lie on the edge of the enlarged section."""
-    drawn = picture_of(found, (View(name="", start=0.003, stop=0.007, weight=1.0),), factor=4e5)
+    drawn = picture_of(motor, (View(name="", start=0.003, stop=0.007, weight=1.0),), factor=4e5)
     window = Window.of(drawn.image(0.9), drawn.frames[0])
-    x, z = moved(found, 0.9, 4e5)
+    x, z = moved(motor, 0.9, 4e5)
     for colour in (BLACK, PINK):
         rows, columns = np.nonzero(close(window.pixels, colour, 4))
         assert len(rows) > 150
@@ -378,56 +378,58 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     assert (1 << 20) / spectrum.argmax() * frame.pixel == pytest.approx(free.wavelength, rel=1e-3)
 
 
-def test_a_field_that_a_solid_does_not_have_is_refused(found, tmp_path):
+def test_a_field_that_a_solid_does_not_have_is_refused(motor, tmp_path):
     with pytest.raises(
         SceneError, match=r"--quantity 'u_y' is zero everywhere: uncoupled in this solid, orientation Z"
     ):
-        picture_of(found, views(found), quantity="u_y")
+        picture_of(motor, views(motor), quantity="u_y")
 
 
 @pytest.fixture(scope="module")
-def plane(found):
+def plane(motor):
     """The same run as if the wave did not spread."""
-    scene = found.scene.replace(stator={"diffraction": False})
-    return replace(found, record=replace(found.record, scene=scene))
+    scene = motor.scene.replace(stator={"diffraction": False})
+    return replace(motor, record=replace(motor.record, scene=scene))
 
 
 BOX = (0, 24), (-17.5, 17.5), (-3, 0)  # of the solid, mm
 
 
-def test_the_solid_carries_the_beam_over_its_whole_width(found):
+def test_the_solid_carries_the_beam_over_its_whole_width(motor):
     """Surface and colours as `fem.surface_beam` has them; what the surface does not have is refused."""
-    drawn = picture_of(found, factor=0.0, size=(900, 450))
+    drawn = picture_of(motor, factor=0.0, size=(900, 450))
     solid = SolidPicture(drawn.image(0.4), drawn.frames[0], BOX)
     drawn.plotter.close()
     assert solid.height[0] == pytest.approx(solid.height[1], abs=3)
     x = np.concatenate([np.linspace(0.5, 3.0, 15), np.linspace(7, 12, 30), np.linspace(16, 23.5, 40)])[:, None]
     y = np.linspace(-16, 16, 17)
-    told = values(solid.colours(np.stack(np.broadcast_arrays(x, y, 0.0), axis=-1)), drawn.shade)
-    expected = 1e9 * (found.beam.motion(x / MM, y / MM)[2] * np.exp(0.4j)).real
-    seen = np.isfinite(told)
+    pixel_values = values(solid.colours(np.stack(np.broadcast_arrays(x, y, 0.0), axis=-1)), drawn.shade)
+    expected = 1e9 * (motor.beam.motion(x / MM, y / MM)[2] * np.exp(0.4j)).real
+    seen = np.isfinite(pixel_values)
     assert seen.mean() > 0.98
-    assert np.corrcoef(told[seen], expected[seen])[0, 1] > 0.9  # the places are known to a pixel, a thirteenth of a mm
-    _, sheet, _ = beam_sheet(found, "u_z")
+    assert (
+        np.corrcoef(pixel_values[seen], expected[seen])[0, 1] > 0.9
+    )  # the positions are known to a pixel, a thirteenth of a mm
+    _, sheet, _ = beam_sheet(motor, "u_z")
     at = np.s_[::74, ::10, 0]
-    motion = np.moveaxis(found.beam.motion(*np.moveaxis(sheet.rest[at], -1, 0)[:2]), 0, -1)
+    motion = np.moveaxis(motor.beam.motion(*np.moveaxis(sheet.rest[at], -1, 0)[:2]), 0, -1)
     np.testing.assert_allclose(sheet.displacement[at], motion, atol=1e-6 * abs(motion).max())
     np.testing.assert_allclose(sheet.amplitude[at], 1e9 * motion[..., 2], atol=1e3 * abs(motion).max())
-    outer = abs(found.beam.motion(found.focus[1], 15e-3)[2])
+    outer = abs(motor.beam.motion(motor.focus[1], 15e-3)[2])
     assert 1e-3 * abs(motion).max() < outer < 0.2 * abs(motion).max()
-    assert "on the surface" in validity(found)
+    assert "on the surface" in validity(motor)
     with pytest.raises(SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"):
-        picture_of(found, quantity="power_flow")
+        picture_of(motor, quantity="power_flow")
 
 
-def test_pictures_of_the_gallery_keep_their_colours(found, tmp_path):
+def test_pictures_of_the_gallery_keep_their_colours(motor, tmp_path):
     """The palette is that of the picture's own colour map: the solid of a short stator shows u_z with its sign."""
-    picture = picture_of(found, size=(500, 250))
+    picture = picture_of(motor, size=(500, 250))
     whole = picture.image(0.0).astype(int)
-    gallery_pictures.still(picture, tmp_path / "kept.png")
-    kept = np.asarray(Image.open(tmp_path / "kept.png").convert("RGB")).astype(int)
+    gallery_pictures.still(picture, tmp_path / "saved.png")
+    saved = np.asarray(Image.open(tmp_path / "saved.png").convert("RGB")).astype(int)
     assert (whole[..., 0] - whole[..., 2] > 60).mean() > 1e-3
-    assert (abs(whole - kept).max(axis=2) > 40).mean() < 1e-3
+    assert (abs(whole - saved).max(axis=2) > 40).mean() < 1e-3
 
 
 @pytest.fixture(scope="module")
@@ -458,15 +460,15 @@ def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane, sol
 def test_the_bar_of_a_small_solid_stands_below_the_legend(plane):
     """Two lines of the legend end 62 pixels below the edge; the title of the bar takes two lines of 20 pixels more."""
     drawn = picture_of(plane, size=(600, 300))
-    told = values(drawn.image(0.0)[:, int(drawn.frames[0].box[2]) + 10 :], drawn.shade)
+    pixel_values = values(drawn.image(0.0)[:, int(drawn.frames[0].box[2]) + 10 :], drawn.shade)
     drawn.plotter.close()
-    assert np.flatnonzero(np.isfinite(told).sum(axis=1) > 20)[0] > 62 + 2 * 20
+    assert np.flatnonzero(np.isfinite(pixel_values).sum(axis=1) > 20)[0] > 62 + 2 * 20
 
 
 def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane, solid):
     """The sheet has the section's displacement; a little above it are fingers of both colours, and on it the ball."""
     drawn, pictures = solid
-    _, surface, _ = sheets(plane, drawn.parts[0], solid=True)
+    _, surface, _ = sheets(plane, drawn.parts[0], drawn.shade, solid=True)
     assert surface.rest[..., 1].min() == pytest.approx(-10e-3)
     x, displacement = plane.field.x, plane.field.displacement[:, -1]
     expected = np.interp(surface.rest[:, 0, 0, 0], x, displacement[:, 2])
@@ -475,9 +477,9 @@ def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plan
     for phase, picture in pictures.items():
         for sign, colour in (("+", BLACK), ("-", PINK)):
             for strip in plane.fingers[sign]:
-                place = np.linspace(*strip, 9)[2:-2]
-                u_x, _, u_z = drawn.factor * np.array([np.interp(place, x, each) for each in displacement.T])
-                at = (place + (u_x * np.exp(1j * phase)).real)[:, None], y, (u_z * np.exp(1j * phase)).real[:, None]
+                along = np.linspace(*strip, 9)[2:-2]
+                u_x, _, u_z = drawn.factor * np.array([np.interp(along, x, each) for each in displacement.T])
+                at = (along + (u_x * np.exp(1j * phase)).real)[:, None], y, (u_z * np.exp(1j * phase)).real[:, None]
                 points = np.stack(np.broadcast_arrays(*at), axis=-1)
                 assert close(picture.colours(MM * points + [0, 0, 0.02]), colour, 40).mean() > 0.35
         (red, green, blue), crest = picture.colours([14.123, 0, 1.0]).astype(int), picture.colours([14.123, 0, 2.5])
@@ -519,29 +521,29 @@ def test_without_pyvista_the_sentence_says_what_to_install(monkeypatch, computed
         view.view(computed, Wanted(screenshot=str(tmp_path / "a.png")))
 
 
-def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, folder, given):
+def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, folder, prescribed_run):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    for which in (folder, given):
+    for which in (folder, prescribed_run):
         with pytest.raises(RunError, match="no display to open a window on; --screenshot"):
             view.view(which, Wanted())
 
 
-def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(monkeypatch, given):
+def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(monkeypatch, prescribed_run):
     from matplotlib import pyplot
 
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(pyplot, "get_backend", lambda: "agg")
     with pytest.raises(RunError, match="needs a toolkit that matplotlib can use: pip install PySide6"):
-        view.view(given, Wanted())
+        view.view(prescribed_run, Wanted())
 
 
-def test_the_window_plays_pauses_and_picks(found, monkeypatch):
+def test_the_window_plays_pauses_and_picks(motor, monkeypatch):
     """Two wavelengths fill the window; what is picked is drawn."""
     from studies.view.window import Controls
 
     monkeypatch.setattr(pyvista, "OFF_SCREEN", True)
-    drawn = picture_of(found, span_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
+    drawn = picture_of(motor, span_views(motor, near(motor))[-1:], phase=1.0, size=(600, 400), framed=False)
     window = Controls(drawn)
     assert window.playing
     window.tick(0)
@@ -550,11 +552,11 @@ def test_the_window_plays_pauses_and_picks(found, monkeypatch):
     assert not window.playing
     window.tick(1)
     assert drawn.phase == pytest.approx(np.pi / 2)
-    (frame,), start = drawn.frames, near(found)[0]
+    (frame,), start = drawn.frames, near(motor)[0]
     image = drawn.plotter.screenshot(return_img=True)
     seen = Window.of(image, frame._replace(view=replace(frame.view, start=start)))
-    assert 600 * frame.pixel == pytest.approx(2 * found.wavelength)
-    expected = np.interp(seen.x, *moved(found, np.pi / 2, drawn.factor))
+    assert 600 * frame.pixel == pytest.approx(2 * motor.wavelength)
+    expected = np.interp(seen.x, *moved(motor, np.pi / 2, drawn.factor))
     middle = abs(seen.z) < 0.15e-3  # below the text, above the controls
     edge = seen._replace(pixels=seen.pixels[middle], z=seen.z[middle]).edge(drawn.shade)
     assert np.nanmax(abs(edge - expected)[:480]) < 4 * frame.pixel  # the rest is behind the colour bar
@@ -565,8 +567,8 @@ def test_the_window_plays_pauses_and_picks(found, monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def page(found):
-    return wave_page.page(found, quantity="potential", phase=0.5, factor=None, span=(0.012, 0.016))
+def page(motor):
+    return wave_page.page(motor, quantity="potential", phase=0.5, factor=None, span=(0.012, 0.016))
 
 
 @pytest.mark.parametrize(("length", "width"), [("20 mm", "12 mm"), ("60 mm", "14 mm"), ("160 mm", "35 mm")])
@@ -605,7 +607,7 @@ def test_the_page_needs_nothing_from_elsewhere(page):
     assert "@DATA@" not in page
 
 
-def test_the_page_carries_the_field(page, found):
+def test_the_page_carries_the_field(page, motor):
     meta = json.loads(re.search(r'<script id="meta"[^>]*>(.*?)</script>', page, re.S).group(1))
     raw = gzip.decompress(base64.b64decode(re.search(r'<script id="data"[^>]*>(.*?)</script>', page, re.S).group(1)))
     arrays, offset = {}, 0
@@ -613,16 +615,16 @@ def test_the_page_carries_the_field(page, found):
         arrays[name] = np.frombuffer(raw, dtype=f"<{kind}", count=length, offset=offset)
         offset += -(-arrays[name].nbytes // 4) * 4
     assert offset == len(raw)
-    lines = np.abs(found.field.x[:, None] - arrays["x"]).argmin(axis=0)
-    rows = np.abs(found.field.z[:, None] - arrays["z"]).argmin(axis=0)
+    lines = np.abs(motor.field.x[:, None] - arrays["x"]).argmin(axis=0)
+    rows = np.abs(motor.field.z[:, None] - arrays["z"]).argmin(axis=0)
     moved = arrays["moved"].reshape(meta["nx"], meta["nz"], 4) / 32767 * meta["moved_scale"]
-    field = found.field.displacement[np.ix_(lines, rows)]
+    field = motor.field.displacement[np.ix_(lines, rows)]
     assert abs(moved[..., 2] + 1j * moved[..., 3] - field[..., 2]).max() < 3e-5 * meta["moved_scale"]
     names = [each["name"] for each in meta["quantities"]]
     assert names == ["u_z", "u_x", "potential", "strain_energy", "power_flow"]
     power = meta["quantities"][-1]
     mean = arrays["power_flow"].reshape(meta["nx"], meta["nz"], 4)[..., 0] / 32767 * power["scale"]
-    expected = found.with_energies.densities.power_flow[np.ix_(lines, rows)][..., 0]
+    expected = motor.with_energies.densities.power_flow[np.ix_(lines, rows)][..., 0]
     assert abs(mean - expected).max() < 3e-5 * power["scale"]
     assert (power["harmonic"], power["signed"], meta["balls"]) == (2, True, [14.123e-3])
     assert len(meta["fingers"]) == 6
@@ -664,11 +666,11 @@ def test_the_page_opens_in_a_browser_without_an_error(page, tmp_path):
     assert any("undefined_function" in line for line in console)  # an error would be seen
 
 
-def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
-    field_data.save(found, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, note=quiet)
+def test_a_time_series_is_the_field_at_its_instants(motor, tmp_path):
+    field_data.save(motor, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, note=quiet)
     sets = ElementTree.parse(tmp_path / "wave.pvd").getroot().findall("Collection/DataSet")
     assert [float(each.get("timestep")) * 2.2e6 for each in sets] == pytest.approx([0, 1 / 3, 2 / 3])
-    field = found.compute(span=(0.013, 0.015), energies=True)
+    field = motor.compute(span=(0.013, 0.015), energies=True)
     for number, each in enumerate(sets):
         mesh = meshio.read(tmp_path / each.get("file"))
         turn = np.exp(2j * np.pi * number / 3)
@@ -676,14 +678,14 @@ def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
         moved = mesh.point_data["displacement_m_per_V"]
         np.testing.assert_allclose(moved, expected, atol=1e-6 * abs(expected).max())
         power = field.densities.power_flow + (field.densities.power_flow_pulse * turn**2).real
-        told = mesh.point_data["power_flow_W_per_m2_per_V2"][:, [0, 2]]
-        np.testing.assert_allclose(told, power.reshape(-1, 2), atol=1e-6 * abs(power).max())
+        stated = mesh.point_data["power_flow_W_per_m2_per_V2"][:, [0, 2]]
+        np.testing.assert_allclose(stated, power.reshape(-1, 2), atol=1e-6 * abs(power).max())
 
 
-def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
-    field_data.save(found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, note=quiet)
+def test_a_table_of_the_field_is_one_row_a_node(motor, tmp_path):
+    field_data.save(motor, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, note=quiet)
     table = np.genfromtxt(tmp_path / "field.csv", delimiter=",", names=True)
-    field = found.compute(span=(0.0135, 0.014), energies=True)
+    field = motor.compute(span=(0.0135, 0.014), energies=True)
     assert len(table) == field.potential.size
     np.testing.assert_array_equal(table["u_z_m_per_V_im"], field.displacement[..., 2].imag.ravel())
     np.testing.assert_array_equal(table["strain_energy_J_per_m3_per_V2"], field.densities.strain_energy.ravel())
@@ -691,7 +693,7 @@ def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
 
 
 @pytest.mark.parametrize(("name", "instants"), [("a.csv", 0), ("a.vtu", 0), ("a.pvd", 3)])
-def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, monkeypatch, name, instants):
+def test_the_size_of_a_large_file_is_said_before_it_is_written(motor, tmp_path, monkeypatch, name, instants):
     """Within a third of what the file then has; a small one is not worth a word."""
     said, before = [], []
 
@@ -699,48 +701,48 @@ def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, 
         before.append(list(tmp_path.iterdir()))
         said.append(text)
 
-    monkeypatch.setattr(field_data, "LARGE", 1e4)
-    given = {"span": (0.0135, 0.0155), "instants": instants, "note": note}
-    field_data.save(found, tmp_path / name, **given)
+    monkeypatch.setattr(field_data, "ANNOUNCED_SIZE", 1e4)
+    options = {"span": (0.0135, 0.0155), "instants": instants, "note": note}
+    field_data.save(motor, tmp_path / name, **options)
     (sentence,) = said
     assert before == [[]]
     size = sum(path.stat().st_size for path in tmp_path.rglob("*") if path.suffix != ".pvd" and path.is_file())
-    field = found.compute(span=(0.0135, 0.0155), energies=False)
+    field = motor.compute(span=(0.0135, 0.0155), energies=False)
     assert sentence.startswith(
         f"writing about {field_data.expected_size(field, tmp_path / name, instants) / 1e6:.0f} MB"
     )
     assert field_data.expected_size(field, tmp_path / name, instants) == pytest.approx(size, rel=0.33)
     assert ("--surface writes the surface alone" in sentence) == name.endswith(".csv")
-    monkeypatch.setattr(field_data, "LARGE", 20e6)
-    field_data.save(found, tmp_path / name, **given)
+    monkeypatch.setattr(field_data, "ANNOUNCED_SIZE", 20e6)
+    field_data.save(motor, tmp_path / name, **options)
     assert len(said) == 1
 
 
-def test_a_table_of_the_surface_alone(found, computed, tmp_path):
+def test_a_table_of_the_surface_alone(motor, computed, tmp_path):
     view.view(computed, Wanted(data=str(tmp_path / "a.csv"), surface=True))
     table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
-    np.testing.assert_array_equal(table["x_m"], found.field.x)
-    np.testing.assert_array_equal(table["u_z_m_per_V_im"], found.field.displacement[:, -1, 2].imag)
-    np.testing.assert_array_equal(table["potential_V_per_V_re"], found.field.potential[:, -1].real)
+    np.testing.assert_array_equal(table["x_m"], motor.field.x)
+    np.testing.assert_array_equal(table["u_z_m_per_V_im"], motor.field.displacement[:, -1, 2].imag)
+    np.testing.assert_array_equal(table["potential_V_per_V_re"], motor.field.potential[:, -1].real)
 
 
-def test_a_scene_without_a_stator_shows_its_contact_and_says_why(given, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["sawmotor", "view", str(given), "--screenshot", str(tmp_path / "a.png")])
+def test_a_scene_without_a_stator_shows_its_contact_and_says_why(prescribed_run, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["sawmotor", "view", str(prescribed_run), "--screenshot", str(tmp_path / "a.png")])
     assert main() == 0
     captured = capsys.readouterr()
     assert "no wave field: the scene of this run gives the surface motion itself" in captured.err
     assert captured.out.strip() == str(tmp_path / "a.png")
     assert np.asarray(Image.open(tmp_path / "a.png")).std() > 20
     with pytest.raises(SceneError, match="there is no wave field"):
-        view.view(given, Wanted(screenshot=str(tmp_path / "a.png"), show="field"))
+        view.view(prescribed_run, Wanted(screenshot=str(tmp_path / "a.png"), show="field"))
 
 
-def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
+def test_a_contact_as_page_and_table(prescribed_run, tmp_path, monkeypatch):
     from studies.view import contact_view
 
     monkeypatch.setattr(contact_view, "FRAMES", 2)
     wanted = Wanted(html=str(tmp_path / "a.html"), data=str(tmp_path / "a.csv"), level=3e-9)
-    view.view(given, wanted, note=quiet)
+    view.view(prescribed_run, wanted, note=quiet)
     page = (tmp_path / "a.html").read_text()
     assert page.count('src="data:image/') == 2
     assert "3 nm" in page
@@ -753,16 +755,16 @@ def test_a_run_with_a_stator_shows_its_contact_too(folder, tmp_path):
     """On the orbit of the run's own surface motion."""
     view.view(folder, Wanted(data=str(tmp_path / "a.csv"), show="contact", level=30.0))
     table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-    told = json.loads((folder / "run.json").read_text())["wave"]["normal_m_per_V"]
-    assert table["u_z_m"].max() == pytest.approx(30.0 * np.hypot(*told), rel=1e-3)  # 240 instants a cycle
+    stated = json.loads((folder / "run.json").read_text())["wave"]["normal_m_per_V"]
+    assert table["u_z_m"].max() == pytest.approx(30.0 * np.hypot(*stated), rel=1e-3)  # 240 instants a cycle
 
 
-def test_a_stuck_slider_is_drawn_at_rest(given):
+def test_a_stuck_slider_is_drawn_at_rest(prescribed_run):
     """Below the threshold the run says 0; so does the picture, and its slider only trembles about rest."""
     from studies.view.contact_view import steady_history
     from studies.view.run_field import saved_run
 
-    record = saved_run(given)
+    record = saved_run(prescribed_run)
     drawn, title = steady_history(record, level=0.3e-9)
     assert title.endswith(": 0.3 nm, slider held at rest")
     assert abs(drawn["slider_velocity_m_per_s"].mean()) < 1e-6 * abs(drawn["slider_velocity_m_per_s"]).max()
@@ -815,7 +817,7 @@ def test_bad_options_are_refused_in_one_sentence(computed, tmp_path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, found):
+def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, motor):
     with pytest.raises(SceneError, match="cannot write"):
         view.view(computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)))
     for option, file in (("movie", "a.gif"), ("data", "a.csv")):

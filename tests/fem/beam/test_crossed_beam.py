@@ -9,9 +9,9 @@ from scipy.special import hankel2
 
 from fem.beam.beam_of_section import surface_beam
 from fem.beam.crossed_beam import crossed_beam, near_and_between
-from fem.beam.crossed_rows import mutual_admittance
 from fem.beam.electrode_charges import ElectrodeCharges
 from fem.beam.line_source import line_source
+from fem.beam.parallel_groups import mutual_admittance
 from fem.beam.surface_beam import BeamError
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution

@@ -72,7 +72,7 @@ def test_stated_error_of_an_integral_that_ends_too_early(ceramic, monkeypatch):
     x = beam.charges[0].x[-1] + np.array([1.5e-3, 3e-3, 6e-3])[:, None]
     y = np.array([-1.2e-3, 0.0, 1.2e-3])
     expected = beam.motion(x, y)
-    found, stated = replace(beam, source=replace(source, kept_poles={})).motion_and_error(x, y)
+    found, stated = replace(beam, source=replace(source, known_poles={})).motion_and_error(x, y)
     off = abs(found - expected).max(axis=0) / abs(found[[0, 2]]).max(axis=0)
     assert off.max() > 0.01
     assert np.all(off < 1.5 * stated)
@@ -100,7 +100,7 @@ def test_a_mode_missed_at_one_node_is_in_the_stated_error(monkeypatch):
     beam = replace(beam, wave=replace(beam.wave, relative_error=0.0))
     place = beam.charges[0].x[-1] + 4e-3, 0.4e-3
     expected, unspoilt = beam.motion_and_error(*place)
-    ((_, poles),) = ((key, each) for key, each in beam.source.kept_poles.items() if len(each) > 1)
+    ((_, poles),) = ((key, each) for key, each in beam.source.known_poles.items() if len(each) > 1)
     poles[5] = poles[5]._replace(column=np.where(poles[5].surface[:, None], 0.0, poles[5].column))
     found, stated = beam.motion_and_error(*place)
     off = abs(found - expected).max() / abs(found[[0, 2]]).max()
@@ -175,7 +175,7 @@ def test_basis_of_the_skimming_waves():
             k = modes.wavenumbers[modes.right]
             yield np.exp(-1j * np.outer(k, distances)) @ signs @ modes.column[modes.right]
 
-    exact = np.array([*arriving(replace(beam.source, reduced=whole, kept_poles={}))])
+    exact = np.array([*arriving(replace(beam.source, reduced=whole, known_poles={}))])
     off = abs(np.array([*arriving(beam.source)]) - exact) / abs(exact[0, 2])
     assert off[0, 1] < 2.5e-5
     assert off.max() < 1e-4

@@ -10,8 +10,9 @@ from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.condense.transducer import finger_ports
+from fem.discretize.error_estimate import LEVELS, refine
 from fem.discretize.grading import Resolution
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ActivePortError, ConvergenceError, InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
 from fem.waveguide.port_fields import check_passive, stator_cascade
@@ -64,10 +65,49 @@ def test_an_aperture_below_half_a_wavelength_is_refused():
 def test_a_passive_transducer_never_gives_out_power():
     """Two ports of positive conductances whose product of mutual ones is larger: a source, named by its port."""
     passive = np.array([[2.0, 1.0], [1.0, 1.0]]) * 1e-4 + 5e-4j * np.eye(2)
-    check_passive(passive, ["a", "b"])
-    check_passive(np.zeros((0, 0)), [])
-    with pytest.raises(ConvergenceError, match="transducer 'b' would give out power"):
-        check_passive(passive + np.array([[0.0, 1e-4], [1e-4, 0.0]]), ["a", "b"])
+    check_passive(passive, ["a", "b"], 1e6)
+    check_passive(np.zeros((0, 0)), [], 1e6)
+    with pytest.raises(ActivePortError, match=r"transducer 'b' would give out power at 1.5 MHz"):
+        check_passive(passive + np.array([[0.0, 1e-4], [1e-4, 0.0]]), ["a", "b"], 1.5e6)
+
+
+def test_a_coarse_mesh_with_a_negative_conductance_is_refined():
+    """Near the zero of three finger pairs the first mesh gives -2 % of |Y|, which is within its error of 15 %."""
+    block = replace(plate(cut("PZT-8", "Z"), length=14.0, thickness=2.0), length=14e-3, thickness=2e-3)
+    row = (comb(block, "left", 4.0, finger_pairs=3, aperture=0.02),)
+    row = (replace(row[0], center=4e-3, period=0.98e-3),)
+    with pytest.raises(ActivePortError):
+        aperture_solver(block)(stator_cascade(block, row, frequency=1.606e6, resolution=LEVELS[0]))
+    ports = [
+        port_admittance(block, row, frequency=1.606e6, tolerance=tolerance, finite_apertures=True)
+        for tolerance in (0.3, 1e-3)
+    ]
+    coarse, fine = (each.matrix[0, 0] for each in ports)
+    assert fine.real > 0.02 * abs(fine)
+    assert abs(coarse - fine) < ports[0].relative_error * abs(fine) < 1e-2 * abs(fine)
+
+
+@pytest.mark.parametrize("passive_from", [0, 2, 4, 9])
+def test_an_active_port_is_refused_only_where_no_mesh_is_passive(passive_from):
+    """Two meshes must be passive, since their difference is the error; an active one at every mesh stays refused."""
+    solved = []
+
+    def at_level(level: int) -> float:
+        solved.append(level)
+        if level < passive_from:
+            raise ActivePortError("a source")
+        return 1.0 + 10.0**-level
+
+    def answer():
+        differences = {"differences": lambda fine, coarse: (abs(fine - coarse),), "gain": 8.0, "tolerance": 1e-9}
+        return refine(at_level, range(5), start=0, **differences)
+
+    if passive_from < 4:
+        assert answer().level == 4
+    else:
+        with pytest.raises(ActivePortError):
+            answer()
+    assert solved == list(range(4 if passive_from >= 4 else 5))
 
 
 def pair_of(gap: float):

@@ -30,7 +30,7 @@ def test_elimination_is_that_of_the_dense_matrix(across, down, kept):
     for own, matrix in zip(unknowns, matrices, strict=True):
         there = own >= 0
         np.add.at(whole, np.ix_(own[there], own[there]), matrix[np.ix_(there, there)])
-    factor = Dissection(unknowns=unknowns, centers=centers, kept=first).factor(matrices)
+    factor = Dissection(unknowns=unknowns, centers=centers, first_kept=first).factor(matrices)
     inner, coupling = whole[:first, :first], whole[:first, first:]
     back = -np.linalg.solve(inner, coupling)
     assert factor.matrix == pytest.approx(whole[first:, first:] + coupling.T @ back, rel=1e-9, abs=1e-9)
@@ -41,4 +41,4 @@ def test_elimination_is_that_of_the_dense_matrix(across, down, kept):
 def test_a_singular_part_is_refused():
     unknowns, centers, first, _ = _grid(4, 4, 1)
     with pytest.raises(ConvergenceError):
-        Dissection(unknowns=unknowns, centers=centers, kept=first).factor([np.zeros((4, 4))] * 16)
+        Dissection(unknowns=unknowns, centers=centers, first_kept=first).factor([np.zeros((4, 4))] * 16)

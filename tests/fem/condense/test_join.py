@@ -154,10 +154,8 @@ def test_lines_between_carry_no_force(depth):
     cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
     block = repeated(joined(cell, exchanged(cell)), 2)
     sides = np.cos(1.0 + np.arange(2 * n + 2)).astype(complex)
-    columns = list(columns_from_left(block, sides, 5.0))
-    assert [start for start, _, _ in columns] == pytest.approx(
-        5.0 + np.append(0.0, np.cumsum(widths(block))[:-1]), rel=1e-12
-    )
+    columns = list(columns_from_left(block, sides))
+    assert [start for start, _, _ in columns] == pytest.approx(np.append(0.0, np.cumsum(widths(block))[:-1]), rel=1e-12)
     size = max(np.abs(values).max() for _, _, values in columns) * np.abs(cell.matrix).max()
     for (_, left, before), (_, right, after) in pairwise(columns):
         assert np.array_equal(before[n : 2 * n], after[:n])

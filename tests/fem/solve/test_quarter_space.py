@@ -128,7 +128,7 @@ def test_the_corner_passes_the_rayleigh_wave_down_the_wall(tmp_path, poisson_rat
     wall = condensed_pieces(stator, modes, Resolution(order=7, edge_layers=2)).ends[1]
     waves = waves_of(modes, modes.rayleigh, section.solid.stress_unit)
     arriving = waves.right[:, 0]
-    sent = wall.sent_back(modes, 1, waves.modes) @ arriving
+    sent = wall.reflection(modes, 1, waves.modes) @ arriving
     shapes = modes.right[:, waves.modes] @ arriving
     at_corner = (section.surface_rows @ shapes)[1] * np.exp(-1j * wavenumber * wide * unit)
     panels = np.linspace(0.0, wide, 41)

@@ -1,13 +1,13 @@
-"""Rows of parallel transducers, each of which one section describes, and the admittances between rows.
+"""Groups of parallel transducers, each of which one section describes, and the admittances between groups.
 
-A section has the axes s along the waves of its row and t across them.  Let q_i be the charges per volt at port i of one
-transducer, alone on the bare surface, and q_j those at port j of a transducer of another row.  By reciprocity
+A section has the axes s along the waves of its group and t across them.  Let q_i be the charges per volt at port i of
+one transducer, alone on the bare surface, and q_j those at port j of a transducer of another group.  By reciprocity
 
-    Y_ij = -i omega int q_j phi_i dA = -i omega int dk_t / 2 pi  sum_p A_p (k_p / kappa_p) q_i^(k) q_j^(-k),
+    Y_ij = -i omega int q_j phi_i dA = -i omega int dk_t / 2 pi  sum_p A_p (k_p / kappa_p) q_i^(k) q_j^(-k),        (1)
 
-with phi_i the potential of the beam that port i excites, k = kappa_p n + k_t t, n any direction along which there is a
-gap between the transducers, t the direction across n, q^ the Fourier transform of the charges in the plane and A_p the
-potential of mode p per line charge.  The solid is isotropic about z.
+with phi_i the potential of the beam that port i excites, A_p the potential of mode p per line charge, q^ the Fourier
+transform of the charges in the plane, and k = kappa_p n + k_t m the wave vector.  The unit vector n points along any
+gap between the two transducers, and m across it.  The solid is isotropic about z.
 """
 
 from dataclasses import dataclass, replace
@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.beam.electrode_charges import ElectrodeCharges, all_charges
-from fem.beam.lateral import evanescent, highest_wavenumber, lateral_rule, turned, wavenumber_along
-from fem.beam.line_source import KEPT, LOCAL, line_source
+from fem.beam.lateral import amplitude_ratio, evanescent, highest_wavenumber, lateral_rule, wavenumber_along
+from fem.beam.line_source import LOCAL, NEGLIGIBLE, line_source
 from fem.circuit import Circuit, Drive, as_drive
 from fem.geometry import Stator, Transducer, separation, turn
 from fem.results.solution import Solution
@@ -24,20 +24,20 @@ from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
 PARALLEL = 1e-9  # rad; transducers whose angles differ by less are parallel
-# Periods added to the length of a rotated row: the grid of `crossed_beam.interpolated_on_grid` lies on its stator.
-ROOM = 4.0
+# Periods added to the length of a rotated group's stator, so that the grid of `interpolated_on_grid` lies on it.
+SPLINE_MARGIN = 4.0
 # A mode is neglected if its decay from centre to centre has a larger exponent.
 MAX_DECAY_EXPONENT = 300.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class ParallelGroup:
     """Parallel transducers in the axes of their waves.
 
     Attributes
     ----------
     angle : float
-        Angle from x to s in rad, above -pi/2 and up to pi/2.
+        Angle from x to s in rad, -pi/2 < angle <= pi/2.
     stator : Stator
         The stator of the section, which extends along s.
     transducers : tuple of Transducer
@@ -79,21 +79,26 @@ class Row:
         return bool(np.any(turn(self.angle)[0] == 0))
 
 
-def rows_of(stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive) -> tuple[Row, ...]:
-    """Group a stator's transducers into rows; the first is the driven row whose waves run nearest to x."""
-    rows: list[Row] = []
+def rows_of(
+    stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive
+) -> tuple[ParallelGroup, ...]:
+    """Group a stator's transducers; the first group is the driven one whose waves run nearest to x.
+
+    A group contains parallel transducers whose extents along s do not overlap.  ``width`` of the surface in m.
+    """
+    groups: list[ParallelGroup] = []
     for each in transducers:
         angle = each.angle - np.pi * np.ceil(each.angle / np.pi - 0.5 - PARALLEL)
         if abs(angle) < PARALLEL:
             angle = 0.0
         reversed_order = np.cos(each.angle - angle) < 0
-        length = stator.length  # a rotated row extends over the diagonal of the surface, and ROOM
-        if angle:
-            length = float(np.hypot(length, width)) + ROOM * max(other.period for other in transducers)
-        row = Row(
+        length = stator.length
+        if angle:  # the diagonal of the surface contains every line along s
+            length = float(np.hypot(length, width)) + SPLINE_MARGIN * max(other.period for other in transducers)
+        group = ParallelGroup(
             angle=angle, stator=replace(stator, length=length), transducers=(), middle=(stator.length / 2, length / 2)
         )
-        s, t = row.local(each.center, each.center_y)
+        s, t = group.local(each.center, each.center_y)
         own = replace(
             each,
             center=float(s),
@@ -101,14 +106,14 @@ def rows_of(stator: Stator, width: float, transducers: tuple[Transducer, ...], d
             angle=0.0,
             pattern=each.signs[::-1] if reversed_order else each.pattern,
         )
-        for number, other in enumerate(rows):
+        for number, other in enumerate(groups):
             if abs(other.angle - angle) < PARALLEL and _clear(own, other.transducers):
-                rows[number] = replace(other, transducers=(*other.transducers, own))
+                groups[number] = replace(other, transducers=(*other.transducers, own))
                 break
         else:
-            rows.append(replace(row, transducers=(own,)))
+            groups.append(replace(group, transducers=(own,)))
     drive = as_drive(drive)
-    return tuple(sorted(rows, key=lambda row: (not driven_names(row, drive), round(-np.cos(row.angle), 9))))
+    return tuple(sorted(groups, key=lambda group: (not driven_names(group, drive), round(-np.cos(group.angle), 9))))
 
 
 def _clear(one: Transducer, others: tuple[Transducer, ...]) -> bool:
@@ -117,19 +122,19 @@ def _clear(one: Transducer, others: tuple[Transducer, ...]) -> bool:
     return all(right < start or stop < left for start, stop in spans)
 
 
-def driven_names(row: Row, drive: Drive) -> list[str]:
-    """Names of the transducers of a row that have a source."""
-    return [each.name for each in row.transducers if drive.sources.get(each.name)]
+def driven_names(group: ParallelGroup, drive: Drive) -> list[str]:
+    """Names of the transducers of a group that have a source."""
+    return [each.name for each in group.transducers if drive.sources.get(each.name)]
 
 
-def row_drive(drive: Drive, row: Row) -> Drive:
-    """Drive for solving one row alone; a row without sources is driven at its first transducer."""
-    sources = {each.name: drive.sources[each.name] for each in row.transducers if each.name in drive.sources}
-    return replace(drive, sources=sources) if any(sources.values()) else Drive(sources={row.transducers[0].name: 1.0})
+def group_drive(drive: Drive, group: ParallelGroup) -> Drive:
+    """Drive for solving one group alone; a group without sources is driven at its first transducer."""
+    sources = {each.name: drive.sources[each.name] for each in group.transducers if each.name in drive.sources}
+    return replace(drive, sources=sources) if any(sources.values()) else Drive(sources={group.transducers[0].name: 1.0})
 
 
-def row_circuit(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
-    """Part of the circuit at the ports of a row; if none is driven, the power balance takes all ports as sources."""
+def group_circuit(circuit: Circuit, names: tuple[str, ...], group: ParallelGroup) -> Circuit:
+    """Part of the circuit at the ports of a group; if none is driven, the power balance takes all ports as sources."""
     index = [circuit.names.index(name) for name in names]
     sources = [index.index(at) for at in circuit.sources if at in index] or range(len(index))
     return replace(
@@ -138,16 +143,19 @@ def row_circuit(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
         voltages=circuit.voltages[index],
         currents=circuit.currents[index],
         sources=tuple(sources),
-        aperture=next(each.aperture for each in row.transducers if each.name == names[sources[0]]),
+        aperture=next(each.aperture for each in group.transducers if each.name == names[sources[0]]),
     )
 
 
-def admittances_of_rows(
-    transducers: tuple[Transducer, ...], rows: tuple[Row, ...], circuits: list[Circuit], fields: list[PortFields]
+def admittances_of_groups(
+    transducers: tuple[Transducer, ...],
+    groups: tuple[ParallelGroup, ...],
+    circuits: list[Circuit],
+    fields: list[PortFields],
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     """Admittance matrix of all ports in S, and their names.
 
-    ``transducers``: as they lie on the surface; ``circuits``, ``fields``: of each row alone.
+    ``transducers``: as they lie on the surface; ``circuits``, ``fields``: of each group alone.
     """
     first = np.cumsum([0, *(len(each.names) for each in fields)])
     out = np.zeros((first[-1],) * 2, dtype=complex)
@@ -158,20 +166,20 @@ def admittances_of_rows(
     charges = [_unit_charges(circuit, each) for circuit, each in zip(circuits, fields, strict=True)]
 
     def mutual(one: int, i: int, other: int, j: int) -> complex:
-        """Admittance of port i of a row and port j of another: the sum over their transducers."""
+        """Admittance of port i of a group and port j of another: the sum over their transducers."""
         return sum(
             mutual_admittance(
                 fields[one].modes,
                 (plan[a.name], plan[b.name]),
                 (a.center, b.center),
-                (rows[one].angle, rows[other].angle),
+                (groups[one].angle, groups[other].angle),
                 (q, p),
             )
             for a, q in zip(fields[one].transducers, charges[one][i], strict=True)
             for b, p in zip(fields[other].transducers, charges[other][j], strict=True)
         )
 
-    for one in range(len(rows)):
+    for one in range(len(groups)):
         for other in range(one):
             for i, j in np.ndindex(len(charges[one]), len(charges[other])):
                 pair = first[one] + i, first[other] + j
@@ -180,7 +188,7 @@ def admittances_of_rows(
 
 
 def _unit_charges(circuit: Circuit, fields: PortFields) -> list[tuple[ElectrodeCharges, ...]]:
-    """Charges of all transducers of a row for 1 V at each of its ports in turn, the other ports at zero."""
+    """Charges of all transducers of a group for 1 V at each of its ports in turn, the other ports at zero."""
     volts = np.eye(len(fields.names))
     return [all_charges(Solution(fields=fields, circuit=replace(circuit, voltages=each))) for each in volts]
 
@@ -194,7 +202,7 @@ def mutual_admittance(
     *,
     along: float | None = None,
 ) -> complex:
-    """Short-circuit current at one transducer per volt at another, in S, from the charges of each alone.
+    """Short-circuit current at one transducer per volt at another, in S, from the charges of each alone: equation (1).
 
     Parameters
     ----------
@@ -209,7 +217,7 @@ def mutual_admittance(
     charges : tuple of ElectrodeCharges
         Charges of each transducer per volt.
     along : float, optional
-        Direction in rad of a gap between them; by default that of the widest gap.
+        Direction n of equation (1), rad from x; by default that of the widest gap.
 
     Returns
     -------
@@ -225,13 +233,13 @@ def mutual_admittance(
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
     # A mode is kept if its amplitude is more than exp(-LOCAL) after a wavelength, more than exp(-MAX_DECAY_EXPONENT)
-    # from centre to centre, and more than KEPT after the gap.
-    kept = -k.imag * max(wavelength / LOCAL, distance / MAX_DECAY_EXPONENT, gap / -np.log(KEPT)) < 1
+    # from centre to centre, and more than NEGLIGIBLE after the gap.
+    lasting = -k.imag * max(wavelength / LOCAL, distance / MAX_DECAY_EXPONENT, gap / -np.log(NEGLIGIBLE)) < 1
     reach = abs(offset) + sum(float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan)
     highest = highest_wavenumber(k)
     rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
-    total = 0.0
-    pairs = [(number, contour) for some, contour in rule.contours(k) for number in np.flatnonzero(kept & some)]
+    total = 0.0  # the integral of equation (1)
+    pairs = [(number, contour) for some, contour in rule.contours(k) for number in np.flatnonzero(lasting & some)]
     for number, contour in pairs:
         kappa = wavenumber_along(k[number], contour.nodes)
         for side in (1, -1):  # both signs of k_t, half the weight each
@@ -243,6 +251,6 @@ def mutual_admittance(
             ]
             phase = np.exp(-1j * (kappa * distance + lateral * offset))
             total += source.potential[number] * np.sum(
-                contour.weights / 2 * turned(k[number], kappa) * transforms[0] * transforms[1] * phase
+                contour.weights / 2 * amplitude_ratio(k[number], kappa) * transforms[0] * transforms[1] * phase
             )
     return complex(-2j * np.pi * modes.frequency * total)
