@@ -31,6 +31,7 @@ def point_force(shear_modulus, poisson_ratio, shear_wavenumber, r, angle):
     k = t + 1j * height * np.sin(np.pi * t / bend)
     weights = weights * (1 + 1j * height * np.pi / bend * np.cos(np.pi * t / bend))
     further, more = _gauss(bend, bend + tail, int(200 + tail * r / 2))
+    bessel = {order: np.append(jv(order, k * r), jv(order, further * r)) for order in (0, 2)}
     k, weights = np.append(k, further), np.append(weights, more)
     q_l, q_t = (np.sqrt(k - own) * np.sqrt(k + own) for own in (k_l, k_t))
     rayleigh = 4 * k**2 * q_l * q_t - (2 * k**2 - k_t**2) ** 2
@@ -38,7 +39,7 @@ def point_force(shear_modulus, poisson_ratio, shear_wavenumber, r, angle):
     static, static_across = (1 - nu) / mu, 1 / mu
 
     def integral(response, at_rest, order):
-        rest = np.sum((response - at_rest / k) * jv(order, k * r) * k * weights)
+        rest = np.sum((response - at_rest / k) * bessel[order] * k * weights)
         return (rest + at_rest / r) / (2 * np.pi)
 
     mean = integral((along + across) / 2, (static + static_across) / 2, 0)

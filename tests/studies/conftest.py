@@ -22,9 +22,12 @@ SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose s
 @pytest.fixture(autouse=True, scope="session")
 def _fields_are_solved_once():
     """Let tests that ask for the same field share its solution."""
+    from studies.chain import changed_contacts
+
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("driven_wave", "frequency_band"):
+        for name in ("driven_wave", "frequency_band", "port_admittance"):
             patch.setattr(fem, name, solved_once(getattr(fem, name)), raising=False)
+        patch.setattr(changed_contacts, "ring_up", solved_once(changed_contacts.ring_up))
         yield
 
 

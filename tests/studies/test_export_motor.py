@@ -35,6 +35,12 @@ def motor():
     return averaged_motor("twente-contact")
 
 
+@cache
+def built(version):
+    """The FMU of this version of the standard, with its machine code, and what is remarked on it."""
+    return fmu(motor(), version)
+
+
 def steady(level):
     return abs(float(contact.mean_motion(motor().slider, orbits(level)).velocity))
 
@@ -218,7 +224,7 @@ def test_fmpy_runs_the_fmu(version, tmp_path):
     fmpy = pytest.importorskip("fmpy")
     from fmpy.validation import validate_fmu
 
-    content, remark = fmu(motor(), version)
+    content, remark = built(version)
     assert remark == ""
     path = tmp_path / "motor.fmu"
     path.write_bytes(content)
@@ -247,6 +253,7 @@ def schedule_of_a_burst():
     return ((0.05, AMPLITUDE, 0.0), (0.05, AMPLITUDE, -2e-5), (0.002, 0.0, -2e-5))
 
 
+@cache
 def truth_of_a_burst(step):
     """Velocity and position at the end of each part, moved on in an importer's steps."""
     state, out = motor().start(), []
@@ -266,7 +273,7 @@ def test_libcosim_runs_the_fmu_of_version_2(tmp_path):
     from libcosimpy.CosimSlave import CosimLocalSlave
 
     path = tmp_path / "motor.fmu"
-    path.write_bytes(fmu(motor(), "2")[0])
+    path.write_bytes(built("2")[0])
     execution = CosimExecution.from_step_size(step_size=10_000)  # ns
     slave = execution.add_local_slave(CosimLocalSlave(fmu_path=str(path), instance_name="motor"))
     setter, watcher = CosimManipulator.create_override(), CosimObserver.create_last_value()
@@ -289,7 +296,7 @@ def test_ecos_runs_the_fmu_of_version_3(tmp_path):
                 ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
     ecospy = pytest.importorskip("ecospy", exc_type=(ImportError, OSError))
     path = tmp_path / "motor.fmu"
-    path.write_bytes(fmu(motor(), "3")[0])
+    path.write_bytes(built("3")[0])
     out = []
     with ecospy.EcosSimulationStructure() as structure:
         structure.add_model("motor", str(path))

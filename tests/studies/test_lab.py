@@ -15,6 +15,7 @@ from studies.__main__ import main
 from studies.chain import fem_model, resolve
 from studies.chain.scan_prediction import at_other_velocity, placed
 from studies.chain.scattering import scattering_matrix
+from studies.export.averaged_motor import averaged_motor
 from studies.export.instruments import Recording, csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
 from studies.inverse.prediction import MeasurementPredictor
@@ -31,6 +32,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.stator.network_deviation import deviations
 from studies.study import driven_contact
+from tests.studies.solved_once import solved_once
 
 SMALL = Scene.load("twente-left").replace(
     stator={"length": "60 mm"}, slider={"position": "40 mm"}, drive={"voltage": "30 V"}
@@ -377,9 +379,11 @@ def test_a_trace_gives_back_friction_bandwidth_and_its_origin_of_time(sampling, 
         assert high - low < 0.5 * truth[key]
 
 
-def test_an_exported_trace_is_filtered_and_averaged_as_the_encoder_does(tmp_path):
+def test_an_exported_trace_is_filtered_and_averaged_as_the_encoder_does(monkeypatch):
     # a velocity that rises and falls in tens of ms, behind 30 Hz and means of 5 ms: scipy's filter of the plain export
     from scipy.signal import lsim
+
+    monkeypatch.setattr("studies.export.averaged_motor.averaged_motor", solved_once(averaged_motor))
 
     def recorded(**encoder):
         scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm", "burst": "30 ms"})
@@ -388,11 +392,12 @@ def test_an_exported_trace_is_filtered_and_averaged_as_the_encoder_does(tmp_path
         return np.array([[float(each) for each in line.split(",")] for line in lines])
 
     plain, seen = recorded(), recorded(bandwidth="30 Hz", sampling='"5 ms"')
-    fine = np.arange(0.0, plain[-1, 1], 1e-6)
+    step = 1e-5
+    fine = np.arange(0.0, plain[-1, 1], step)
     for column in (2, 3):
         curve = np.interp(fine, plain[:, 1], plain[:, column], left=0.0)
         late = lsim(([1.0], [1.0 / (2 * np.pi * 30.0), 1.0]), curve, fine)[1]
-        sums = np.concatenate([[0.0], np.cumsum(0.5e-6 * (late[1:] + late[:-1]))])
+        sums = np.concatenate([[0.0], np.cumsum(0.5 * step * (late[1:] + late[:-1]))])
         means = (np.interp(seen[:, 1], fine, sums) - np.interp(seen[:, 1] - 5e-3, fine, sums)) / 5e-3
         np.testing.assert_allclose(seen[:, column], means, atol=2e-3 * np.abs(curve).max())
 

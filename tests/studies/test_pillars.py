@@ -452,7 +452,8 @@ def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkey
     from studies.inverse import fit, prediction
     from studies.inverse.result import GRID
 
-    true = scene(wave={"normal_amplitude": [10e-9, 15e-9, 20e-9]}, friction_coefficient=0.2, pillars={"rows": 4})
+    levels = (10e-9, 20e-9)
+    true = scene(wave={"normal_amplitude": list(levels)}, friction_coefficient=0.2, pillars={"rows": 4})
     speeds = tuple(run(true).velocity)
     solved, velocities = [], prediction.MeasurementPredictor.velocities
 
@@ -462,13 +463,13 @@ def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkey
 
     monkeypatch.setattr(prediction.MeasurementPredictor, "velocities", counted)
     lab = Measurement(
-        name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=(10e-9, 15e-9, 20e-9),
+        name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels,
         values=speeds, deviations=tuple(0.01 * abs(each) for each in speeds),
     )  # fmt: skip
     start = true.replace(slider={"friction_coefficient": 0.1})
     found = fit(start, [lab], {"slider.friction_coefficient": (0.02, 0.6)})
     assert found.values["slider.friction_coefficient"] == pytest.approx(0.2, rel=1e-5)
-    assert sum(solved) < 300
+    assert sum(solved) < 200
     assert found.candidates is None
     assert "measure next    not computed; --next does it, in about the time of the fit" in str(found)
     solved.clear()

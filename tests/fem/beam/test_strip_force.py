@@ -50,7 +50,7 @@ def test_a_strip_on_glass_is_lambs_problem(component, width):
     wave = forced_wave(block, (), (force,), frequency=frequency, tolerance=1e-3, places=(30e-3,))
     x, y = np.array([12e-3, 13e-3, 8e-3, 20e-3, 30e-3]), np.array([1e-3, 4e-3, -1e-3, 5e-3, 0.5e-3])
     found, error = surface_beam(wave).motion_and_error(x, y)
-    s, weights = np.polynomial.legendre.leggauss(12)
+    s, weights = np.polynomial.legendre.leggauss(3 if width < 1e-3 else 8)
     expected = np.zeros((3, len(x)), dtype=complex)
     for at, share in zip(force.center_y + width / 2 * s, weights / 2, strict=True):
         for number, (dx, dy) in enumerate(zip(x - force.position, y - at, strict=True)):
@@ -82,7 +82,7 @@ def test_the_mean_of_a_beam_between_mirrors_is_gamma(name, orientation):
     """The part at k_y = 0 of a narrow strip's waves, by the mean over the distance of the mirrors: three cuts."""
     solid, width = lossless(name, orientation), 6e-3
     stator = replace(plate(solid, length=20.0), thickness=np.inf)
-    beam = forced(stator, strip(stator, 5.0, amplitude=1e3), level=LEVELS[4], mirror_width=width)
+    beam = forced(stator, strip(stator, 5.0, amplitude=1e3), level=LEVELS[2], mirror_width=width)
     y = (np.arange(64) / 64 - 0.5) * width
     mean = beam.surface_mode.motion(stator.length * 0.8, y)[2].mean()
     assert abs(mean) * width == pytest.approx(wave_compliance(solid, "open"), rel=1e-6)
