@@ -1,14 +1,9 @@
 """Compile the contact's kernels ahead of the tests that need them: ``python -m tests.kernels PART``."""
 
-import gc
 import sys
 
 from contact import burst, mean_motion
 from contact.answers.load_line import blocked_thrust
-from contact.averaged.cycle_mean import cycle
-from contact.averaged.cycle_pieces import cycle_arrays
-from contact.averaged.event_equilibrium import balanced
-from contact.averaged.riding import quadrature
 from tests.contact.motors import orbit, slider
 
 WAVE = orbit(5e-9)
@@ -20,7 +15,6 @@ def compile_part(part: str) -> None:
     if part == "events":
         burst(slider(law="hysteretic"), WAVE, tolerance=1e-3, method="exact", **once)
         burst(slider(), WAVE, tolerance=1e-2, method="stepped", **once)
-        cycle(balanced(slider(), (WAVE,)).problem, 1.0, 0.1, quadrature(20), cycle_arrays(1))
     else:
         mean_motion(slider(), WAVE)
         blocked_thrust(slider(), (WAVE,))
@@ -29,5 +23,4 @@ def compile_part(part: str) -> None:
 
 
 if __name__ == "__main__":
-    gc.disable()  # a tenth of the time
     compile_part(sys.argv[1])

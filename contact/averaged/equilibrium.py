@@ -31,11 +31,11 @@ import numpy as np
 
 from contact.averaged.cycle_mean import clear, cycle, respond
 from contact.averaged.cycle_pieces import Counted, Cycle, Mean, cycle_arrays
-from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding
+from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding, riding_approach
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
 from contact.error_estimate import quadrature_error, tail_error
-from contact.jit.compiled import compiled, formula, native, per_thread
+from contact.jit.compiled import compiled, formula, per_thread
 from contact.problem import changed, full_friction
 from contact.roots import narrowed, trial
 
@@ -303,20 +303,12 @@ def _second_order(problem, slope, top, work, out):
     return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 
-@native("t f1 t f1")
-def _mean_forces(problem, speeds, work, out):
-    """Fill the mean tangential forces of cycles at these velocities; return 0."""
-    h = riding(problem, work.fine)
-    for k in range(speeds.size):
-        cycle(problem, h, speeds[k], work.fine, work.first)
-        out[k] = work.first.means[Mean.TANGENTIAL]
-    return 0
-
-
 def mean_tangential_forces(problem, speeds):
     """Return the mean tangential forces, scaled, of cycles at these scaled velocities, of first order."""
-    out = np.empty(len(speeds))
-    _mean_forces(problem, speeds, work_arrays(1), out)
+    h, work, out = riding_approach(problem, FINE_NODES), work_arrays(1), np.empty(len(speeds))
+    for k, speed in enumerate(speeds):
+        cycle(problem, h, speed, work.fine, work.first)
+        out[k] = work.first.means[Mean.TANGENTIAL]
     return out
 
 

@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, approach, circle, normal_amplitude
-from contact.codes import Shape
+from contact.codes import Shape, Tangential
 from contact.jit.compiled import compiled, formula, native, summed
+from contact.law.elastic import coulomb
 from contact.law.normal import approach as approach_under
 from contact.law.normal import load, slope
 from contact.orbit import Orbit, as_orbits
@@ -147,10 +148,11 @@ def _riding(problem, rule, answer):
     return 0
 
 
-def riding_approach(problem: Problem) -> float:
-    """Return h of a scaled problem; see `riding_height`."""
+def riding_approach(problem: Problem, nodes: int = NODES) -> float:
+    """Return h of a scaled problem, by quadrature with so many nodes; see `riding_height`."""
     answer = np.zeros(1)
-    _riding(problem, quadrature(NODES), answer)
+    # the tangential law does not enter: one kernel serves all
+    _riding(problem._replace(law=coulomb(Tangential.ELASTIC)), quadrature(nodes), answer)
     return float(answer[0])
 
 

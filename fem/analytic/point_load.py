@@ -4,7 +4,7 @@ A traction t exp(i k.x) on the surface z = 0 of the body z < 0 moves it by u = C
 is Hermitian; its real part is the inverse of the Barnett-Lothe tensor L, an average over a turn of the sextic
 formalism's matrix N3, with m in the direction of k and n the normal, turned together by theta,
 
-    L(psi) = -1/pi int_0^pi N3 dtheta,   N3 = R T^-1 R^T - Q,   Q = m c m, R = m c n, T = n c n,
+    L(psi) = -1/pi int_0^pi N3 dtheta,   N3 = R T^-1 R^T - Q,   Q = m c m, R = m c n, T = n c n,                (1)
 
 T. C. T. Ting, Anisotropic Elasticity, Oxford 1996, eqs. 7.6-3 and 6.4-14. No eigenvalue is computed, so that isotropic
 and other degenerate solids are no exception. The imaginary part is odd in k and has no mean.
@@ -91,7 +91,7 @@ def point_load(stiffness: np.ndarray) -> PointLoad:
 
 
 def surface_compliance(stiffness: np.ndarray, directions: np.ndarray, *, turns: int = 256) -> np.ndarray:
-    """Return Re C of a half-space z < 0 for directions of the wavevector (rad from x), shape (n, 3, 3), 1/Pa.
+    """Return Re C = L^-1, equation (1), for directions of the wavevector (rad from x), shape (n, 3, 3), 1/Pa.
 
     ``stiffness``: c in Pa; ``turns``: points of the average over theta.
     """

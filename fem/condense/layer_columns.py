@@ -5,7 +5,7 @@ width of the piece.  Through the depth they are those of the section, so that th
 section's own and need no projection.  Along x their functions on the edge of the mesh are those of the mesh: with w the
 nodal values there and m the mesh's unknowns on the edge,
 
-    w = S m,        A_mesh = S^T A S,
+    w = S m,        A_mesh = S^T A S,                                                                       (1)
 
 in which S holds the values of the mesh's functions at the nodes.  S is exact, as the order of the section is at least
 that of the mesh.
@@ -116,7 +116,7 @@ class LayerColumns:
         return result
 
     def _on_rim(self, column: int, layer: int) -> np.ndarray | None:
-        """S: nodal values on an element's rim from its functions; None where they are the same."""
+        """S of equation (1): nodal values on an element's rim from its functions; None where they are the same."""
         if layer + 1 < self.layers:
             return None
         order = self.section.order

@@ -144,7 +144,7 @@ class Assembly:
 class MeshedPiece:
     """A piece of the stator condensed from a mesh at one frequency."""
 
-    assembly: "Assembly" = field(repr=False)
+    assembly: Assembly = field(repr=False)
     frequency: float  # Hz
     sides: tuple[str, ...]  # interfaces in their order in the matrix
     size: int  # unknowns of a line of the stator
@@ -201,7 +201,7 @@ class MeshedPiece:
 class MeshField:
     """Field of a meshed piece for values on lines and ports."""
 
-    assembly: "Assembly" = field(repr=False)
+    assembly: Assembly = field(repr=False)
     skeleton: np.ndarray = field(repr=False)  # scaled unknowns of edges and vertices, fields innermost
     condense: Callable[[], MeshedPiece] = field(repr=False)  # for the insides of the elements; called on first use
 

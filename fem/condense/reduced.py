@@ -6,7 +6,7 @@ condensed matrix.  The projections of K and M on all X_j follow from the condens
 Antoulas, Linear Algebra Appl. 425 (2007) 634, equations 14 and 15, here symmetric).  On the diagonal the divided
 difference is a derivative:
 
-    X_i^T M X_j = (S_i - S_j) / (s_j - s_i),    X_j^T M X_j = -dS/ds (s_j),    X_i^T K X_j = S_i + s_i X_i^T M X_j.
+    X_i^T M X_j = (S_i - S_j) / (s_j - s_i),    X_j^T M X_j = -dS/ds (s_j),    X_i^T K X_j = S_i + s_i X_i^T M X_j.  (1)
 
 The differences X_j - X_m are fields that vanish on the lines and ports.  Their elimination at any s gives a rational
 function that has the values and derivatives of S at all nodes, and the resonances of the piece with clamped lines.  The
@@ -125,7 +125,7 @@ class PieceSample:
 
 
 def rational_piece(piece: MeshedPiece, frame: np.ndarray, size: int, samples: list[PieceSample]) -> RationalPiece:
-    """Interpolate a piece between samples; ``piece`` is the condensed piece at any frequency."""
+    """Interpolate a piece between samples by equations (1); ``piece``: condensed at any frequency."""
     squares = np.array([(2 * np.pi * each.frequency) ** 2 for each in samples])
     count, outer = len(samples), frame.shape[1]
     inertia = np.empty((count, outer, count, outer), dtype=np.result_type(*(each.value for each in samples)))

@@ -258,26 +258,28 @@ class Network:
         numbers = [number for number in self.forces if start <= self.ports[number].position <= stop]
         return tuple(sorted(numbers, key=lambda number: self.ports[number].position))
 
+    def _refuse_covered_forces(self) -> None:
+        """Raise an InputError for a force that lies on no uniform segment."""
+        for port in (self.ports[number] for number in self.forces):
+            if not any(start <= port.position <= stop for start, stop in self.segments):
+                raise InputError(
+                    "force.position",
+                    "must lie on the bare surface, beside the pieces and the transducers with their outer gaps",
+                    port.position * self.modes.section.length_unit,
+                    "m",
+                    owner=port.name,
+                )
+
     def _coupled_segments(self, waves: np.ndarray) -> list[_Segment]:
         """Segments with their coupling modes; ``waves``: modes that arrive from outside at absorbing ends."""
-        positions = {number: self.ports[number].position for number in self.forces}
-        free = [any(start <= position <= stop for start, stop in self.segments) for position in positions.values()]
-        if not all(free):
-            port = self.ports[list(positions)[free.index(False)]]
-            unit = self.modes.section.length_unit
-            raise InputError(
-                "force.position",
-                "must lie on the bare surface, beside the pieces and the transducers with their outer gaps",
-                port.position * unit,
-                "m",
-                owner=port.name,
-            )
+        self._refuse_covered_forces()
         absorbs = [isinstance(end, str) and end == "absorbing" for end in self.ends]
         segments: list[_Segment] = []
         for index, (start, stop) in enumerate(self.segments):
             forces = self.forces_on(index)
             # A force excites modes anew: they reach the nearest edge after a distance shorter than the segment.
-            length = min([stop - start, *(abs(positions[each] - edge) for each in forces for edge in (start, stop))])
+            to_edges = [abs(self.ports[each].position - edge) for each in forces for edge in (start, stop)]
+            length = min([stop - start, *to_edges])
             coupling_modes, travel = self.survivors(length), stop - start
             semi_infinite = [absorbs[0] and index == 0, absorbs[1] and index == len(self.segments) - 1]
             # No wave returns from an absorbing end: a piece beside it receives only the waves from outside and those of

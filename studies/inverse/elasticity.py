@@ -31,7 +31,7 @@ ANSWERS = {
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
 PHASED = ("center", "position", "thickness", "frequency")  # their change shifts the phase of a wave, and is amplified
-LIMITS = ("threshold", "release")
+LIMITS = ("threshold", "release")  # as factors on the level
 SIDE = 0.01  # change of a number to either side, beside its elasticity
 
 
@@ -62,7 +62,7 @@ def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[
 
 
 def _keys(predictor: MeasurementPredictor, names: Iterable[str]) -> list[str]:
-    """Return the keys that answers may depend on; the limits are relative to the level."""
+    """Return the keys that answers may depend on; without the level for threshold and release, its factors."""
     return [*numbers(predictor), *([] if set(names) <= set(LIMITS) else ["level"])]
 
 

@@ -21,7 +21,7 @@ STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance on
 SAMPLES, MAX_STARTS = 64, 8  # random starts; the best of them, from which a minimum is searched
 SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # the same where velocities are solved one by one
 BETWEEN = 9  # points on the line between two minima at which the sum of squares is evaluated
-MAX_EVALUATIONS = 60
+MAX_EVALUATIONS = 60  # of the residuals in one search for a minimum
 CLEARLY = 1e-3  # relative difference of two sums of squares below which two minima count as equally good
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from studies.chain.outcomes import keywords
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
-from studies.inverse.goals import LEAST, Constraint, read_constraint, read_goals, read_variable
+from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
 from studies.inverse.parameters import Parameter, ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.progress import reported_to
@@ -82,12 +82,7 @@ def design(
             raise SceneError("evaluations", f"must be at least {min_budget}, got {budget}")
         also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
         plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
-        known = {*plan.question.keys, *plan.question.outcomes}
-        columns = {each.argument: each.columns for each in aims}
-        columns |= {f"constraints {each.column}": (each.column,) for each in bounds}
-        for argument, names_of_columns in columns.items():
-            if not known.intersection(names_of_columns):
-                raise SceneError(argument, "is neither varied nor an outcome of this scene")
+        _refuse_absent({*plan.question.keys, *plan.question.outcomes}, aims, bounds)
         # part of the identity of the store: another search in the same directory is refused
         search = {"goals": names, "subject": [each.text for each in bounds], "evaluations": budget,
                   "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in varied]}  # fmt: skip
@@ -109,6 +104,15 @@ def design(
             goals=tuple(names), columns=tuple(str(each.column(optimum)) for each in aims), optimum=optimum,
             front=front, robustness=robustness, points=points, evaluations=evaluations, variables=varied, table=table,
         )  # fmt: skip
+
+
+def _refuse_absent(known: set[str], goals: tuple[Goal, ...], constraints: tuple[Constraint, ...]) -> None:
+    """Raise a SceneError for a goal or a constraint whose columns no point of the search has."""
+    columns = {each.argument: each.columns for each in goals}
+    columns |= {f"constraints {each.column}": (each.column,) for each in constraints}
+    for argument, names in columns.items():
+        if not known.intersection(names):
+            raise SceneError(argument, "is neither varied nor an outcome of this scene")
 
 
 def _listed(names: str | Sequence[str]) -> list[str]:

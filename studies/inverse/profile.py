@@ -16,7 +16,7 @@ from studies.inverse.directions import LEVEL
 from studies.inverse.least_squares import Problem
 
 AGREES = 3e-3  # tolerance of an end, relative to its distance from the minimum
-MAX_REFITS = 24
+MAX_REFITS = 24  # between the two distances that bracket an end
 AT_END = 1e-4  # distance from an end of the range, relative to the range, below which a number has reached that end
 BETTER = 1e-3  # decrease of the sum of squares that counts as a better minimum
 

@@ -64,7 +64,7 @@ class TwoPhase:
     single: float = 2e-8  # error below which a burst counts as a single step, m
     readings: int = 20  # averaged before each burst, because the slider rings with little damping
     settle: float = 1e-3  # waiting time after a burst before the readings, s
-    gain: float = 0.9  # fraction of the error that a burst is meant to correct
+    gain: float = 0.9  # fraction of the error that a burst corrects
     # Level of single steps over the threshold level. The largest level is unsuitable for small errors: a short burst of
     # a large wave makes the slider bounce, and a few cycles move it by more than the error.
     fine: float = 5.0
@@ -109,27 +109,24 @@ class TwoPhase:
         no_drive = Command(level=0.0, duration=reading.period, phase="rest")
         if reading.time < memory.get("until", 0.0):
             return no_drive
-        readings = memory.setdefault("sums", [])
+        readings = memory.setdefault("readings", [])
         readings.append(reading.position)
         if len(readings) < self.readings:
             return no_drive
         position = sum(readings) / len(readings)
-        memory["sums"] = []
+        memory["readings"] = []
         self._learn(position, memory, motor)
         error = reading.target - position
-        memory["error"] = error
-        if abs(error) <= self.tolerance:
-            memory["settled"] = True
+        memory["settled"] = abs(error) <= self.tolerance
+        if memory["settled"]:
             return no_drive
-        memory["settled"] = False
         phase = "step" if abs(error) < self.single else "burst"
         level = min(self.fine * motor.dead_zone, motor.level) if phase == "step" and motor.dead_zone else motor.level
         gain = memory["gains"].get(phase, memory["gains"]["burst"])
         length = min(math.sqrt(self.gain * abs(error) / gain), MAX_BURST)
-        memory |= {"from": position, "stepped": (phase, length, math.copysign(1.0, error))}
-        memory["until"] = (
-            reading.time + self.settle + length + motor.delay + length * motor.acceleration / motor.braking
-        )
+        memory |= {"from": position, "burst": (phase, length, math.copysign(1.0, error))}
+        braking_time = length * motor.acceleration / motor.braking
+        memory["until"] = reading.time + self.settle + length + motor.delay + braking_time
         return Command(level=math.copysign(level, error), duration=length, phase=phase)
 
     def _learn(self, position: float, memory: dict, motor: MotorNumbers) -> None:
@@ -138,7 +135,7 @@ class TwoPhase:
         gains = memory.setdefault("gains", {"burst": 0.5 * a * (1.0 + a / b)})
         if "from" not in memory:
             return
-        phase, length, direction = memory["stepped"]
+        phase, length, direction = memory["burst"]
         old_gain = gains.get(phase, gains["burst"])
         distance = (position - memory.pop("from")) * direction
         # use only the square root of the ratio, because the contact springs change steps of a few nm
@@ -165,7 +162,7 @@ class DeadZonePI:
         """Return the command of a reading."""
         memory, motor = reading.memory, reading.motor
         error = reading.target - reading.position
-        memory["error"], memory["settled"] = error, abs(error) <= self.tolerance
+        memory["settled"] = abs(error) <= self.tolerance
         if memory["settled"]:
             return Command(level=0.0, duration=reading.period, phase="rest")
         proportional = self.proportional or 100.0 / motor.speed_per_level

@@ -72,9 +72,8 @@ def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True)
     record = run_chain(loaded.with_source(burst=None), tolerance=1e-3)
     wave_field, driven = run_field(record), DrivenContact.of_run(record)
     moving = driven.above(1.0)
-    voltage, *voltages = (
-        min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)
-    )
+    nearest = (min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS))
+    voltage, *voltages = nearest
     LOGGER.info("bursts")
     slider = driven.slider
     acceleration = slider.least_friction(len(driven.orbits)) / slider.mass

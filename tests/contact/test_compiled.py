@@ -169,6 +169,7 @@ def test_without_a_private_part_of_numba_its_ordinary_compiler_serves(places, tm
     found, kernel = answer()
     assert found == RIGHT
     assert compiled.ORDINARY == {"count": "AttributeError: a private name of numba is gone"}
+    assert gc.isenabled()
     values = np.array([1.0, 5.0])
     assert (kernel(values, 2.5), *values) == (1, 2.0, 10.0)
 

@@ -158,12 +158,15 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
 
 
 def test_a_kernel_refuses_what_its_machine_code_would_misread():
-    from contact.averaged import equilibrium as averaged
+    from contact.averaged import cycle_mean, cycle_pieces
+    from contact.averaged.riding import riding_approach
 
     problem = scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0)
     with pytest.raises(TypeError, match="f1 expected, got int64"):
-        averaged.mean_tangential_forces(problem, np.zeros(2, np.int64))
+        cycle_mean.contact_cycles(
+            problem, 1.0, np.zeros(1, np.int64), cycle_pieces.CLOSED, cycle_pieces.cycle_arrays(1, 1), np.zeros((8, 1))
+        )
     two = scaled(slider(), (orbit(1e-9), orbit(1e-9)), direction=1.0, start=0.0)
     for height in (np.zeros(4)[::2], np.zeros(2, np.float32)):
         with pytest.raises(TypeError, match="f1 expected, got float"):
-            averaged.mean_tangential_forces(two._replace(paths=two.paths._replace(height=height)), np.zeros(1))
+            riding_approach(two._replace(paths=two.paths._replace(height=height)))

@@ -184,6 +184,8 @@ def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(mo
     assert "load of the slider" in missed.shortfall
     earlier = with_model_error(replace(motor, shortfall="u_z vanishes", refused=True))
     assert earlier.shortfall == "u_z vanishes"
+    monkeypatch.setattr(module, "LOAD", module.OVERTONES)  # an upper bound, which is a warning at any size
+    assert not with_model_error(replace(motor, model_error=())).refused
 
 
 def test_model_error_of_a_point_is_that_of_the_wave_times_the_sensitivity(motor):
