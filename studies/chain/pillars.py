@@ -25,13 +25,13 @@ import numpy as np
 import contact
 import fem
 from studies.chain.solver_errors import slider_keys
-from studies.lab.csv_columns import DISPLACEMENTS, PLACES, CsvColumns
+from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.pillars import MAX_PILLARS, SEED
 from studies.scene.slider import Slider
 
-LENGTHS = PLACES | DISPLACEMENTS  # units of the columns of a file
+LENGTHS = POSITIONS | DISPLACEMENTS  # units of the columns of a file
 LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds
 # a/p beyond that, and the stiffness of a punch relative to the mean plane over that of one alone
 NEIGHBOURS = (0.2, 0.3, 0.4), (1.92, 3.21, 6.96)

@@ -1,1 +1,1 @@
-"""The command line: the parser, and what each call does."""
+"""The command line: its parser, and one module for each command."""

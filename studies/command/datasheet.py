@@ -1,4 +1,4 @@
-"""``sawmotor datasheet``: a motor's datasheet: one page with speed, force, steps, power and limits."""
+"""``sawmotor datasheet``: one page with a motor's speed, force, steps, power and limits."""
 
 import argparse
 
@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Compute a motor's datasheet; print its table and leave its page and numbers."""
+    """Compute a motor's datasheet; print its table and write its page and numbers."""
     from studies.report.datasheet import datasheet as computed
     from studies.report.datasheet_page import page
     from studies.results.content import write_json

@@ -1,4 +1,4 @@
-"""``sawmotor design``: the best motor within ranges: a search that can be interrupted and goes on."""
+"""``sawmotor design``: a search for the best motor within ranges, which can be interrupted and continued."""
 
 import argparse
 
@@ -15,36 +15,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_shared(parser, "scene")
     parser.add_argument(
-        "--maximise",
-        action="append",
-        default=[],
-        metavar="GOAL",
+        "--maximise", action="append", default=[], metavar="GOAL",
         help="velocity, thrust, efficiency or step_resolution; twice for the front of two goals",
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--minimise",
-        action="append",
-        default=[],
-        metavar="GOAL",
+        "--minimise", action="append", default=[], metavar="GOAL",
         help="power_W, contact_pressure, normal_amplitude or a key of --over: with --subject 'velocity >= 50 mm/s' the "
         "least that reaches a velocity",
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--over",
-        action="extend",
-        nargs="+",
-        default=[],
-        metavar="KEY=LOW:HIGH",
+        "--over", action="extend", nargs="+", default=[], metavar="KEY=LOW:HIGH",
         help="a number of the scene that is varied, and its range",
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--subject",
-        action="extend",
-        nargs="+",
-        default=[],
-        metavar="'NAME <= VALUE'",
+        "--subject", action="extend", nargs="+", default=[], metavar="'NAME <= VALUE'",
         help="a constraint on a key, velocity, thrust, contact_pressure, stick_margin, normal_amplitude or power_W",
-    )
+    )  # fmt: skip
     parser.add_argument(
         "--evaluations", type=int, metavar="N", help="number of evaluations of each search (60 for each varied number)"
     )
@@ -59,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
+    """Search for the best motor within ranges; print it and write its scene and all evaluations."""
     from studies.inverse.optimum import Options
     from studies.inverse.optimum import design as search
 
@@ -67,18 +53,11 @@ def call(arguments: argparse.Namespace) -> int:
     table = changed_scene(arguments).to_table()
     out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-design")
     with Progress():
+        options = {key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")}
         optimum = search(
-            table,
-            arguments.maximise,
-            arguments.over,
-            arguments.subject,
-            minimise=arguments.minimise,
-            options=Options(
-                **{key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")},
-                tolerance=tolerance,
-                out=out,
-            ),
-        )
+            table, arguments.maximise, arguments.over, arguments.subject, minimise=arguments.minimise,
+            options=Options(**options, tolerance=tolerance, out=out),
+        )  # fmt: skip
         optimum.write(out)
     print_answer(arguments, optimum.to_dict(), f"{optimum}\n{'results':<16}{out}")
     return 0

@@ -1,4 +1,4 @@
-"""``sawmotor export``: a run or a scene as a file of another world."""
+"""``sawmotor export``: a run or a scene as a file for other programs."""
 
 import argparse
 import re
@@ -27,20 +27,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", metavar="FORMAT", help="fmu, c, gds, dxf, uff, touchstone, csv, vtu")
     parser.add_argument("--fmi", metavar="VERSION", help="fmu: 3 or 2 (3)")
     parser.add_argument(
-        "--size",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
+        "--size", action="append", default=[], metavar="KEY=VALUE",
         help='gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each',
-    )
+    )  # fmt: skip
     parser.add_argument("--scan", metavar="WAY", help="uff, csv: x, y, xy or frequency (x)")
     parser.add_argument("--band", metavar="START:STOP:N", help="touchstone, --scan frequency: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="touchstone: reference impedance (50)")
-    parser.add_argument(
-        "--noise",
-        metavar="SHARE",
-        help="uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%%",
-    )
+    noise = "uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%%"
+    parser.add_argument("--noise", metavar="SHARE", help=noise)
     parser.add_argument("--seed", type=int, metavar="N", help="of the noise")
     parser.add_argument(
         "--bandwidth", metavar="FREQUENCY", help='csv, of a burst: low-pass filter of the encoder, e.g. "500 Hz"'
@@ -49,16 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sampling", metavar="TIME", help='csv, of a burst: time over which each reading is averaged, e.g. "1 ms"'
     )
     add_shared(parser, "--voltage", "--set", "--tolerance")
-    parser.add_argument(
-        "--out",
-        metavar="PATH",
-        help="a directory, or a file such as net.s2p where there is one (results/NAME-export-FORMAT)",
-    )
+    out = "a directory, or a file such as net.s2p where there is one (results/NAME-export-FORMAT)"
+    parser.add_argument("--out", metavar="PATH", help=out)
     add_shared(parser, "--no-plot")
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Write a run or a scene in a format of others."""
+    """Write a run or a scene in a format of other programs."""
     from studies.record.text import labelled
 
     checked(arguments)
@@ -68,8 +59,8 @@ def call(arguments: argparse.Namespace) -> int:
     out = results_folder(arguments, f"{name}-export-{arguments.format}")
     origin, named = Origin(kind="export", name=f"{arguments.format} of {name}"), arguments.out is not None
     alone = named and names_file(out, arguments, scene)
-    place = nullcontext() if alone else result_directory(out, origin, named_by_user=named)
-    with place as result, Progress():
+    target = nullcontext() if alone else result_directory(out, origin, named_by_user=named)
+    with target as result, Progress():
         done = exported(arguments, scene, name, tolerance=tolerance)
         if result is None:
             done.write_alone(out)
@@ -88,8 +79,8 @@ def call(arguments: argparse.Namespace) -> int:
     return 0
 
 
-# by format: pattern of its files' endings, module of studies.export that writes it, and the options of the command that
-# it takes beside the scene's own
+# by format: pattern of file endings, module of studies.export that writes it, and its options in addition to those of
+# the scene
 FORMATS = {
     "fmu": (r"\.fmu", "simulators", ("fmi",)),
     "c": (r"\.[ch]", "simulators", ()),
@@ -103,27 +94,27 @@ FORMATS = {
 
 
 def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
-    """Return whether --out names the one file of an export, not a directory.
+    """Return whether --out names the only file of an export, not a directory.
 
     Raises
     ------
     SceneError
-        If the file exists, is of another format, or would be one of several that need each other.
+        If the file exists, has another format, or would be one of several.
     """
-    suffix, wanted = out.suffix.lower(), arguments.format
-    known = [name for name, (pattern, *_) in FORMATS.items() if re.fullmatch(pattern, suffix)]
-    if not known or (out.is_dir() and read_manifest(out)):
+    suffix, file_format = out.suffix.lower(), arguments.format
+    formats = [name for name, (pattern, *_) in FORMATS.items() if re.fullmatch(pattern, suffix)]
+    if not formats or (out.is_dir() and read_manifest(out)):
         return False
-    if wanted not in known:
-        raise SceneError("--out", f"names a file of the format {known[0]}, not of {wanted}, got {str(out)!r}")
-    if wanted == "c" or (wanted == "csv" and arguments.scan is None and scene.slider is not None):
-        more = "; --scan x gives one" if wanted == "csv" and scene.transducer else ""
+    if file_format not in formats:
+        rule = f"names a file of the format {formats[0]}, not of {file_format}, got {str(out)!r}"
+        raise SceneError("--out", rule)
+    if file_format == "c" or (file_format == "csv" and arguments.scan is None and scene.slider is not None):
+        more = "; --scan x gives one" if file_format == "csv" and scene.transducer else ""
         raise SceneError("--out", f"must be a directory, as there are several files, got {str(out)!r}{more}")
     ports = sum(each.has_two_electrodes for each in scene.transducer)
-    if wanted == "touchstone" and 0 < ports and suffix != f".s{ports}p":
-        raise SceneError(
-            "--out", f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"
-        )
+    if file_format == "touchstone" and 0 < ports and suffix != f".s{ports}p":
+        rule = f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"
+        raise SceneError("--out", rule)
     if out.exists():
         raise SceneError("--out", f"{str(out)!r} exists already, and is not replaced")
     if not out.absolute().parent.is_dir():
@@ -132,12 +123,12 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
 
 
 def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float) -> Exported:
-    """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
+    """Return the export of a call without writing it; SceneError for options that the format does not take."""
     from studies.export import instruments
     from studies.report.explanation import announced
 
-    taken = checked(arguments)
-    options: dict[str, Any] = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
+    keys = checked(arguments)
+    options: dict[str, Any] = {key: value for key in keys if (value := getattr(arguments, key)) not in (None, [])}
     if arguments.format in ("uff", "csv", "touchstone"):
         recording = instruments.Recording(**options)
         options = {"recording": recording}
@@ -148,18 +139,19 @@ def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, toleranc
 
 
 def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
-    """Return the options of the format that was asked for; SceneError for what does not fit."""
-    wanted = arguments.format
-    if wanted is None:
+    """Return the option names of the format; SceneError for a wrong format or an option of another one."""
+    file_format = arguments.format
+    if file_format is None:
         raise SceneError("--format", f"is missing; known: {', '.join(FORMATS)}")
-    if wanted not in FORMATS:
-        raise SceneError("--format", f"{wanted!r} is not one of {', '.join(FORMATS)}{resembling(wanted, FORMATS)}")
-    *_, taken = FORMATS[wanted]
+    if file_format not in FORMATS:
+        rule = f"{file_format!r} is not one of {', '.join(FORMATS)}{resembling(file_format, FORMATS)}"
+        raise SceneError("--format", rule)
+    *_, own = FORMATS[file_format]
     every = {option for *_, options in FORMATS.values() for option in options}
-    for option in sorted(every - set(taken)):
+    for option in sorted(every - set(own)):
         if getattr(arguments, option) not in (None, []):
-            raise SceneError(f"--{option}", f"is not taken by the format {wanted}")
-    return taken
+            raise SceneError(f"--{option}", f"is not taken by the format {file_format}")
+    return own
 
 
 def scene_of(word: str) -> str:

@@ -1,4 +1,4 @@
-"""``sawmotor fit``: numbers of a scene from measured curves, and what the data cannot tell."""
+"""``sawmotor fit``: numbers of a scene from measured curves, and which of them the data determine."""
 
 import argparse
 from functools import partial
@@ -16,27 +16,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_shared(parser, "scene")
     parser.add_argument(
-        "--data",
-        action="append",
-        nargs="+",
-        default=[],
-        metavar=("FILE.csv", "KEY=VALUE"),
+        "--data", action="append", nargs="+", default=[], metavar=("FILE.csv", "KEY=VALUE"),
         help="measured points, and keys of this file alone, e.g. systematic=0.02; once for each file",
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--free",
-        action="extend",
-        nargs="+",
-        default=[],
-        metavar="KEY=LOW:HIGH",
+        "--free", action="extend", nargs="+", default=[], metavar="KEY=LOW:HIGH",
         help="a number to be fitted; also amplitude_per_volt (m/V, prescribed wave), amplitude_factor (computed)",
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--next",
-        action=argparse.BooleanOptionalAction,
-        default=None,
+        "--next", action=argparse.BooleanOptionalAction, default=None,
         help="rank further measurements; the default, but of a slider on pillars, where it doubles the time",
-    )
+    )  # fmt: skip
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")
     parser.add_argument("--json", action="store_true", help="fit.json on stdout; files only with --out")
@@ -44,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Fit numbers of a scene to measurements; print what they say and leave the fitted scene."""
+    """Fit numbers of a scene to measurements; print the result and write the fitted scene."""
     from fem import blas_on_one_thread
     from studies.inverse import fit as fitted
     from studies.inverse import read_measurement, read_parameter

@@ -12,7 +12,7 @@ from studies.scene import Scene, scene_path, shipped_scenes
 
 
 def origin_of(kind: str, scene: str) -> Origin:
-    """Return what a result of a scene belongs to."""
+    """Return the origin of a result of a scene: name, and file unless it is shipped."""
     path = scene_path(scene)
     ships = path == shipped_scenes().get(path.stem)
     return Origin(kind=kind, name=path.stem, source=None if ships else path)
@@ -25,7 +25,7 @@ def results_folder(arguments: argparse.Namespace, name: str) -> Path:
 
 @contextmanager
 def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterator[tuple]:
-    """Hold the directory that a call's results go to, and its path as given; None with --json alone."""
+    """Yield the directory of a call's results and its path; None, None for --json without --out."""
     origin, out = origin_of(kind, arguments.scene), arguments.out
     if out is None and arguments.json:
         yield None, None
@@ -38,10 +38,9 @@ def results_of(arguments: argparse.Namespace, kind: str, ending: str) -> Iterato
 
 @contextmanager
 def committed_pictures(result: ResultDirectory) -> Iterator[None]:
-    """Commit what is drawn: the numbers are in place already.
+    """Commit pictures that are drawn in the block; the numbers have been committed before.
 
-    Pictures that this machine cannot draw or write, such as on a full disk, are a note.  Any other error is a defect of
-    the program, as everywhere.
+    Pictures that this machine cannot draw or write, such as on a full disk, become a note.
     """
     try:
         yield
@@ -67,18 +66,18 @@ def print_answer(arguments: argparse.Namespace, whole: dict, text: str) -> None:
 
 
 def say(sentences) -> None:
-    """Say something on stderr."""
+    """Print sentences on stderr."""
     for each in sentences:
         print(f"sawmotor: {each}", file=sys.stderr, flush=True)
 
 
 def warn(warnings) -> None:
-    """Say warnings on stderr."""
+    """Print warnings on stderr."""
     say(f"warning: {each}" for each in warnings)
 
 
 def warn_of_scene(scene: Scene) -> tuple[str, ...]:
-    """Say the warnings about a scene before anything is computed from it, and return them."""
+    """Print the warnings about a scene and return them."""
     from studies.chain.scene_warnings import scene_warnings
 
     warnings = tuple(scene_warnings(scene))

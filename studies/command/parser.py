@@ -14,7 +14,7 @@ EXIT_CODES = (
 )
 
 
-# options by the arguments of `studies.design`, `studies.fit` and `studies.sweep` that they give
+# option of the command for each argument of `studies.design`, `studies.fit` and `studies.sweep`
 OPTIONS = {
     "goals": "--maximise", "minimise": "--minimise", "variables": "--over", "constraints": "--subject",
     "measurements": "--data", "parameters": "--free", "also": "--also", "evaluations": "--evaluations",
@@ -23,7 +23,7 @@ OPTIONS = {
 
 
 def with_options(error: SceneError) -> SceneError:
-    """Return an error about an argument of a Python function as one about the option that gives it.
+    """Return an error about an argument of a Python function as an error about the option of the command.
 
     Examples
     --------
@@ -47,18 +47,18 @@ def refused(error: SceneError, arguments: argparse.Namespace) -> SceneError:
 
 
 class Call(argparse.ArgumentParser):
-    """A parser that refuses with one sentence and no usage text."""
+    """A parser whose errors are one sentence without usage text."""
 
     def error(self, message: str):
-        """Raise instead of printing usage and leaving."""
+        """Raise a SceneError instead of printing the usage and exiting."""
         raise SceneError("", f"{message} (see {self.prog} --help)")
 
 
 class Version(argparse.Action):
-    """Prints the version, which is looked up only then."""
+    """Option that prints the version."""
 
     def __call__(self, parser, *_):
-        """Print and leave."""
+        """Print the version and exit."""
         from importlib.metadata import version
 
         print(f"sawmotor {version('sawmotor')}")
@@ -66,7 +66,7 @@ class Version(argparse.Action):
 
 
 def parser(wanted: str | None = None) -> Call:
-    """Return the parser of the whole command; of a command that is ``wanted``, its arguments alone."""
+    """Return the parser of the whole command; if ``wanted`` is a command, with the arguments of that one only."""
     top = Call(
         prog="sawmotor",
         description="Surface-acoustic-wave motors from drive voltage to slider velocity.",

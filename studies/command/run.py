@@ -1,4 +1,4 @@
-"""``sawmotor run``: just the chain that a scene needs, up to the slider's velocity for each voltage."""
+"""``sawmotor run``: the parts of the chain that a scene needs, up to the slider's velocity at each voltage."""
 
 import argparse
 import logging
@@ -22,18 +22,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
     parser.add_argument("--json", action="store_true", help="run.json on stdout; no pictures, files only with --out")
-    parser.add_argument(
-        "--field",
-        action="store_true",
-        help="keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv",
-    )
+    field = "keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv"
+    parser.add_argument("--field", action="store_true", help=field)
     add_shared(parser, "--no-plot")
     parser.add_argument("--plot", action="store_true", help="show the pictures in windows when the run has ended")
-    parser.add_argument(
-        "--measured",
-        metavar="FILE",
-        help="measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan",
-    )
+    measured = "measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan"
+    parser.add_argument("--measured", metavar="FILE", help=measured)
     parser.add_argument(
         "--report", action="store_true", help="also write report.html: the whole run on one self-contained page"
     )
@@ -43,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Run the chain of a scene; print its answer and leave its files."""
+    """Run the chain of a scene; print its answer and write its files."""
     from studies.chain import run as run_chain
     from studies.record.files import write_run
     from studies.record.text import answer

@@ -28,12 +28,12 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
     if arguments.call in ("sweep", "fit", "design"):
         without_bands(file.table)
     else:
-        arguments.scene_file = file  # so that a refusal during the run names file and line too
+        arguments.scene_file = file  # for refusals during the run, which name file and line
     return file
 
 
 def without_bands(table: dict) -> None:
-    """Say that this command ignores the tolerances of a scene, if it has any."""
+    """Print that this command ignores the tolerances of a scene, if it has any."""
     if "uncertain" in split_tolerances(table):
         say(["[uncertain] is not used here: its bands are those of sawmotor run"])
 

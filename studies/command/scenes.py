@@ -1,4 +1,4 @@
-"""``sawmotor scenes``: the scenes that ship, or a copy of one to start from."""
+"""``sawmotor scenes``: list the shipped scenes, or copy one."""
 
 import argparse
 from pathlib import Path
@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Print the scenes that ship, a line each, or copy one of them."""
+    """Print the shipped scenes, one line each, or copy one of them."""
     from studies.record.text import labelled
 
     if arguments.copy is not None:
@@ -27,6 +27,6 @@ def call(arguments: argparse.Namespace) -> int:
             print(beside)
         print(f"{file}: sawmotor check {file}, sawmotor run {file}")
         return 0
-    rows = [(name, Scene.load(name).title) for name in shipped_scenes()]
-    print("\n".join(labelled(rows, 2 + max(map(len, shipped_scenes())))))
+    titles = [(name, Scene.load(name).title) for name in shipped_scenes()]
+    print("\n".join(labelled(titles, 2 + max(map(len, shipped_scenes())))))
     return 0

@@ -20,33 +20,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--over")
     parser.add_argument("--band", metavar="START:STOP:N", help="network, force_response, reflector: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
-    parser.add_argument(
-        "--measured",
-        metavar="FILE",
-        help="network: Touchstone file; beam, frequency_response: vibrometer's scan; drawn over the prediction",
-    )
+    measured = "network: Touchstone file; beam, frequency_response: vibrometer's scan; drawn over the prediction"
+    parser.add_argument("--measured", metavar="FILE", help=measured)
     parser.add_argument("--target", metavar="LENGTH", help='positioning: where to go, e.g. "10 um"')
     parser.add_argument(
         "--controller", metavar="NAME", help="positioning: two_phase, dead_zone_pi, burst_length or FILE.py:FUNCTION"
     )
     parser.add_argument(
-        "--loop",
-        action="append",
-        default=None,
-        metavar="KEY=VALUE",
+        "--loop", action="append", metavar="KEY=VALUE",
         help='positioning: sensor, period, preload, load and gains, e.g. resolution="1 nm"; once for each',
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--tolerance",
-        metavar="T",
+        "--tolerance", metavar="T",
         help="bound of the relative error of the last quantity; of the studies of a SCENE all take it but dispersion, "
         "gallery, error_vs_time and calibration",
-    )
-    parser.add_argument(
-        "--quick",
-        action="store_true",
-        help="run a small version that shows what the study gives; its numbers are no evidence",
-    )
+    )  # fmt: skip
+    quick = "run a small version that shows what the study gives; its numbers are no evidence"
+    parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
 

@@ -22,12 +22,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "scene", "--voltage", "--set", "--over")
     parser.add_argument("--points", metavar="FILE", help="a CSV file of points, keys in its first line")
     parser.add_argument(
-        "--also",
-        default="",
-        metavar="LIST",
+        "--also", default="", metavar="LIST",
         help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, step (cycle), "
         "start-up (time to 63 %% of the velocity)",
-    )
+    )  # fmt: skip
     add_shared(parser, "--tolerance", "--workers")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786")
     parser.add_argument("--out", metavar="DIR", help="where the points are kept (results/NAME-sweep)")
@@ -35,15 +33,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def call(arguments: argparse.Namespace) -> int:
-    """Compute what is missing of a sweep's points, and say what they came to."""
+    """Compute the missing points of a sweep, and print a summary of all."""
     from studies.record.status import Status
     from studies.sweeps import sweep
 
     table, over = changed_file(arguments).table, read_axes(arguments.over)
-    tolerance, also = (
-        read_tolerance(arguments.tolerance),
-        tuple(filter(None, map(str.strip, arguments.also.split(",")))),
-    )
+    tolerance = read_tolerance(arguments.tolerance)
+    also = tuple(filter(None, map(str.strip, arguments.also.split(","))))
     axes = over if arguments.points is None else [Path(arguments.points), over]
     say(_moving_periods(table, over))
     say(_expected_time(table, axes, tolerance))
@@ -69,7 +65,7 @@ def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
     from studies.report.explanation import long_sweep
     from studies.sweeps.plan import designed
 
-    with suppress(SceneError, RunError):  # which the sweep says itself
+    with suppress(SceneError, RunError):  # the sweep raises the same error
         design = designed(table, over, tolerance=tolerance)
         (first,) = design.values([0])
         scene = ChangedScenes(table).scene(dict(zip(design.question.keys, first, strict=True)))
@@ -78,7 +74,7 @@ def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
 
 
 def _moving_periods(table: dict, over: dict) -> Iterator[str]:
-    """Yield what is to be known where the frequency moves and takes the transducers' periods with it."""
+    """Yield a remark if the frequency is varied and the transducers' periods follow it."""
     transducers = table.get("transducer", ()) if "drive.frequency" in over else ()
     automatic = [k for k, each in enumerate(transducers) if each.get("period", "auto") == "auto"]
     keys = [key for key in (f"transducer.{k}.period" for k in automatic) if key not in over]

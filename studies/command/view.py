@@ -43,7 +43,6 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.view.options import Wanted
 
     wanted = Wanted.read(arguments)
-
     with Progress():
         show(arguments.run, wanted, note=lambda text: say([text]))
     print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")

@@ -45,32 +45,21 @@ VARIED = {
 # between the median estimate and the true error, either way
 PROMISED, SHARE, MEDIAN = 2.0, 95, 10.0
 BETTER = 0.1  # tolerance of the converged answer over the error of the first
-FINEST = 3e-7  # smallest tolerance that is asked of a converged answer
+FINEST = 3e-7  # smallest tolerance of a converged answer
 WORTHLESS = 0.3  # a converged answer whose own error exceeds this part of the first's estimate is no reference
 MAX_REFUSED = 3  # variations without a comparison for each one with it, before the study gives up
 
 
 @dataclass(frozen=True, kw_only=True)
 class Checked:
-    """The worst point of a variation: that of the largest ratio of true error to estimate.
+    """The worst point of a variation: that of the largest ratio of true error to estimate."""
 
-    Attributes
-    ----------
-    index : int
-        Number of the variation.
-    tolerance : float
-    true, estimate : float
-        Relative errors: of the velocity over max(|v|, omega |u_x|/10), or of the amplitude or free-wave velocity.
-    refusal : str
-        Why there is no answer to compare; empty if there is one.
-    seconds : float
-    """
-
-    index: int
+    index: int  # of the variation
     tolerance: float
+    # relative errors: of the velocity over max(|v|, omega |u_x|/10), or of the amplitude or the free wave's velocity
     true: float = 0.0
     estimate: float = 0.0
-    refusal: str = ""
+    refusal: str = ""  # reason why no errors can be compared; empty if they can
     seconds: float = 0.0
 
     @property
@@ -85,7 +74,7 @@ def drawn(scene: Scene, seed: int, index: int) -> tuple[Scene, float]:
     Raises
     ------
     SceneError
-        If what was drawn is refused.
+        If the variation is refused.
     """
     rng = np.random.default_rng([seed, index])
     table = scene.to_table()
@@ -112,9 +101,9 @@ def compared(scene: Scene, tolerance: float, *, index: int = 0) -> Checked:
     else:
         pairs = [pair for pair in _pairs(first, finer) if pair[0] > 0 or pair[1] > 0]
         refusal = "" if pairs else (first.shortfall or "every point is at rest")
-        known = finer.error.get("relative", math.inf)
-        if not refusal and known > WORTHLESS * max(estimate for _, estimate in pairs):
-            refusal = f"the converged answer is known to {known:.1e} only"
+        own_error = finer.error.get("relative", math.inf)
+        if not refusal and own_error > WORTHLESS * max(estimate for _, estimate in pairs):
+            refusal = f"the converged answer is known to {own_error:.1e} only"
         true, estimate = max(pairs, key=lambda p: p[0] / p[1] if p[1] else math.inf, default=(0.0, 0.0))
     return Checked(
         index=index, tolerance=tolerance, true=true, estimate=estimate, refusal=refusal,
@@ -123,7 +112,7 @@ def compared(scene: Scene, tolerance: float, *, index: int = 0) -> Checked:
 
 
 def _variation(scene: Scene, seed: int, index: int) -> Checked:
-    """Return what a variation of a scene shows."""
+    """Return the worst point of a variation of a scene."""
     try:
         variation, tolerance = drawn(scene, seed, index)
     except SceneError as error:
@@ -132,14 +121,14 @@ def _variation(scene: Scene, seed: int, index: int) -> Checked:
 
 
 def _finer(scene, stated: float):
-    """Return a converged run, as fine as can be had."""
+    """Return a converged run, by the exact method on a prescribed wave."""
     if scene.wave is not None:
         scene = replace(scene, slider=replace(scene.slider, method="exact"))
     return run_chain(scene, tolerance=max(BETTER * stated, FINEST))
 
 
 def _pairs(first, finer) -> list[tuple[float, float]]:
-    """Return true error and estimate of each point that both runs answer."""
+    """Return true error and estimate of each point for which both runs have an answer."""
     if not first.points:
         velocity = "phase_velocity_m_per_s"
         return [(abs(first.wave[velocity] / finer.wave[velocity] - 1), first.error["relative"])]
@@ -163,14 +152,12 @@ def run(scene: Scene, *, seed: int = SEED, draws: int = DRAWS, workers: int = 2)
 
     Parameters
     ----------
-    scene : Scene
-        Any that a run takes.
     seed : int
         Of the variations.
     draws : int
-        How many that give a comparison.
+        Number of variations that can be compared.
     workers : int
-        Processes; 1 for this one.
+        Number of processes; 1: this one.
     """
     checked: list[Checked] = []
     refused: list[Checked] = []
@@ -201,15 +188,15 @@ def _panel(seed: int, checked: list[Checked], refused: list[Checked]) -> Panel:
 
 
 def findings(seed: int, checked: list[Checked], refused: list[Checked]) -> tuple[Finding, ...]:
-    """Return whether enough variations keep the promise, and whether the estimates are of use."""
-    kept = sum(each.ratio <= PROMISED for each in checked)
-    known = [each.estimate / each.true for each in checked if each.true > 0]
-    median = statistics.median(known) if known else math.nan
+    """Return whether enough variations keep the promise, and whether the estimates are close."""
+    fulfilled = sum(each.ratio <= PROMISED for each in checked)
+    ratios = [each.estimate / each.true for each in checked if each.true > 0]
+    median = statistics.median(ratios) if ratios else math.nan
     broken = ", ".join(f"{each.index} {each.ratio:.1f}" for each in checked if each.ratio > PROMISED)
     return (
         judged(
             f"The true error is at most twice the estimate (seed {seed}, {len(refused)} more refused).",
-            f"per cent of {len(checked)} variations", 100 * kept / len(checked), low=SHARE - 1e-9,
+            f"per cent of {len(checked)} variations", 100 * fulfilled / len(checked), low=SHARE - 1e-9,
             expected=f"at least {SHARE} of 100", remark=f"broken by {broken}" if broken else "",
         ),
         judged(

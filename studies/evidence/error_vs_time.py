@@ -67,7 +67,7 @@ def run(
     contact_tolerances : tuple of float
         Of the contact.
     apart : bool
-        Whether each measurement has a process of its own, as figures of time and memory need.
+        True if each measurement has a process of its own, which times and memory require.
     """
     source = str(scene)
     measured = alone if apart else lambda what, work, *arguments: work(*arguments)
@@ -75,7 +75,7 @@ def run(
     truth = measured("the converged answer", _chain, source, tolerances[-1])
     motion = measured("the converged motion", _stator, source, tolerances[-1])
 
-    def rows(curve: str, work: Callable, settings: tuple, known: dict, *arguments) -> list[dict]:
+    def rows(curve: str, work: Callable, settings: tuple, truth: dict, *arguments) -> list[dict]:
         measurements = []
         for setting in settings:
             LOGGER.info(f"error against time: {curve}, {setting:g}")
@@ -84,17 +84,19 @@ def run(
             except RunError as error:
                 LOGGER.info(f"left out: {error}")
                 continue
-            measurements.append({"curve": curve, "setting": f"tolerance {setting:g}"} | _judged(one, known))
+            measurements.append({"curve": curve, "setting": f"tolerance {setting:g}"} | _judged(one, truth))
         return measurements
 
     chain = rows("chain", _chain, tolerances[:-1], truth)
     stator = rows("stator", _stator, tolerances[:-1], motion)
     of_contact = []
     for kind, methods in (("burst", ("exact", "stepped", "averaged")), ("steady", ("exact", "averaged"))):
-        known = measured(f"{kind}, converged", _contact, source, CONVERGED, kind, "exact", truth["motion"])
+        converged = measured(f"{kind}, converged", _contact, source, CONVERGED, kind, "exact", truth["motion"])
         for method in methods:
             LOGGER.info(f"error against time: {kind}, {method}")
-            of_contact += rows(f"{kind}, {method}", _contact, contact_tolerances, known, kind, method, truth["motion"])
+            of_contact += rows(
+                f"{kind}, {method}", _contact, contact_tolerances, converged, kind, method, truth["motion"]
+            )
     parts = {"chain": chain, "stator": stator, "contact": of_contact}
     panels = [_panel(name, part, source) for name, part in parts.items()]
     return panels, [each for name, part in parts.items() for each in _findings(name, part)]
@@ -105,7 +107,7 @@ def _scene(source: str):
 
 
 def _measured(work: Callable[[], dict]) -> dict:
-    """Return what the second of two runs gives, with its CPU time; the first one compiles and loads."""
+    """Return the result of the second of two runs with its CPU time; the first one compiles and loads."""
     work()
     start_time = time.process_time()
     answer = work()
@@ -114,7 +116,7 @@ def _measured(work: Callable[[], dict]) -> dict:
 
 
 def _chain(source: str, tolerance: float) -> dict:
-    """Velocities at the scene's levels, and the motion per volt under the slider."""
+    """Return the velocities at the scene's levels, and the motion per volt under the slider."""
     scene = _scene(source)
 
     def work() -> dict:
@@ -133,7 +135,7 @@ def _chain(source: str, tolerance: float) -> dict:
 
 
 def _stator(source: str, tolerance: float) -> dict:
-    """Motion per volt of the plane section at the slider's place, of the scene without its slider."""
+    """Return the motion per volt of the plane section at the slider's position, for the scene without its slider."""
     scene = _scene(source)
     bare = replace(scene, slider=None)
 
@@ -146,12 +148,11 @@ def _stator(source: str, tolerance: float) -> dict:
 
 
 def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> dict:
-    """Velocity of one slider by one method, on the orbit of a motion per volt at the largest level."""
+    """Return the velocity of one slider by one method, on the orbit of a motion per volt at the largest level."""
     scene = _scene(source)
     slider = bridge.contact_slider(scene.slider)
-    orbit = contact.Orbit(frequency=scene.frequency, tangential=complex(motion[0]), normal=complex(motion[1])).scaled(
-        max(scene.levels)
-    )
+    per_volt = contact.Orbit(frequency=scene.frequency, tangential=complex(motion[0]), normal=complex(motion[1]))
+    orbit = per_volt.scaled(max(scene.levels))
 
     def work() -> dict:
         if kind == "steady":
@@ -173,15 +174,15 @@ def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> d
 
 
 def _judged(measured: dict, truth: dict) -> dict:
-    """Return the numbers of a row: the error is the velocity's where there is one, else the motion's."""
+    """Return the numbers of a row: costs, and the errors of the velocity, or of the motion if there is no velocity."""
     if "values" in measured:
         differences = zip(measured["values"], truth["values"], truth["scales"], strict=True)
         error = max(abs(one - other) / scale for one, other, scale in differences)
     else:
         pairs = zip(measured["motion"], truth["motion"], strict=True)
         error = max(abs(abs(one) / abs(complex(other)) - 1) for one, other in pairs)
-    kept = {key: measured[key] for key in ("seconds", "unknowns", "peak_bytes")}
-    return kept | {"true_relative_error": error, "stated_relative_error": measured["stated"]}
+    costs = {key: measured[key] for key in ("seconds", "unknowns", "peak_bytes")}
+    return costs | {"true_relative_error": error, "stated_relative_error": measured["stated"]}
 
 
 def _panel(name: str, rows: list[dict], scene: str) -> Panel:

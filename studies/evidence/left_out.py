@@ -51,7 +51,7 @@ SAME = 1e-11  # relative difference up to which two answers are equal but for ro
 
 @study()
 def run(*, parts: tuple[str, ...] | None = None, blocks: tuple[str, ...] = tuple(COMMANDS)) -> Answered:
-    """Return the cost that each omission saves, and how much the answer changes if the part is included.
+    """Return the cost that each omission saves, and the change of the answer if the part is included.
 
     Parameters
     ----------
@@ -102,79 +102,68 @@ def figure(record: Panel, ax):
     ax.invert_yaxis()
     if record.name == "blocks":
         time = quantity("cpu_time_s").axis
-        places, memory = range(len(data["scene"])), [size / 1e8 for size in data["bytes"]]
+        y, memory = range(len(data["scene"])), [size / 1e8 for size in data["bytes"]]
         for side, values, colour, label in (
             (-0.2, data["seconds"], "#0072B2", time),
             (0.2, memory, "#E69F00", "peak memory (100 MB)"),
         ):
-            ax.barh([place + side for place in places], values, 0.38, color=colour, label=label)
-        ax.set_yticks(places, data["scene"])
+            ax.barh([each + side for each in y], values, 0.38, color=colour, label=label)
+        ax.set_yticks(y, data["scene"])
         return finished(ax, f"{time}, peak memory (100 MB)", "scene", record.title)
-    places = range(len(data["part"]))
+    y = range(len(data["part"]))
     for key, colour, mark, what in (
         ("seconds", "#0072B2", "o", "time"),
         ("bytes", "#E69F00", "s", "memory"),
         ("unknowns", "#009E73", "^", "unknowns"),
     ):
         pairs = zip(data[f"{key}_with"], data[f"{key}_without"], strict=True)
-        ax.semilogx([more / less for more, less in pairs], places, mark, color=colour, label=what)
+        ax.semilogx([more / less for more, less in pairs], y, mark, color=colour, label=what)
     ax.axvline(1.0, color="black", linewidth=0.8)
-    ax.set_yticks(places, data["part"], fontsize="x-small")
+    ax.set_yticks(y, data["part"], fontsize="x-small")
     return finished(ax, "with the part over without it (1)", "left out", record.title)
 
 
 def _measured(omission) -> dict:
-    """Row of the table of parts: cost with and without one part, and the relative difference of the answers."""
-    # This first evaluation also compiles the kernels, so that no compilation is timed below.
-    first, second = omission.without(), omission.put_back()
+    """Return a row of the table of parts: costs with and without the part, relative difference of the answers."""
+    first, second = omission.without(), omission.included()  # compiles the kernels, so that this is not timed
     difference = abs(first.values - second.values).max() / abs(second.values).max()
     return {
-        "part": omission.part,
-        "question": omission.question,
-        "seconds_without": _seconds(omission.without),
-        "seconds_with": _seconds(omission.put_back),
-        "bytes_without": _peak(omission.without),
-        "bytes_with": _peak(omission.put_back),
-        "unknowns_without": int(first.unknowns),
-        "unknowns_with": int(second.unknowns),
-        "relative_difference": float(difference),
-        "allowed": omission.allowed,
-        "why": omission.why,
-    }
+        "part": omission.part, "question": omission.question,
+        "seconds_without": _seconds(omission.without), "seconds_with": _seconds(omission.included),
+        "bytes_without": _peak(omission.without), "bytes_with": _peak(omission.included),
+        "unknowns_without": int(first.unknowns), "unknowns_with": int(second.unknowns),
+        "relative_difference": float(difference), "allowed": omission.allowed, "why": omission.why,
+    }  # fmt: skip
 
 
-def _seconds(way: Callable) -> float:
-    """Processor time in s of one call."""
+def _seconds(work: Callable) -> float:
+    """Return the processor time in s of one call."""
     start_time = time.process_time()
-    way()
+    work()
     return time.process_time() - start_time
 
 
-def _peak(way: Callable) -> int:
-    """Peak memory in bytes that Python and numpy allocate during one call."""
+def _peak(work: Callable) -> int:
+    """Return the peak memory in bytes that Python and numpy allocate during one call."""
     tracemalloc.start()
     try:
-        way()
+        work()
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
 
 
 def _command(name: str, scene: str, changes: dict, tolerance: float) -> dict:
-    """Run a scene in its own process: time, memory, the wave under the slider, and the modules that were imported."""
+    """Run a scene in its own process; return time, memory, wave under the slider and imported modules."""
     request = json.dumps([Scene.load(scene).replace(**changes).to_table(), tolerance])
     done = subprocess.run([sys.executable, "-c", CENSUS, request], capture_output=True, text=True, check=True).stdout
     seconds, peak, wave, modules = json.loads(done.splitlines()[-1])
     tops = {module.split(".")[0] for module in modules}
     own = [f"{package} ({sum(each.startswith(package + '.') for each in modules)})" for package in OURS]
     return {
-        "scene": name,
-        "seconds": seconds,
-        "bytes": peak,
-        "wave_m_per_V": wave,
-        "modules": len(modules),
+        "scene": name, "seconds": seconds, "bytes": peak, "wave_m_per_V": wave, "modules": len(modules),
         "watched": ", ".join([each for each in WATCHED if each in tops] + own),
-    }
+    }  # fmt: skip
 
 
 def _statement(row: dict) -> str:

@@ -197,26 +197,26 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return the points of a kind of scan, with values of zero."""
     wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
-    driven, (place, middle) = scene.driven_transducer, scene.positions[0]
+    driven, (slider_x, slider_y) = scene.driven_transducer, scene.positions[0]
     around = ((each.name, each.center_xy[0], each.half_length) for each in scene.transducer)
     rows = {name: (center - half, center + half) for name, center, half in around}
-    ahead, length = place >= driven.center_xy[0], scene.stator.length
+    ahead, length = slider_x >= driven.center_xy[0], scene.stator.length
     low, high = fem_model.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
     low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
     if high <= low:
-        low, high = max(place - 2 * wavelength, 0.0), min(place + 2 * wavelength, length)
+        low, high = max(slider_x - 2 * wavelength, 0.0), min(slider_x + 2 * wavelength, length)
     along = np.linspace(low, high, int(np.ceil(PER_WAVELENGTH * (high - low) / wavelength)) + 1)
     y = np.linspace(-0.5, 0.5, LINES) * min(1.5 * driven.aperture, scene.stator.width)
     if kind == "x":
-        x, y, frequency = along, np.full(len(along), middle), None
+        x, y, frequency = along, np.full(len(along), slider_y), None
     elif kind == "y":
-        x, frequency = np.full(len(y), place), None
+        x, frequency = np.full(len(y), slider_x), None
     elif kind == "xy":
         along = along[:: PER_WAVELENGTH // COARSE]
         x, y, frequency = np.tile(along, len(y)), np.repeat(y, len(along)), None
     else:
         frequency = _frequencies(scene, band)
-        x, y = np.full(len(frequency), place), np.full(len(frequency), middle)
+        x, y = np.full(len(frequency), slider_x), np.full(len(frequency), slider_y)
     return Scan(name="scan", x=x, y=y, frequency=frequency, values=np.zeros(len(x), complex))
 
 

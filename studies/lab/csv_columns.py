@@ -8,8 +8,8 @@ import numpy as np
 
 from studies.refusal import SceneError, shown
 
-# factors to SI units, by the unit as a head spells it
-PLACES = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+# factors to SI units, by the unit in a head
+POSITIONS = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
 FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6}
 DISPLACEMENTS = {"m": 1.0, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
 VELOCITIES = {"m_per_s": 1.0, "mm_per_s": 1e-3, "um_per_s": 1e-6}
@@ -42,7 +42,7 @@ def csv_text(columns: dict[str, np.ndarray], remarks: tuple[str, ...] = ()) -> s
 class CsvColumns:
     """The columns of a CSV file as text, with the option of the command that named it.
 
-    Columns that nobody asks for may have any unit.
+    Columns that are not read may have any unit.
     """
 
     path: Path
@@ -85,8 +85,8 @@ class CsvColumns:
         at, unit = self.names.index(matches[0]), matches[0].removeprefix(f"{noun}_")
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
 
-    def known(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
-        """Return the `column` as numbers, or None where it has none of the units: other columns are not refused."""
+    def values(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
+        """Return the values of the `column`, or None if no head has one of the units; nothing is refused."""
         column = self.column(noun, units) if any(f"{noun}_{unit}" in self.names for unit in units) else None
         return None if column is None else tuple(column[0].tolist())
 
@@ -94,15 +94,15 @@ class CsvColumns:
         """Return the first of the columns ``nouns`` that exists, in SI units, or None; it must be positive."""
         bare = next((name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None)
         if bare is not None:
-            rule = f"the column {bare} has no unit; name it " + " or ".join(f"{nouns[0]}_{unit}" for unit in units)
-            raise SceneError(self.option, f"{str(self.path)!r}: {rule}")
+            heads = " or ".join(f"{nouns[0]}_{unit}" for unit in units)
+            raise SceneError(self.option, f"{str(self.path)!r}: the column {bare} has no unit; name it {heads}")
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:
             return None
-        values = self.known(noun, units) or ()
+        values = self.values(noun, units) or ()
         if min(values) <= 0:
-            rule = f"{str(self.path)!r}: {noun}_{next(iter(units))} must be positive, got {min(values)!r}"
-            raise SceneError(self.option, rule)
+            rule = f"{noun}_{next(iter(units))} must be positive, got {min(values)!r}"
+            raise SceneError(self.option, f"{str(self.path)!r}: {rule}")
         return values
 
     def refuse_uneven(self) -> None:

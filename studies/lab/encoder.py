@@ -1,7 +1,4 @@
-"""What an encoder does to a motion: its filters, and the alignment of its trace in time.
-
-`measurement_csv` reads the CSV file of a trace.
-"""
+"""What an encoder does to a motion: its filters, and the alignment of its trace in time."""
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -26,8 +23,8 @@ def low_pass(time: np.ndarray, values: np.ndarray, bandwidth: float) -> np.ndarr
         step = time[k] - time[k - 1]
         decay = np.exp(-rate * step)
         slope = (values[k] - values[k - 1]) / step
-        late = slope / rate
-        out[k] = values[k] - late + (out[k - 1] - values[k - 1] + late) * decay
+        lag = slope / rate
+        out[k] = values[k] - lag + (out[k - 1] - values[k - 1] + lag) * decay
     return out
 
 
@@ -69,5 +66,5 @@ def aligned(time: np.ndarray, measured: np.ndarray, at: np.ndarray, predicted: n
     grid = np.linspace(-span, span, 401)
     best = grid[np.argmin([squares(offset) for offset in grid])]
     width = grid[1] - grid[0]
-    bounds, options = (best - width, best + width), {"xatol": 1e-9 * span}
-    return float(minimize_scalar(squares, bounds=bounds, method="bounded", options=options).x)
+    bounds = (best - width, best + width)
+    return float(minimize_scalar(squares, bounds=bounds, method="bounded", options={"xatol": 1e-9 * span}).x)

@@ -1,4 +1,4 @@
-"""A measurement of a motor: the numbers that were measured, and what they were measured against."""
+"""A measurement of a motor: measured values, and the levels, times, positions or frequencies that they belong to."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -11,39 +11,17 @@ FIELD = ("scan", "network")  # quantities of the stator alone
 
 @dataclass(frozen=True, kw_only=True)
 class Measurement:
-    """Measured or planned values of one quantity, as arrays of one length in SI units.
+    """Measured or planned values of one quantity, as arrays of one length in SI units."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the file, or a description.
-    quantity : str
-        ``velocity``, ``burst``, ``position``, ``amplitude``, ``ring-down frequency``, ``scan`` or ``network``.
-    level_key : str
-        ``voltage_V`` or ``normal_amplitude_m``; empty if the level is that of the scene.
-    levels : tuple of float
-        Drive voltages in V, or normal amplitudes in m.
-    time : tuple of float
-        Time in s from the start of a burst; empty if the measurement is no burst.
-    values : tuple of float
-        Measured values; empty for a measurement that is only planned.
-    deviations : tuple of float or None
-        Standard deviations; None if they are unknown.
-    systematic : float
-        Relative standard deviation of a factor common to all values of the measurement.
-    settings : dict
-        Keys of the scene, and their values for this measurement alone.
-    """
-
-    name: str
-    quantity: str
-    level_key: str = ""
-    levels: tuple[float, ...] = ()
-    time: tuple[float, ...] = ()
-    values: tuple[float, ...] = ()
-    deviations: tuple[float, ...] | Any = None
-    systematic: float = 0.0
-    settings: dict = field(default_factory=dict)
+    name: str  # of the file, or a description
+    quantity: str  # "velocity", "burst", "position", "amplitude", "ring-down frequency", "scan" or "network"
+    level_key: str = ""  # "voltage_V" or "normal_amplitude_m"; empty if the level is that of the scene
+    levels: tuple[float, ...] = ()  # drive voltages in V, or normal amplitudes in m
+    time: tuple[float, ...] = ()  # s from the start of a burst; empty for other quantities
+    values: tuple[float, ...] = ()  # empty for a measurement that is only planned
+    deviations: tuple[float, ...] | Any = None  # standard deviations; None if they are unknown
+    systematic: float = 0.0  # relative standard deviation of a factor common to all values
+    settings: dict = field(default_factory=dict)  # keys of the scene, and their values for this measurement alone
     # of a vibrometer or a network analyser; the values are then its real parts, followed by the imaginary ones
     scan: Scan | None = field(default=None, repr=False)
     network: NetworkData | None = field(default=None, repr=False)

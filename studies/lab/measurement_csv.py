@@ -1,4 +1,4 @@
-"""Reading the file of a measurement: the CSV files of velocities, amplitudes, bursts and traces, and all others.
+"""Reading the file of a measurement: CSV files of velocities, amplitudes, bursts and traces, and files of instruments.
 
 The columns of the file (`csv_columns`) have the names of run.json and determine the kind of measurement:
 
@@ -42,8 +42,8 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     if motions(table.names):
         return measured_scan(scan_of_columns(table))
     position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
-    voltage, amplitude = table.known("voltage", VOLTAGES), table.known("normal_amplitude", DISPLACEMENTS)
-    velocity, time = table.known("velocity", VELOCITIES), table.known("time", TIMES)
+    voltage, amplitude = table.values("voltage", VOLTAGES), table.values("normal_amplitude", DISPLACEMENTS)
+    velocity, time = table.values("velocity", VELOCITIES), table.values("time", TIMES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
     if min(levels, default=0.0) < 0.0:
@@ -67,12 +67,11 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         bracketed = any(sign in name for name in table.names for sign in "[( ")
         hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
         raise SceneError(option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}")
-    if quantity == "amplitude":
-        deviations = table.deviation(("normal_amplitude_standard_deviation",), DISPLACEMENTS)
-    elif quantity == "position":
-        deviations = table.deviation(("position_standard_deviation",), DISPLACEMENTS)
-    else:
-        deviations = table.deviation(("error", "velocity_standard_deviation"), VELOCITIES)
+    nouns = {
+        "amplitude": (("normal_amplitude_standard_deviation",), DISPLACEMENTS),
+        "position": (("position_standard_deviation",), DISPLACEMENTS),
+    }
+    deviations = table.deviation(*nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES)))
     return Measurement(
         name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
         values=values, deviations=deviations,
@@ -81,10 +80,8 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
 
 def measured_scan(scan: Scan) -> Measurement:
     """Return a vibrometer's scan as a measurement: per volt and as displacement if its file allows it."""
-    if not scan.is_velocity:
-        scan = scan.at_volts(None)
-    elif scan.frequency is not None:
-        scan = scan.at_volts(None).as_displacement(0.0)
+    if scan.frequency is not None or not scan.is_velocity:
+        scan = scan.per_volt_of_source().as_displacement(0.0)
     count = 2 if scan.is_complex else 1
     deviations = None if scan.deviation is None else tuple(scan.deviation) * count
     return Measurement(name=scan.name, quantity="scan", values=tuple(scan.flat()), deviations=deviations, scan=scan)

@@ -14,7 +14,7 @@ TOUCHSTONE = re.compile(r"\.s(?P<ports>\d+)p", re.IGNORECASE)
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkData:
-    """S-parameters as measured."""
+    """Measured S-parameters."""
 
     name: str  # of the file
     frequency: np.ndarray = field(repr=False)  # Hz, rising, shape (n,)
@@ -28,7 +28,7 @@ class NetworkData:
 
     @property
     def coordinate(self) -> np.ndarray:
-        """Frequency of each number of `flat`, of the real parts alone."""
+        """Frequency in Hz of each real part in `flat`."""
         return np.repeat(self.frequency, self.ports**2)
 
     @property
@@ -48,19 +48,19 @@ def read_network(path: Path, option: str) -> NetworkData:
     Raises
     ------
     SceneError
-        If it cannot be read, is no such file, or its frequencies do not rise.
+        If it cannot be read, is no Touchstone file, or its frequencies do not rise.
     """
     ports = TOUCHSTONE.fullmatch(path.suffix)
     if ports is None:
         raise SceneError(option, f"must be a Touchstone file, .s1p, .s2p ..., got {path.name!r}")
     network = needed("skrf", "a Touchstone file").Network()
     try:
-        with warnings.catch_warnings():  # of frequencies that do not rise, which are refused below
+        with warnings.catch_warnings():  # frequencies that do not rise are refused below
             warnings.simplefilter("ignore")
             network.read_touchstone(str(path))
     except OSError as error:
         raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except Exception as error:  # scikit-rf raises what its parser happens to stumble over
+    except Exception as error:  # scikit-rf raises errors of many kinds
         text = " ".join(str(error).split())
         raise SceneError(option, f"{path.name!r} is no Touchstone file of {ports['ports']} ports: {text}") from None
     if network.f.size == 0 or network.nports != int(ports["ports"]):

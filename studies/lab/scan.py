@@ -22,7 +22,7 @@ from studies.lab.csv_columns import (
     DISPLACEMENTS,
     FREQUENCIES,
     PHASES,
-    PLACES,
+    POSITIONS,
     VELOCITIES,
     VOLTAGES,
     CsvColumns,
@@ -36,40 +36,20 @@ MOTIONS = tuple(f"{kind}_{axis}" for kind in "uv" for axis in "xyz")  # heads of
 
 @dataclass(frozen=True, kw_only=True)
 class Scan:
-    """Motion of the surface at several positions or frequencies. All arrays have the same length; units are SI.
+    """Motion of the surface at several positions or frequencies. All arrays have the same length; units are SI."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the file.
-    component : str
-        ``u_x``, ``u_y`` or ``u_z``.
-    x, y : ndarray
-        Positions in m.
-    frequency : ndarray or None
-        Frequency of each point in Hz, or None if all points have the drive frequency.
-    values : ndarray
-        Complex amplitudes or real magnitudes of the displacement (m or m per V) or of the velocity (m/s or m/s per V).
-    deviation : ndarray or None
-        Standard deviation of the real part and of the imaginary part, or of the magnitude.
-    per_volt : bool
-        True if the values are per volt of the source.
-    voltage : float or None
-        Peak voltage of the source in V, if the values are not per volt and the file states it.
-    is_velocity : bool
-        True if the values are velocities, equal to i omega times the displacements.
-    """
-
-    name: str
-    component: str = "u_z"
+    name: str  # of the file
+    component: str = "u_z"  # "u_x", "u_y" or "u_z"
     x: np.ndarray = field(repr=False)
     y: np.ndarray = field(repr=False)
+    # complex amplitudes or real magnitudes of the displacement (m or m per V) or of the velocity (m/s or m/s per V)
     values: np.ndarray = field(repr=False)
-    frequency: np.ndarray | None = field(default=None, repr=False)
+    frequency: np.ndarray | None = field(default=None, repr=False)  # of each point; None: the drive frequency
+    # standard deviation of the real part and of the imaginary part, or of the magnitude
     deviation: np.ndarray | None = field(default=None, repr=False)
-    per_volt: bool = True
-    voltage: float | None = None
-    is_velocity: bool = False
+    per_volt: bool = True  # values are per volt of the source
+    voltage: float | None = None  # peak, of the source, if the values are not per volt and the file states it
+    is_velocity: bool = False  # values are velocities, i omega times the displacements
 
     @property
     def is_complex(self) -> bool:
@@ -81,8 +61,7 @@ class Scan:
         """The varying coordinate: "frequency", "x", "y" or "x, y"."""
         if self.frequency is not None and np.ptp(self.frequency) > 0.0:
             return "frequency"
-        ways = [name for name in "xy" if np.ptp(getattr(self, name)) > 0.0]
-        return ", ".join(ways) or "x"
+        return ", ".join(name for name in "xy" if np.ptp(getattr(self, name)) > 0.0) or "x"
 
     @property
     def coordinate(self) -> np.ndarray:
@@ -100,18 +79,15 @@ class Scan:
         deviation = None if self.deviation is None else self.deviation / omega
         return replace(self, values=self.values * factor, deviation=deviation, is_velocity=False)
 
-    def at_volts(self, voltage: float | None) -> "Scan":
-        """Return the scan per volt of the source; the voltage of the file has priority over ``voltage`` (V)."""
+    def per_volt_of_source(self) -> "Scan":
+        """Return the scan per volt of the source; SceneError if its voltage is unknown or not positive."""
         if self.per_volt:
             return self
-        source_voltage = self.voltage if self.voltage is not None else voltage
-        if source_voltage is None or not source_voltage > 0.0:
-            raise SceneError(
-                "--measured",
-                f"{self.name!r} holds motions at an unknown voltage: add a column voltage_V, or units _per_V",
-            )
-        deviation = None if self.deviation is None else self.deviation / source_voltage
-        return replace(self, values=self.values / source_voltage, deviation=deviation, per_volt=True)
+        if self.voltage is None or not self.voltage > 0.0:
+            rule = f"{self.name!r} holds motions at an unknown voltage: add a column voltage_V, or units _per_V"
+            raise SceneError("--measured", rule)
+        deviation = None if self.deviation is None else self.deviation / self.voltage
+        return replace(self, values=self.values / self.voltage, deviation=deviation, per_volt=True)
 
     def flat(self) -> np.ndarray:
         """Return the values as a real array: real parts followed by imaginary parts, or magnitudes."""
@@ -131,7 +107,7 @@ def scan_of_columns(columns: CsvColumns) -> Scan:
     is_velocity, component = noun[0] == "v", "u" + noun[1:]
     base = VELOCITIES if is_velocity else DISPLACEMENTS
     units = base | {f"{unit}_per_V": factor for unit, factor in base.items()}
-    x, y = (columns.column(name, PLACES) for name in "xy")
+    x, y = (columns.column(name, POSITIONS) for name in "xy")
     frequency = columns.column("frequency", FREQUENCIES)
     if x is None and y is None and frequency is None:
         raise columns.error(f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(columns.names)}")
@@ -145,7 +121,7 @@ def scan_of_columns(columns: CsvColumns) -> Scan:
     if voltage is not None and np.ptp(voltage[0]) > 0.0:
         raise columns.error("must hold one voltage_V, got several")
     zeros = np.zeros(len(columns.rows))
-    # without a column, the position is that of the slider or of the middle of the stator: NaN until the scene is known
+    # without a column, the position is that of the slider or of the middle of the stator, which the scene states
     unknown = zeros * np.nan
     return Scan(
         name=columns.path.name, component=component, x=unknown if x is None else x[0],

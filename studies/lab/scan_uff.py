@@ -1,7 +1,7 @@
 """Vibrometer scans as Universal File Format (UFF): dataset 58, ASCII or binary, real or complex.
 
-The abscissa is the position along x, or the frequency at one position, which is given in the fourth identification line
-as ``x = 0.08 m, y = 0 m``.
+The abscissa is the position along x, or the frequency at one position, which the fourth identification line contains as
+``x = 0.08 m, y = 0 m``.
 """
 
 import re
@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.csv_columns import DISPLACEMENTS, FREQUENCIES, PLACES, VELOCITIES, file_error
+from studies.lab.csv_columns import DISPLACEMENTS, FREQUENCIES, POSITIONS, VELOCITIES, file_error
 from studies.lab.scan import COMPONENTS, Scan
 from studies.refusal import SceneError, needed
 
 UFF_ENDINGS = (".uff", ".unv", ".uf58")
 FREQUENCY, GENERAL, DISPLACEMENT, VELOCITY = 18, 1, 8, 11  # data types of dataset 58
-PLACE, VOLTAGE = re.compile(r"x = (\S+) m, y = (\S+) m"), re.compile(r"voltage = (\S+) V")
+POSITION, VOLTAGE = re.compile(r"x = (\S+) m, y = (\S+) m"), re.compile(r"voltage = (\S+) V")
 
 
 def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
@@ -70,7 +70,7 @@ def scan_of_uff(path: Path, option: str) -> Scan:
     if any(getattr(each, name) != getattr(first, name) for each in parts for name in same):
         raise file_error(path, option, "must hold one motion in one unit, complex or real, got several")
     if any((each.frequency is None) != (first.frequency is None) for each in parts):
-        raise file_error(path, option, "must be a scan over places or over frequencies, got both")
+        raise file_error(path, option, "must be a scan over positions or over frequencies, got both")
     x, y, values = (np.concatenate([getattr(each, name) for each in parts]) for name in ("x", "y", "values"))
     whole = replace(first, x=x, y=y, values=values)
     if first.frequency is None:
@@ -87,12 +87,12 @@ def _scan_of_dataset(dataset: dict, path: Path, option: str) -> Scan:
     if motion not in (DISPLACEMENT, VELOCITY) or unit not in base:
         expected = "displacements (data type 8: m, um, nm, pm) or velocities (11: m/s, mm/s, um/s)"
         raise file_error(path, option, f"must hold {expected}, got data type {motion} in {unit or 'no unit'}")
-    abscissa = {FREQUENCY: FREQUENCIES, GENERAL: PLACES, DISPLACEMENT: PLACES}.get(kind, {})
+    abscissa = {FREQUENCY: FREQUENCIES, GENERAL: POSITIONS, DISPLACEMENT: POSITIONS}.get(kind, {})
     if length not in abscissa:
-        expected = "frequencies (data type 18, Hz) or places (1 or 8, m or mm)"
+        expected = "frequencies (data type 18, Hz) or positions (1 or 8, m or mm)"
         raise file_error(path, option, f"must have {expected} as abscissa, got type {kind} in {length or 'no unit'}")
     points, values = np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit]
-    start, volts = PLACE.search(str(dataset["id4"])), VOLTAGE.search(str(dataset["id5"]))
+    start, volts = POSITION.search(str(dataset["id4"])), VOLTAGE.search(str(dataset["id5"]))
     x, y = map(float, start.groups()) if start else (np.nan, 0.0)
     direction = abs(int(dataset["rsp_dir"])) or 3  # 1, 2, 3: along x, y, z of either sign; 0: not stated
     if direction > len(COMPONENTS):

@@ -1,7 +1,7 @@
-"""What papers state and do not state about their motors: reads ``published_motors.toml``.
+"""Published quantities of motors and the inputs of their predictions: reads ``published_motors.toml``.
 
-A quantity that a paper does not state exactly is an `Unknown`. A published quantity, with all that its prediction
-needs, is a `Comparison`.
+A quantity that a paper does not state exactly is an `Unknown`; a published quantity and the inputs of its prediction
+are a `Comparison`.
 """
 
 import tomllib
@@ -33,13 +33,13 @@ class Unknown:
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """A published quantity, and the model that predicts it over every combination of what is unknown."""
+    """A published quantity, and the model that predicts it for every combination of the unknown inputs."""
 
     motor: str
     quantity: str
-    published: tuple[float | str, ...]  # a value, or the ends of a range; a word: the value of that model, as taken
+    published: tuple[float | str, ...]  # a value, or the ends of a range; a string: value of that model
     model: str  # key of `published_motors.MODELS`
-    taken: dict[str, Any]  # every input of the model, as stated or assumed, in SI units
+    taken: dict[str, Any]  # inputs of the model, stated or assumed, in SI units
     swept: dict[str, Unknown]
     unit: str = ""
     scale: float = 1.0
@@ -55,11 +55,11 @@ def corners(unknowns: dict[str, Unknown]):
 @cache
 def comparisons() -> tuple[Comparison, ...]:
     """Return all comparisons in the order of the file."""
-    return tuple(_comparison(motor, row) for motor in _table()["motor"] for row in motor["row"])
+    return tuple(_comparison(motor, entry) for motor in _table()["motor"] for entry in motor["row"])
 
 
 def left_aside() -> dict[str, str]:
-    """Return what published motors are not computed, and why."""
+    """Return the published motors that are not computed, and why."""
     return dict(_table()["left_aside"])
 
 
@@ -67,15 +67,15 @@ def _table() -> dict:
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
-def _comparison(motor: dict, row: dict) -> Comparison:
-    row = dict(row)
-    inputs = motor.get("unknown", {}) | row.pop("unknown", {})
+def _comparison(motor: dict, entry: dict) -> Comparison:
+    entry = dict(entry)
+    inputs = motor.get("unknown", {}) | entry.pop("unknown", {})
     unknowns = {key: Unknown(**{"name": key} | each | {"swept": tuple(each["swept"])}) for key, each in inputs.items()}
-    published = row.pop("published")
+    published = entry.pop("published")
     return Comparison(
         motor=motor["name"],
         published=tuple(published) if isinstance(published, list) else (published,),
         taken=motor.get("fixed", {}) | {key: each.taken for key, each in unknowns.items()},
-        swept={key: unknowns[key] for key in row.pop("swept")},
-        **row,
+        swept={key: unknowns[key] for key in entry.pop("swept")},
+        **entry,
     )

@@ -16,7 +16,7 @@ TOLERANCE = 1e-3
 STATOR_TOLERANCE = 3e-2
 APERTURE = 9e-3  # m
 TANGENTIAL_OVER_NORMAL = 0.21  # G*/E* of steel on lithium niobate
-NORMAL_DAMPING = 0.16  # N s/m: it lets the bounce of the start die out and hardly moves the steady speed
+NORMAL_DAMPING = 0.16  # N s/m: damps the bounce of the start and hardly changes the steady speed
 
 
 @cache
@@ -72,15 +72,15 @@ def per_volt(pairs: int, material: str, frequency: float) -> float:
     """Return |u_z| in m per volt of a transducer with ``pairs`` finger pairs on a 128YX half-space."""
     solid = fem.rotated(fem.material(material), "128YX")
     stator = fem.Stator(solid=solid, length=1.0, thickness=math.inf, ends="absorbing")
-    row = fem.Transducer(
+    transducer = fem.Transducer(
         name="driven", center=0.5, finger_pairs=pairs, period=1.0, metallisation=0.5, aperture=APERTURE
     )
-    period = fem.best_period(stator, row, frequency)
+    period = fem.best_period(stator, transducer, frequency)
     length = (pairs + 20) * period
     stator = replace(stator, length=length)
-    transducer = replace(row, period=period, center=(pairs / 2 + 2) * period)
-    place = length - 5 * period
+    transducer = replace(transducer, period=period, center=(pairs / 2 + 2) * period)
+    x = length - 5 * period
     wave = fem.driven_wave(
-        stator, (transducer,), frequency=frequency, drive="driven", tolerance=STATOR_TOLERANCE, places=(place,)
+        stator, (transducer,), frequency=frequency, drive="driven", tolerance=STATOR_TOLERANCE, places=(x,)
     )
-    return float(abs(wave.normal_at(place)))
+    return float(abs(wave.normal_at(x)))

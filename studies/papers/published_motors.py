@@ -28,7 +28,7 @@ LOGGER = logging.getLogger(__name__)
 
 MOTORS = tuple(dict.fromkeys(each.motor for each in comparisons()))
 QUICK = {"motors": (*MOTORS[1:4], *MOTORS[5:])}
-WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
+WIDE = 5.0  # highest over lowest value of a band beyond which agreement means little
 
 
 def seed_release(case: dict) -> float:
@@ -37,7 +37,7 @@ def seed_release(case: dict) -> float:
     return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
 
 
-# what predicts a quantity from a case: the inputs of published_motors.toml by name, in SI units
+# functions that predict a quantity from a case: the inputs of published_motors.toml by name, in SI units
 MODELS: dict[str, Callable[[dict], float]] = {
     "ball_speed": ball.speed,
     "ball_thrust": ball.thrust,
@@ -54,7 +54,7 @@ MODELS: dict[str, Callable[[dict], float]] = {
     "pillar_stall": sliders.kurosawa_stall,
     "rear_amplitude": lambda case: sliders.rear_amplitude(case["length"]),
     "burst_step": lambda case: sliders.shigematsu_step(
-        case["mass"], amplitude=case["amplitude"], cycles=case["cycles"]
+        case["mass"], cycles=case["cycles"], amplitude=case["amplitude"]
     ),
     "crest_speed": lambda case: sliders.crest_speed(case["amplitude"], case["frequency"]),
 }
@@ -62,7 +62,7 @@ MODELS: dict[str, Callable[[dict], float]] = {
 
 @study()
 def run(*, motors: tuple[str, ...] = MOTORS) -> Answered:
-    """Return predictions with their bands beside what is published.
+    """Return predictions with their bands, and the published values.
 
     Parameters
     ----------
@@ -80,21 +80,18 @@ def run(*, motors: tuple[str, ...] = MOTORS) -> Answered:
 
 @of_record
 def figure(panel: Panel, ax):
-    """Draw each prediction over the published value: a point as taken, a band over what is swept.
-
-    A published range is drawn in grey, everything of its row over the range's geometric mean.
-    """
+    """Draw each prediction and the band of its swept inputs over the published value, or a published range's mean."""
     data = panel.data
     count = len(data["quantity"])
     for index in range(count):
-        place = count - 1 - index
+        y = count - 1 - index
         stated = [data[key][index] for key in ("published_low", "published_high")]
         published = math.sqrt(stated[0] * stated[1])
         ends = [value / published for value in stated]
-        ax.plot(ends, [place, place], color=COLOURS["stick"], linewidth=11, alpha=0.5, solid_capstyle="butt")
+        ax.plot(ends, [y, y], color=COLOURS["stick"], linewidth=11, alpha=0.5, solid_capstyle="butt")
         ends = [data[key][index] / published for key in ("low", "high")]
-        ax.plot(ends, [place, place], color=COLOURS["slip"], linewidth=5, alpha=0.45, solid_capstyle="butt")
-        ax.plot(data["predicted"][index] / published, place, "o", color=COLOURS["slip"])
+        ax.plot(ends, [y, y], color=COLOURS["slip"], linewidth=5, alpha=0.45, solid_capstyle="butt")
+        ax.plot(data["predicted"][index] / published, y, "o", color=COLOURS["slip"])
     ax.axvline(1.0, color=COLOURS["line"], linewidth=1)
     ax.set_xscale("log")
     low, high = ax.get_xlim()
@@ -118,18 +115,13 @@ def tables(record: StudyRecord) -> dict[str, str]:
         texts = [_stated(row), values[0], f"{values[1]} to {values[2]}"]
         cells = [row["motor"], row["quantity"], *(f"{text} {unit}".rstrip() for text in texts)]
         table.append([*cells, row["swept"], row["most"], row["verdict"]])
-    lines = [
-        *markdown(head, table),
-        "",
-        "Left aside:",
-        "",
-        *(f"- {what}: {why}." for what, why in left_aside().items()),
-    ]
+    left = [f"- {what}: {why}." for what, why in left_aside().items()]
+    lines = [*markdown(head, table), "", "Left aside:", "", *left]
     return {"published_motors.md": "\n".join(lines) + "\n", "published_motors.csv": csv_text(rows)}
 
 
 def compared(comparison: Comparison, model: Callable[[dict], float]) -> dict:
-    """Return a prediction as taken, over all corners of what is unknown, and the unknown that moves it most."""
+    """Return a prediction for the assumed inputs, its band over all swept inputs, and the most influential input."""
     taken, swept = comparison.taken, comparison.swept
     predicted = model(taken)
     values = [predicted, *(model(taken | case) for case in corners(swept))]
@@ -171,7 +163,7 @@ def _apart(ratio: float) -> str:
 
 
 def finding_of(row: dict) -> Finding:
-    """Return a row of the comparison as a finding, confirmed if the band reaches the published value."""
+    """Return a row of the table as a finding, confirmed if the band includes or overlaps the published value."""
     band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",

@@ -16,7 +16,7 @@ import fem
 SURFACE, MATERIAL = "open", "LiNbO3 (Kovacs)"
 STIFFNESS = 1.8e6, 1.52e6  # N/m, normal and tangential: a silicon pillar of 20 um x 2 um on 128YX
 LENGTH = 4e-3  # m, of Kurosawa's slider, along and across
-FRICTION = 0.18  # coefficient of the silicon slider that makes a step
+FRICTION, STEP_FREQUENCY, STEP_PRELOAD = 0.18, 9.6e6, 30.0  # of the silicon slider that makes a step; Hz, N
 CLASSES = 32  # of the normal distribution of the heights, equally likely
 ROWS = 50  # of pillars, along the slider
 
@@ -36,16 +36,16 @@ def slider(*, friction: float, scatter: float, number: float, preload: float, le
     from scipy.special import ndtri
 
     heights = scatter * ndtri((np.arange(CLASSES) + 0.5) / CLASSES)
-    place = ((np.arange(ROWS) + 0.5) / ROWS - 0.5) * length
+    positions = ((np.arange(ROWS) + 0.5) / ROWS - 0.5) * length
     return contact.Pillars(
-        x=np.repeat(place, CLASSES), y=np.zeros(ROWS * CLASSES), heights=np.tile(heights, ROWS),
+        x=np.repeat(positions, CLASSES), y=np.zeros(ROWS * CLASSES), heights=np.tile(heights, ROWS),
         weights=number / (ROWS * CLASSES), normal_stiffness=STIFFNESS[0], tangential_stiffness=STIFFNESS[1],
         friction_coefficient=friction, preload=preload,
     )  # fmt: skip
 
 
 def wave_power(width: float) -> float:
-    """Return the power in W of a wave of 40 nm at 10 MHz in a beam of a given width in m."""
+    """Return the power in W of a wave of 40 nm at 10 MHz in a beam of a width in m."""
     passing = wave(frequency=10e6, amplitude=40e-9, width=width)
     return passing.power(passing.forward)
 
@@ -85,35 +85,29 @@ def rear_amplitude(length: float) -> float:
     The wave has 15 nm before the slider; the contact pressure is 1.2 MPa over the slider's area, mu = 0.3, one pillar
     stands on every 40 um x 40 um, and the load is half the stall.
     """
-    width = LENGTH
-    preload = 1.2e6 * length * width
-    passing = wave(frequency=9.6e6, amplitude=15e-9, width=width)
-    number = length * width / (40e-6) ** 2
-    body = slider(friction=0.3, scatter=10e-9, number=number, preload=preload, length=length)
+    area = length * LENGTH
+    passing = wave(frequency=9.6e6, amplitude=15e-9, width=LENGTH)
+    body = slider(friction=0.3, scatter=10e-9, number=area / (40e-6) ** 2, preload=1.2e6 * area, length=length)
     stall = contact.pillar_load_line(body, passing, points=2).stall
     return abs(contact.pillar_motion(body, passing, load=0.5 * stall).exit_over_entry)
 
 
 @cache
-def _traction_at_rest(amplitude: float, frequency: float, preload: float) -> float:
-    """Return the force in N on a silicon slider that does not move."""
-    body = slider(friction=FRICTION, scatter=10e-9, number=1e4, preload=preload)
-    passing = wave(frequency=frequency, amplitude=amplitude, width=LENGTH)
-    return abs(contact.pillar_traction(body, passing)(0.0))
+def _traction_at_rest(amplitude: float) -> float:
+    """Return the force in N on the silicon slider of `shigematsu_step` at rest, on a wave of an amplitude in m."""
+    body = slider(friction=FRICTION, scatter=10e-9, number=1e4, preload=STEP_PRELOAD)
+    return abs(contact.pillar_traction(body, wave(frequency=STEP_FREQUENCY, amplitude=amplitude, width=LENGTH))(0.0))
 
 
-def shigematsu_step(mass: float, *, cycles: int = 25, amplitude: float = 20e-9, preload: float = 30.0) -> float:
-    """Return how far a burst of so many cycles moves a slider of a mass in kg, m.
+def shigematsu_step(mass: float, *, cycles: int, amplitude: float) -> float:
+    """Return the distance in m that a burst of a number of cycles moves a slider of a mass in kg.
 
-    The tangential force on a slider that has hardly moved is that at rest, so that the speed rises linearly during the
-    burst. Afterwards the friction mu F, F the preload, stops it.
+    A slider that has hardly moved is driven by the tangential force at rest, so that the speed rises linearly during
+    the burst. Afterwards the friction mu F, F the preload, stops it.
     """
-    frequency = 9.6e6
-    force = _traction_at_rest(amplitude, frequency, preload)
-    duration = cycles / frequency
-    velocity = force / mass * duration
-    during, stopping = 0.5 * velocity * duration, velocity**2 * mass / (2 * FRICTION * preload)
-    return during + stopping
+    duration = cycles / STEP_FREQUENCY
+    velocity = _traction_at_rest(amplitude) / mass * duration
+    return 0.5 * velocity * duration + velocity**2 * mass / (2 * FRICTION * STEP_PRELOAD)
 
 
 def crest_speed(amplitude: float, frequency: float) -> float:

@@ -31,7 +31,7 @@ ELECTRODES = {"open": "o", "connected": "+"}
 SCALES = (1.0, 1.0075, 1.015, 1.0225, 1.03, 1.0375)  # open strips reflect most at 1.028, connected ones at 1.015
 PATH = Unknown(name="power left after the path", taken=0.9, swept=(0.8, 1.0))
 READING = Unknown(name="20.5 V: peak over stated value", taken=1.0, swept=(0.5, 1.0))
-PLACES = 400  # distances looked at in half a wavelength, after which a reflection's phase repeats
+DISTANCES = 400  # in half a wavelength, after which the phase of a reflection repeats
 AGREEMENT = 0.15
 QUICK = {"scales": (1.0, 1.015), "electrodes": ("connected",), "tolerance": 0.3}
 PUBLISHED = {
@@ -50,7 +50,7 @@ def run(
     *, scales: tuple[float, ...] = SCALES, electrodes: tuple[str, ...] = tuple(ELECTRODES), pairs: int = PAIRS,
     strip_pairs: int = STRIP_PAIRS, tolerance: float = 2e-2,
 ) -> Answered:  # fmt: skip
-    """Return predictions with their bands beside what is published.
+    """Return predictions with their bands, and the published values.
 
     Parameters
     ----------
@@ -63,11 +63,11 @@ def run(
     tolerance : float
         Of the P-matrices.
     """
-    row, cases = p_matrix_of_row(None, 1.0, pairs, tolerance), []
+    fingers, cases = p_matrix_of(None, 1.0, pairs, tolerance), []
     for kind, scale in product(electrodes, scales):
         LOGGER.info(f"strips {kind}, period {scale:g} of the fingers'")
-        strips = p_matrix_of_row(ELECTRODES[kind], scale, strip_pairs, tolerance)
-        cases += [{"electrodes": kind, "scale": scale} | case for case in one_sided(row, strips)]
+        strips = p_matrix_of(ELECTRODES[kind], scale, strip_pairs, tolerance)
+        cases += [{"electrodes": kind, "scale": scale} | case for case in one_sided(fingers, strips)]
     columns = {key: [case[key] for case in cases] for key in cases[0]}
     every = {key: [value for case in cases for value in _values(key, case)] for key in PUBLISHED}
     bands = {key: (min(values), max(values)) for key, values in every.items()}
@@ -91,16 +91,13 @@ def run(
         ))  # fmt: skip
     apart = [_deviation(case) for case in cases]
     best = cases[apart.index(min(apart))]
-    findings.append(
-        judged(
-            "KAKEN 22360101: one layout has all five numbers",
-            "largest relative difference of the nearest layout",
-            min(apart),
-            high=AGREEMENT,
-            remark=f"strips {best['electrodes']}, period {best['scale']:g} of the fingers'; path and load free",
-        )
-    )
-    columns |= {"names": [row[0] for row in PUBLISHED.values()], "published": [row[1] for row in PUBLISHED.values()],
+    findings.append(judged(
+        "KAKEN 22360101: one layout has all five numbers", "largest relative difference of the nearest layout",
+        min(apart), high=AGREEMENT,
+        remark=f"strips {best['electrodes']}, period {best['scale']:g} of the fingers'; path and load free",
+    ))  # fmt: skip
+    names, values, *_ = zip(*PUBLISHED.values(), strict=True)
+    columns |= {"names": list(names), "published": list(values),
                 "low": [bands[key][0] for key in PUBLISHED], "high": [bands[key][1] for key in PUBLISHED]}  # fmt: skip
     title = "Published stators; bands: what is not stated"
     return (Panel(name="published_stators", title=title, data=columns),), findings
@@ -108,17 +105,15 @@ def run(
 
 @of_record
 def figure(panel: Panel, ax):
-    """Draw band and case by case over the published value."""
+    """Draw band and all cases over the published value."""
     data, marks = panel.data, {"open": "o", "connected": "s"}
     for at, key in enumerate(PUBLISHED):
         published = data["published"][at]
         ax.plot([data["low"][at] / published, data["high"][at] / published], [at, at],
                 color=COLOURS["stick"], linewidth=5, alpha=0.4, solid_capstyle="butt")  # fmt: skip
         for kind, mark in marks.items():
-            values = [
-                value / published for value, own in zip(data[key], data["electrodes"], strict=True)
-                if own == kind
-            ]  # fmt: skip
+            every = zip(data[key], data["electrodes"], strict=True)
+            values = [value / published for value, electrodes in every if electrodes == kind]
             label = f"strips {kind}" if at == 0 and values else None
             ax.plot(values, [at] * len(values), mark, color=COLOURS["slip"], fillstyle="none", label=label)
     ax.axvline(1.0, color=COLOURS["line"], linewidth=1)
@@ -128,12 +123,12 @@ def figure(panel: Panel, ax):
     return finished(ax, "predicted over published", "", panel.title, columns=2)
 
 
-def p_matrix_of_row(electrodes: str | None, scale: float, pairs: int, tolerance: float):
+def p_matrix_of(electrodes: str | None, scale: float, pairs: int, tolerance: float):
     """Return the P-matrix of fingers, or of strips of one kind of electrode."""
     solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
     stator = fem.Stator(solid=solid, length=1.0, thickness=THICKNESS, ends="absorbing")
     transducer = fem.Transducer(
-        name="row", center=0.5, finger_pairs=pairs, period=PERIOD * scale, metallisation=0.5, aperture=APERTURE,
+        name="array", center=0.5, finger_pairs=pairs, period=PERIOD * scale, metallisation=0.5, aperture=APERTURE,
         pattern=electrodes and electrodes * 2 * pairs,
     )  # fmt: skip
     try:
@@ -142,20 +137,20 @@ def p_matrix_of_row(electrodes: str | None, scale: float, pairs: int, tolerance:
         raise RunError(str(error)) from None
 
 
-def one_sided(row, strips) -> list[dict]:
-    """Return what fingers with strips to the left send and receive, at the distances of largest share and power."""
-    far = len(row.wavenumbers)  # of the amplitudes at the left edge, the first is the upper face's wave
-    s, p = row.scattering[np.ix_([0, far], [0, far])], row.excitation[[0, far]]
-    distance = np.linspace(0, PERIOD / 2, PLACES, endpoint=False)
-    back = np.exp(-2j * row.wavenumbers[0] * distance) * strips.scattering[far, far]
+def one_sided(fingers, strips) -> list[dict]:
+    """Return the predictions for fingers with strips on the left, at the distances of largest share and power."""
+    far = len(fingers.wavenumbers)  # of the amplitudes at the left edge, the first is the upper face's wave
+    s, p = fingers.scattering[np.ix_([0, far], [0, far])], fingers.excitation[[0, far]]
+    distance = np.linspace(0, PERIOD / 2, DISTANCES, endpoint=False)
+    back = np.exp(-2j * fingers.wavenumbers[0] * distance) * strips.scattering[far, far]
     # what arrives from the strips, over what the fingers send to the left
     returned = back / (1 - s[0, 0] * back)
     excitation = p[1] + s[1, 0] * returned * p[0]
-    admittance = row.admittance - 2 * p[0] * returned * p[0]
+    admittance = fingers.admittance - 2 * p[0] * returned * p[0]
     share = abs(excitation) ** 2 / admittance.real
     # the conjugate load takes the share of what arrives
     reflection = s[1, 1] + s[1, 0] * returned * s[0, 1] + excitation**2 / admittance.real
-    alone = abs(p[1]) ** 2 / row.admittance.real
+    alone = abs(p[1]) ** 2 / fingers.admittance.real
     numbers = {
         "distance_m": distance,
         "gain": share / alone,
@@ -165,15 +160,15 @@ def one_sided(row, strips) -> list[dict]:
         "standing_wave_ratio": (1 + abs(reflection)) / (1 - abs(reflection)),
         "recovered": PATH.taken * share**2,
         "input_ratio": alone / share * (1 - PATH.taken * share**2),
-        "motion_m_per_V": abs(excitation) * row.surface_motion[0],
-        "alone": np.full(PLACES, alone),
+        "motion_m_per_V": abs(excitation) * fingers.surface_motion[0],
+        "alone": np.full(DISTANCES, alone),
     }
     best = (int(np.argmax(share)), int(np.argmax(abs(excitation))))
     return [{key: float(values[at]) for key, values in numbers.items()} for at in best]
 
 
 def _values(key: str, case: dict) -> list[float]:
-    """Return what a layout predicts, for each swept value of the unknowns that it does not hold."""
+    """Return the predictions of a layout, for each swept value of the unknowns that are not part of it."""
     share = case["share"]
     if key == "load_ohm":  # across a reactance, or in series with it
         return [case["load_ohm"], case["series_ohm"]]

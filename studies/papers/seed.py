@@ -1,4 +1,4 @@
-"""The slider and the wave of the seed paper's simulation, and what its figures ask of them."""
+"""The slider and the wave of the seed paper's simulation."""
 
 import contact
 from studies.chain import bridge
@@ -9,7 +9,7 @@ TOLERANCE = 1e-3  # relative tolerance of steady velocities
 
 
 class Seed:
-    """The paper's slider and wave, and what several figures share; ``steps`` are the amplitudes of its bursts in m."""
+    """The paper's slider and wave, and solutions that its figures share; ``steps``: amplitudes of bursts in m."""
 
     def __init__(self, *, steps: tuple[float, ...] = ()):
         scene = resolved(Scene.load("twente-contact"))

@@ -51,14 +51,11 @@ def figure_6b(seed: Seed):
     """Fig. 6(b): intermittent contact."""
     history = seed.history(INTERMITTENT, stage="start", skip=ACCELERATION, cycles=2, points_per_cycle=400)
     regimes = history.regime[:, 0]
-    parted = float((regimes == "separated").mean())
-    switching = judged(
-        'Fig. 6(b): "contact-no contact switching is present besides stick-slip switching."',
-        "share of a cycle without contact, 10 nm",
-        parted,
-        expected="between 0 and 1, with stick and slip in the rest",
-        holds=0 < parted < 1 and {"stick", "slip"} <= set(regimes),
-    )
+    separated = float((regimes == "separated").mean())
+    switching = judged('Fig. 6(b): "contact-no contact switching is present besides stick-slip switching."',
+                       "share of a cycle without contact, 10 nm", separated,
+                       expected="between 0 and 1, with stick and slip in the rest",
+                       holds=0 < separated < 1 and {"stick", "slip"} <= set(regimes))  # fmt: skip
     panel = _contact_panel("fig_6b", "Fig. 6(b): intermittent contact, 10 nm", history, quantity("cycle_time_s"))
     return [panel], [switching]
 
@@ -72,26 +69,11 @@ def figure_7(seed: Seed):
         CONSTANT, stage="after", skip=0, cycles=1.1 * stopping * frequency, points_per_cycle=2000 / stopping / frequency
     )
     slipping = whole.regime[:, 0] == "slip"
-    stop = float(whole.time[np.flatnonzero(slipping)[-1]])
-    quiet = slipping & (whole.time > 6e-3)
-    ratio = whole.tangential_force[quiet, 0] / friction
-    findings = [
-        judged(
-            'Fig. 7(a): "only slip will be present and the applied slider force F_s equals approximately '
-            'mu P sign(v_s)."',
-            "Q over mu times the preload from 6 ms after the burst to the stop, mean",
-            ratio.mean(),
-            expected="-1: friction opposes v_s",
-            holds=np.max(abs(ratio + 1)) < 1e-3 and slipping[: np.flatnonzero(slipping)[-1]].all(),
-        )
-    ]
-    ring = seed.history(
-        CONSTANT,
-        stage="after",
-        skip=stop * frequency,
-        cycles=1.5e-3 * frequency,
-        points_per_cycle=1500 / (1.5e-3 * frequency),
-    )
+    last = np.flatnonzero(slipping)[-1]
+    stop = float(whole.time[last])
+    ratio = whole.tangential_force[slipping & (whole.time > 6e-3), 0] / friction
+    cycles = 1.5e-3 * frequency
+    ring = seed.history(CONSTANT, stage="after", skip=stop * frequency, cycles=cycles, points_per_cycle=1500 / cycles)
     sticking = ring.regime[:, 0] == "stick"
     deformation = abs(ring.deformation[sticking, 0])
     limit = slider.limit_slope * slider.rest_approach(1)
@@ -101,7 +83,11 @@ def figure_7(seed: Seed):
     period = float(np.mean(np.diff(crossings)))
     spans = [abs(v[(t >= start) & (t < start + period)]).max() for start in crossings[:-1]]
     decrement = float(math.log(spans[0] / spans[-1]) / (len(spans) - 1))
-    findings += [
+    findings = [
+        judged('Fig. 7(a): "only slip will be present and the applied slider force F_s equals approximately '
+               'mu P sign(v_s)."', "Q over mu times the preload from 6 ms after the burst to the stop, mean",
+               ratio.mean(), expected="-1: friction opposes v_s",
+               holds=np.max(abs(ratio + 1)) < 1e-3 and slipping[:last].all()),
         judged('Fig. 7(b): "The friction switches to stick when the velocity v_f becomes zero."',
                "largest |x| while sticking over x_max at rest: the ring starts at the slip limit",
                deformation.max() / limit, expected="1", holds=abs(deformation.max() / limit - 1) < 1e-2),

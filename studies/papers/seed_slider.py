@@ -48,13 +48,9 @@ def figure_5a(seed: Seed):
         LOGGER.info(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
         steady = seed.steady(amplitude).velocity
         stopping = steady * seed.slider.mass / (seed.slider.friction_coefficient * seed.slider.preload)
+        after = 1.1 * stopping + 2e-3
         motion = contact.burst(
-            seed.slider,
-            seed.orbits(amplitude),
-            duration=BURST,
-            after=1.1 * stopping + 2e-3,
-            tolerance=1e-2,
-            samples=1500,
+            seed.slider, seed.orbits(amplitude), duration=BURST, after=after, tolerance=1e-2, samples=1500
         )
         name = f"{amplitude * 1e9:g} nm"
         x[name], curves[name] = motion.time * across.scale, motion.velocity * speed.scale
@@ -106,10 +102,8 @@ def figure_5b(seed: Seed):
     ]  # fmt: skip
     across, up = quantity("normal_amplitude_m"), quantity("velocity_m_per_s")
     data = {
-        "x": np.array(seed.levels) * across.scale,
-        "left": {"steady velocity": speeds * up.scale},
-        "x_axis": across.axis,
-        "left_axis": up.axis,
+        "x": np.array(seed.levels) * across.scale, "left": {"steady velocity": speeds * up.scale},
+        "x_axis": across.axis, "left_axis": up.axis,
         "verticals": {"threshold (theory)": threshold * across.scale, "release (theory)": release * across.scale},
-    }
+    }  # fmt: skip
     return [Panel(name="fig_5b", title="Fig. 5(b): steady velocity", data=data)], findings

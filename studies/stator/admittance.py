@@ -26,7 +26,7 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
     Parameters
     ----------
     count : int, optional
-        Frequencies; without it 81, or as many as resolve the ripple of waves that return.
+        Number of frequencies; by default 81, or as many as resolve the ripple of returning waves.
     tolerance : float
         Relative, of the admittances.
     """
@@ -57,11 +57,11 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
     panel = Panel(name="admittance", title=f"{resolved.title}: {resolved.drive.transducer!r}", data=data)
     model = fem.motional_model(at, admittance, 1)
     series, inductance, _ = model.branches[0]
-    best = int(np.argmax(admittance.real))
+    peak = int(np.argmax(admittance.real))
     answer = [
-        ("largest G", f"{admittance.real[best] * 1e3:.4g} mS at f0 = {at[best] / 1e6:.6g} MHz"),
+        ("largest G", f"{admittance.real[peak] * 1e3:.4g} mS at f0 = {at[peak] / 1e6:.6g} MHz"),
         ("static C0", f"{model.capacitance * 1e12:.4g} pF (of the band's circuit with one motional branch)"),
-        ("quality", f"Q = {2 * np.pi * at[best] * inductance / series:.4g} of that branch, which leaves "
+        ("quality", f"Q = {2 * np.pi * at[peak] * inductance / series:.4g} of that branch, which leaves "
                     f"{100 * model.error:.2g} % of the largest admittance"),
     ]  # fmt: skip
     return (panel,), findings, answer
@@ -70,10 +70,10 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points, and estimates dashed."""
-    rows = (
+    curves = (
         ("conductance_S", ".-", "slip", "Re Y"),
         ("estimated_conductance_S", "--", "slip", "Re Y, no reflections (estimate)"),
         ("susceptance_S", ".-", "intermittent", "Im Y"),
         ("capacitive_susceptance_S", "--", "intermittent", "static capacitance (estimate)"),
     )
-    return lines(ax, record, "frequency_Hz", rows, "admittance_S", columns=2)
+    return lines(ax, record, "frequency_Hz", curves, "admittance_S", columns=2)

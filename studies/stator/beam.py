@@ -4,7 +4,7 @@ Method: u_z of the scene (``twente`` by default) in three dimensions, from the c
 aperture and the guided modes at every lateral wavenumber. It is computed on the axis from the driven transducer to its
 neighbour or to the end of the stator, and across the beam at the slider, with absorbing ends. Lines show the section,
 and the angular spectrum of the aperture on the slowness curve of the section's surface mode, with attenuation but
-without the ripple of returning waves. If transducers are turned, the row whose waves run closest to x is shown in its
+without the ripple of returning waves. If transducers are turned, those whose waves run closest to x are shown in their
 own axes. Expected: Fresnel fringes with the ripple of the plate; a mean over the aperture of 0.8 to 1 of the section.
 Run time: about 10 s, and 30 s in cuts that are not isotropic about z.
 """
@@ -27,8 +27,8 @@ from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 25}
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins
-FINE = 1500  # points of a theory's line
-STEEPEST, DIRECTIONS = 0.36, 16  # of the slowness curve: its end over the wavenumber, and its points
+FINE = 1500  # points of a line of the theory
+STEEPEST, DIRECTIONS = 0.36, 16  # of the slowness curve: largest lateral over total wavenumber, and number of points
 
 
 @study("twente")
@@ -38,35 +38,35 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     Parameters
     ----------
     measured : str, optional
-        File of a vibrometer's scan along x, along y or over both, CSV or UFF; drawn over the beam at its own places.
+        File of a vibrometer's scan along x, along y or over both, CSV or UFF; drawn over the beam at its own positions.
     count : int
-        Points of each line.
+        Number of points of each line.
     tolerance : float
         Relative, of the section's surface motion.
     """
-    row_scene = whole = passband.driven_scene(scene)
-    scan = None if measured is None else scan_file(whole, measured, "place")
-    row_scene, place = fem_model.first_section(row_scene, row_scene.positions[0])
-    transducers, driven = fem_model.transducers(row_scene), fem_model.driven(row_scene)
-    section = replace(row_scene, stator=replace(row_scene.stator, diffraction=False))
+    whole = passband.driven_scene(scene)
+    scan = None if measured is None else scan_file(whole, measured, "position")
+    section_scene, slider_x = fem_model.first_section(whole, whole.positions[0])
+    transducers, driven = fem_model.transducers(section_scene), fem_model.driven(section_scene)
+    section = replace(section_scene, stator=replace(section_scene.stator, diffraction=False))
     try:
-        wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance).wave
-        beam = fem.surface_beam(wave, mirror_width=row_scene.stator.mirror_width)
+        wave = solved_motion(section, [(slider_x, 0.0)], tolerance=tolerance).wave
+        beam = fem.surface_beam(wave, mirror_width=section_scene.stator.mirror_width)
         # on the slider's side of the driven transducer, up to the next one or the end
-        edge, clear = driven.extent[place >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
-        rows = [each.extent for each in transducers]
-        x = np.linspace(*fem_model.free_span(rows, edge, row_scene.stator.length, clear), count)
+        edge, clear = driven.extent[slider_x >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
+        extents = [each.extent for each in transducers]
+        x = np.linspace(*fem_model.free_span(extents, edge, section_scene.stator.length, clear), count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
-        axis, across = beam.motion(x), beam.motion(place, y)
+        axis, across = beam.motion(x), beam.motion(slider_x, y)
     except (fem.BeamError, fem.ConvergenceError) as error:
         raise RunError(f"the beam of this scene: {error}") from None
     fine_x, fine_y = np.linspace(x[0], x[-1], FINE), np.linspace(y[0], y[-1], FINE)
-    # attenuated, no ripple
-    known = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
-    slowness, distance = _slowness(beam, wave), abs(place - driven.center)
+    # logarithm of the attenuated amplitude without ripple, linear in x
+    decay = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
+    slowness, distance = _slowness(beam, wave), abs(slider_x - driven.center)
 
     def panel(name, title, key, at, motion, line_at, line, lateral) -> Panel:
-        surface, away, along = np.exp(known(line)), line - driven.center, quantity(key)
+        surface, away, along = np.exp(decay(line)), line - driven.center, quantity(key)
         return Panel(name=name, title=title, data={
             "axis": along.axis, "at": at * along.scale, "beam_m_per_V": abs(motion[2]),
             "line_at": line_at * along.scale,
@@ -78,20 +78,20 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
         panel("along", f"On the axis of {driven.name!r}", "center_distance_m", x - driven.center, axis,
               fine_x - driven.center, fine_x, np.zeros(FINE)),
         panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y_m", y, across,
-              fine_y, np.full(FINE, place), fine_y),
+              fine_y, np.full(FINE, slider_x), fine_y),
     ]  # fmt: skip
-    section, mean = abs(wave.motion(place)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
+    section, mean = abs(wave.motion(slider_x)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
     expected = float(slowness.spectrum(driven.aperture, np.array([distance]), np.zeros(1))[0])
     angle = math.degrees(math.atan(slowness.steering))
     findings = (
         judged("Under the slider the amplitude is that of an aperture's near field.",
-               "|u_z| on the axis over that of the plane section", abs(beam.motion(place)[2]) / section,
+               "|u_z| on the axis over that of the plane section", abs(beam.motion(slider_x)[2]) / section,
                low=expected - 0.1, high=expected + 0.1, expected=f"{expected:.3f} +- 0.1, angular spectrum",
                remark=f"power-flow angle {angle:.3g} degrees, slowness curvature {slowness.curvature:.3g}"),
         judged("The beam keeps within the aperture.", "mean of u_z over the aperture over that of the plane section",
                abs(mean) / section, low=0.8, high=1.02),
         judged("The integral over the lateral wavenumber adds nothing to the section's error.",
-               "estimated relative error under the slider", beam.relative_error(place), high=2 * tolerance,
+               "estimated relative error under the slider", beam.relative_error(slider_x), high=2 * tolerance,
                expected="below twice the tolerance of the section"),
     )  # fmt: skip
     if scan is not None:

@@ -33,12 +33,12 @@ REACH = 2.0  # widths of the stop bands shown on either side
 
 @study("twente-left")
 def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
-    """Return the cells' numbers and the gratings' Bloch waves.
+    """Return the parameters of the cells and the Bloch waves of the gratings.
 
     Parameters
     ----------
     count : int
-        Frequencies of the Bloch waves.
+        Number of frequencies of the Bloch waves.
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """

@@ -34,7 +34,7 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
     Parameters
     ----------
     count : int
-        Frequencies.
+        Number of frequencies.
     """
     if scene.stator is None:
         scene.refuse("stator", "is missing: a prescribed wave has no section to guide it")
@@ -75,13 +75,13 @@ def figure(record: Panel, ax):
 
 
 def _propagating(stator, frequencies):
-    """Frequency (Hz), wavenumber (rad/m) and nearness to the surface (1: the nearest) of the modes that propagate."""
-    rows = []
+    """Return frequency (Hz), wavenumber (rad/m) and nearness to the surface (1: the nearest) of propagating modes."""
+    modes_of_all = []
     for frequency in frequencies:
         modes = fem.guided_modes(stator, frequency=float(frequency), tolerance=TOLERANCE, propagating=True)
         k = modes.wavenumbers
         moving = np.flatnonzero(abs(k.imag) < DECAY * abs(k.real))
         near = modes.surface_share[moving] * frequency  # a surface wave's share is one over its depth
-        rows += [(frequency, abs(k[i].real), s) for i, s in zip(moving, near, strict=True)]
-    table = np.array(rows).reshape(-1, 3).T
+        modes_of_all += [(frequency, abs(k[i].real), s) for i, s in zip(moving, near, strict=True)]
+    table = np.array(modes_of_all).reshape(-1, 3).T
     return table[0], table[1], table[2] / max(table[2].max(initial=0.0), 1e-300)

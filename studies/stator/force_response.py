@@ -1,7 +1,7 @@
 """Motion of the surface and currents of the transducers by a force of 1 N under the slider, along z and along x.
 
 Method: the force acts on a strip along y at the slider of the scene (``twente`` by default; in the middle of a stator
-without a slider), half a wavelength long unless told otherwise, and the sources of the drive are replaced by their
+without a slider), half a wavelength long by default, and the sources of the drive are replaced by their
 impedances. The motion follows from the guided modes that a force sends (`fem.forced_wave`), spread at every lateral
 wavenumber (`fem.surface_beam`); the currents into the transducers by reciprocity with their own beams. Where no beam is
 computed, the force is spread over the narrowest aperture of the plane section. With ``--band 1.9:2.5:13`` (MHz) the
@@ -58,7 +58,7 @@ def run(
     LOGGER.info("stator: the response to a force")
     answers = {component: problem.response(component, resolved.frequency) for component in FORCES}
     x = np.linspace(0.0, resolved.stator.length, count)
-    x = x[abs(x - problem.place[0]) > problem.wavelength]
+    x = x[abs(x - problem.position[0]) > problem.wavelength]
     data, worst, worst_x = {"x_m": x}, 0.0, 0.0
     for component, name in FORCES.items():
         motion, error = problem.motion_and_error(answers[component], x)
@@ -67,8 +67,8 @@ def run(
         of_rms = error * abs(motion) / np.sqrt(np.mean(abs(motion) ** 2))
         worst, worst_x = max((worst, worst_x), (float(of_rms.max()), float(x[of_rms.argmax()])))
     answer = [
-        ("force", f"1 N on a strip of {problem.width * 1e3:.4g} mm at x = {problem.place[0] * 1e3:.6g} mm, "
-                  f"y = {problem.place[1] * 1e3:.4g} mm, {resolved.frequency / 1e6:.6g} MHz"),
+        ("force", f"1 N on a strip of {problem.width * 1e3:.4g} mm at x = {problem.position[0] * 1e3:.6g} mm, "
+                  f"y = {problem.position[1] * 1e3:.4g} mm, {resolved.frequency / 1e6:.6g} MHz"),
         ("method", "finite aperture" if problem.spreads else f"plane section: {problem.reason}"),
     ]  # fmt: skip
     for component in FORCES:
@@ -83,7 +83,7 @@ def run(
     if problem.spreads:
         of_currents = max(each.received_error for each in answers.values())
         answer.append(("", f"{of_currents:.1e} of the currents into transducers at a voltage of zero"))
-    panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {problem.place[0] * 1e3:g} mm", data=data)]
+    panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {problem.position[0] * 1e3:g} mm", data=data)]
     if band is not None:
         panels += _over_the_band(problem, passband.band_frequencies(resolved, band))
     bound = {"high": 1.000001 * tolerance, "expected": f"at most {tolerance:g}"}
@@ -111,18 +111,18 @@ def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1
 
 @dataclass(frozen=True, kw_only=True)
 class _ForceProblem:
-    """Stator, place and width of the force of a scene."""
+    """Position and width of the force on the stator of a scene."""
 
     scene: Scene
-    place: tuple[float, float]
-    width: float
+    position: tuple[float, float]  # m
+    width: float  # m, along y
     tolerance: float
-    wavelength: float
+    wavelength: float  # m
     reason: str  # why no beam is computed; empty if one is
 
     @classmethod
     def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
-        place = scene.positions[0] if scene.slider is None else scene.slider.center
+        position = scene.positions[0] if scene.slider is None else scene.slider.center
         stator = fem_model.whole_stator(scene)
         wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
@@ -130,31 +130,33 @@ class _ForceProblem:
             reason = "the beam of a force needs stator.ends = 'absorbing'"
         narrowest = min(each.aperture for each in fem_model.section_transducers(scene))
         if reason and width is not None:
-            scene.refuse("stator", f"must allow a beam for a strip of a given width: {reason}")
-        own = width or (narrowest if reason else wavelength / 2)
-        return cls(scene=scene, place=place, width=own, tolerance=tolerance, wavelength=wavelength, reason=reason)
+            scene.refuse("stator", f"must allow a beam for a strip of a specified width: {reason}")
+        width = width or (narrowest if reason else wavelength / 2)
+        return cls(
+            scene=scene, position=position, width=width, tolerance=tolerance, wavelength=wavelength, reason=reason
+        )
 
     @property
     def spreads(self) -> bool:
-        """Whether the beam of the strip is computed."""
+        """True if the beam of the strip is computed."""
         return not self.reason
 
     @property
     def beside(self) -> tuple[float, ...]:
-        """Places two wavelengths from the force, on the stator, m."""
+        """Positions on the stator two wavelengths from the force, m."""
         length = self.scene.stator.length
-        both = (self.place[0] + side * 2 * self.wavelength for side in (-1, 1))
+        both = (self.position[0] + side * 2 * self.wavelength for side in (-1, 1))
         return tuple(each for each in both if 0.0 <= each <= length) or (length / 2,)
 
     def force(self, component: str):
         """Return the ``fem.LineForce`` of 1 N."""
-        strip = {"width": self.width, "center_y": self.place[1]} if self.spreads else {}
+        strip = {"width": self.width, "center_y": self.position[1]} if self.spreads else {}
         return fem.LineForce(
-            name="force", position=self.place[0], component=component, amplitude=1.0 / self.width, **strip
+            name="force", position=self.position[0], component=component, amplitude=1.0 / self.width, **strip
         )
 
     def spread(self, wave):
-        """Return the beam of a section's answer where one is computed, else the answer itself."""
+        """Return the beam of a section's wave if one is computed, else the wave."""
         if not self.spreads:
             return wave
         try:
@@ -163,7 +165,7 @@ class _ForceProblem:
             raise RunError(f"the beam of this scene: {error}") from None
 
     def solved(self, solve, frequency: float, **options):
-        """Return what a solver of ``fem`` answers for the scene's stator at a frequency in Hz."""
+        """Return the result of a solver of ``fem`` for the scene's stator at a frequency in Hz."""
         scene = self.scene
         try:
             with as_run_errors(f"at {frequency / 1e6:.6g} MHz"):
@@ -185,7 +187,7 @@ class _ForceProblem:
         """Return u_z in m per newton along the line of the force, and its relative error."""
         if not self.spreads:
             return answer.motion(x)[1], np.full(len(x), answer.relative_error)
-        motion, error = answer.motion_and_error(x, self.place[1])
+        motion, error = answer.motion_and_error(x, self.position[1])
         return motion[2], error * abs(motion[[0, 2]]).max(axis=0) / abs(motion[2])
 
 
@@ -207,7 +209,7 @@ def _over_the_band(problem: _ForceProblem, at: np.ndarray) -> list[Panel]:
                 if abs(values).max() > ROUNDING:
                     sizes[unit][f"{port}_{name}_{unit}_per_N"] = values
     titles = {"A": ("currents", "current per newton"), "V": ("voltages", "voltage per newton")}
-    where = f"at {problem.place[0] * 1e3:g} mm"
+    where = f"at {problem.position[0] * 1e3:g} mm"
     return [
         Panel(name=name, title=f"{problem.scene.title}: {what} {where}", data=sizes[unit])
         for unit, (name, what) in titles.items()
@@ -220,12 +222,13 @@ def _band(problem: _ForceProblem, at: np.ndarray):
     scene = problem.scene
     return fem.frequency_band(
         fem_model.whole_stator(scene), fem_model.section_transducers(scene), lowest=float(at.min()),
-        highest=float(at.max()), drive=fem_model.drive(scene), tolerance=problem.tolerance, places=(problem.place[0],),
+        highest=float(at.max()), drive=fem_model.drive(scene), tolerance=problem.tolerance,
+        places=(problem.position[0],),
     )  # fmt: skip
 
 
 def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
-    """Return the finding that a newton gives the current that a volt gives as velocity."""
+    """Return the finding on reciprocity: current per newton and velocity per volt, or currents by two methods."""
     if problem.spreads:
         worst, quantity, high = max(each.scattering_error for each in answers.values()), BY_CHARGES, 0.3
     else:
@@ -233,11 +236,11 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
         if len(drive.sources) > 1 or drive.match:
             return ()
         LOGGER.info("stator: the response to a volt")
-        driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.place[0],))
+        driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.position[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
         own = next(each.aperture for each in fem_model.section_transducers(scene) if each.name == name)
         for component, answer in answers.items():
-            moved = driven.motion(problem.place[0])["xz".index(component)] * own / problem.width
+            moved = driven.motion(problem.position[0])["xz".index(component)] * own / problem.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]
             worst = max(worst, abs(current / (2j * np.pi * scene.frequency * moved / volts) - 1))
         quantity, high = BY_VOLT, 3 * problem.tolerance

@@ -3,7 +3,7 @@
 Method: u_z per volt under the slider of the scene (``twente-left`` by default; in the middle of a stator without a
 slider) at 161 frequencies of a band, or at as many as resolve the ripple of returning waves: the whole motion and the
 part of the surface mode, and the group delay -d(phase)/d(omega) of that part. They are compared with the quasi-static
-estimate, including the loss on the way. Expected: if no waves return (otherwise nothing is judged), a maximum within a
+estimate, including the loss on the path. Expected: if no waves return (otherwise nothing is judged), a maximum within a
 factor of 2 of the estimate; a half-power bandwidth of 0.6 to 1.1 of f/N (0.886 f/N for sin x / x without the influence
 of the path and the circuit); and in that band a median delay equal to the distance from the centre of the fingers over
 the velocity of the Rayleigh wave. Run time: about 8 s.
@@ -38,32 +38,29 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     measured : str, optional
         File of a vibrometer's scan over frequency, CSV or UFF; drawn over the prediction at its own frequencies.
     count : int, optional
-        Frequencies; without it 161, or as many as resolve the ripple of waves that return.
+        Number of frequencies; by default 161, or as many as resolve the ripple of returning waves.
     tolerance : float
         Relative, of the surface motion.
     """
     resolved = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
-    place, at = resolved.positions[0][0], passband.frequencies(resolved, count, 161)
+    x, at = resolved.positions[0][0], passband.frequencies(resolved, count, 161)
     driven = resolved.driven_transducer
-    prepared = response(resolved, at[0], at[-1], positions=(place,), tolerance=tolerance)
+    prepared = response(resolved, at[0], at[-1], positions=(x,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
     waves = prepared.waves(at, fem_model.drive(resolved))
-    normal = np.array([each.motion(place)[1] for each in waves])
-    covered = any(each.covered(place) for each in waves)
-    surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
-    way = abs(place - driven.center_xy[0])
+    normal = np.array([each.motion(x)[1] for each in waves])
+    covered = any(each.covered(x) for each in waves)
+    surface = normal if covered else np.array([each.rayleigh_motion(x)[1] for each in waves])
+    distance = abs(x - driven.center_xy[0])
     free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
-    theory, late = (passband.expected(resolved).normal(at) * np.exp(-free.attenuation * way), way / free.velocity)
-    delay = passband.group_delay(at, surface, late)
+    theory = passband.expected(resolved).normal(at) * np.exp(-free.attenuation * distance)
+    travel_time = distance / free.velocity
+    delay = passband.group_delay(at, surface, travel_time)
     band = np.array(half_power_band(at, abs(surface)))
     inside = (at >= band[0]) & (at <= band[1])
-    judgement = {}
-    if passband.waves_return(resolved):
-        judgement = {
-            "holds": None,
-            "remark": "other transducers or the ends send waves back, and the estimate has none",
-        }
+    remark = "other transducers or the ends send waves back, and the estimate has none"
+    judgement = {"holds": None, "remark": remark} if passband.waves_return(resolved) else {}
     findings = (
         judged("The amplitude is that of charges that send a Rayleigh wave.",
                "largest surface-mode amplitude over the estimate's", abs(surface).max() / theory.max(), low=0.5, high=2,
@@ -71,12 +68,12 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
         judged("N finger pairs pass a band of 0.886 f/N.", "width of half power, in f/N",
                np.ptp(band) / np.mean(band) * driven.finger_pairs, low=0.6, high=1.1, **judgement),
         judged("The group delay is that of a Rayleigh wave from the centre of the fingers.",
-               f"median group delay in that band over {late * 1e6:.4g} us",
-               np.median(delay[inside]) * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
+               f"median group delay in that band over {travel_time * 1e6:.4g} us",
+               np.median(delay[inside]) * free.velocity / distance, low=0.9, high=1.1, expected="1, within 10 %",
                **judgement),
     )  # fmt: skip
-    aperture, spreading = _aperture(resolved, place, tolerance)
-    title = f"{resolved.title}: x = {place * 1e3:g} mm, plane section"
+    aperture, spreading = _aperture(resolved, x, tolerance)
+    title = f"{resolved.title}: x = {x * 1e3:g} mm, plane section"
     error = max(each.relative_error for each in waves)
     panels = [
         Panel(name="amplitude", title=title, data={
@@ -84,7 +81,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
             "half_power_Hz": band, "relative_error": error,
         } | aperture),
         Panel(name="group_delay", title=title, data={
-            "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": late,
+            "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": travel_time,
         }),
     ]  # fmt: skip
     if scan is not None:
@@ -92,18 +89,18 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     return panels, findings + spreading, scan_answer(panels)
 
 
-def _aperture(scene: Scene, place: float, tolerance: float) -> tuple[dict, tuple[Finding, ...]]:
-    """Return the amplitude of the finite aperture at the drive's frequency, where it counts, and what it changes."""
+def _aperture(scene: Scene, x: float, tolerance: float) -> tuple[dict, tuple[Finding, ...]]:
+    """Return the amplitude of the finite aperture at the drive's frequency and its finding, if the beam spreads."""
     if not fem_model.diffracts(scene):
         return {}, ()
     LOGGER.info("stator: the beam at the drive's frequency")
-    at = (place, 0.0) if scene.slider is None else scene.slider.center
+    at = (x, 0.0) if scene.slider is None else scene.slider.center
     motion = solved_motion(scene, [at], tolerance=tolerance, slider=True)
     amplitude = abs(motion.at([at])[2, 0])
     finding = judged(
         "The finite aperture changes the amplitude at the slider.",
         f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
-        amplitude / abs(motion.wave.motion(place)[1]), low=0.3, high=2,
+        amplitude / abs(motion.wave.motion(x)[1]), low=0.3, high=2,
         remark="all curves are of the plane section, where the wave does not spread",
     )  # fmt: skip
     return {"drive_frequency_Hz": scene.frequency, "finite_aperture_m_per_V": amplitude}, (finding,)
@@ -111,20 +108,16 @@ def _aperture(scene: Scene, place: float, tolerance: float) -> tuple[dict, tuple
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw the amplitude with its estimate, or the group delay with the way's."""
+    """Draw the amplitude with its estimate, or the group delay with that of the distance."""
     data = record.data
     if "scan" in data:
         return draw_scan(data, ax)
     if "group_delay_s" in data:
-        ax.axhline(
-            data["way_s"] * quantity("group_delay_s").scale,
-            color="black",
-            linewidth=1,
-            label="way over velocity (theory)",
-        )
-        late = (("group_delay_s", "o", "slip", "surface mode"),)
-        return lines(ax, record, "frequency_Hz", late, "group_delay_s")
-    rows = (
+        theory = data["way_s"] * quantity("group_delay_s").scale
+        ax.axhline(theory, color="black", linewidth=1, label="distance over velocity (theory)")
+        delay = (("group_delay_s", "o", "slip", "surface mode"),)
+        return lines(ax, record, "frequency_Hz", delay, "group_delay_s")
+    curves = (
         ("normal_m_per_V", "-", "stick", "all modes"),
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
         ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
@@ -132,17 +125,17 @@ def figure(record: Panel, ax):
     across, up = quantity("frequency_Hz"), quantity("normal_m_per_V")
     low, high = data["half_power_Hz"] * across.scale
     shaded(ax, low, high, "half of the power")
-    sizes = [abs(data[key]).max() for key, *_ in rows]
+    sizes = [abs(data[key]).max() for key, *_ in curves]
     if "finite_aperture_m_per_V" in data:
         sizes.append(data["finite_aperture_m_per_V"])
         at, label = data["drive_frequency_Hz"] * across.scale, "finite aperture, at the drive's frequency"
         curve(ax, [at], [sizes[-1] * up.scale], "D", "intermittent", label, size=6.0)
     ax.set_ylim(0, 1.05 * up.scale * max(sizes))
-    return lines(ax, record, "frequency_Hz", rows, "normal_m_per_V", columns=2)
+    return lines(ax, record, "frequency_Hz", curves, "normal_m_per_V", columns=2)
 
 
 def half_power_band(at, size) -> tuple[float, float]:
-    """Return where the amplitude first falls below its maximum over root 2 on either side, Hz."""
+    """Return the frequencies in Hz at which the amplitude first falls below its maximum over root 2 on either side."""
     peak = int(np.argmax(size))
     level = size[peak] / np.sqrt(2)
     edges = []

@@ -55,7 +55,7 @@ def run(
     measured : str, optional
         Touchstone file of as many ports, with the same reference impedance.
     count : int, optional
-        Frequencies where no band is given; without it 401, or as many as resolve the ripple of waves that return.
+        Number of frequencies without a band; by default 401, or as many as resolve the ripple of returning waves.
     tolerance : float
         Relative, of the admittances.
     """
@@ -63,7 +63,7 @@ def run(
     reference = reference_impedance(z0)
     at = passband.band_frequencies(resolved, band, count)
     lab_file = None
-    if measured is not None:  # what is wrong with the file is said before anything is solved
+    if measured is not None:  # a wrong file is refused before anything is solved
         number = sum(each.has_two_electrodes for each in resolved.transducer)
         lab_file = _measured(Path(measured), resolved, number, reference)
     names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance)
@@ -78,21 +78,21 @@ def run(
     if len(names) > 1:
         first, second = (each.center_xy[0] for each in resolved.transducer if each.name in names[:2])
         velocity = fem_model.surface_velocity(resolved.stator)
-        way = abs(second - first) / velocity
-        delay = passband.group_delay(at, scattering[:, 1, 0], way)
+        travel_time = abs(second - first) / velocity
+        delay = passband.group_delay(at, scattering[:, 1, 0], travel_time)
         data, title = ({"frequency_Hz": at, "group_delay_s": delay}, f"{resolved.title}: {names[0]} to {names[1]}")
         if lab_file is not None:
-            data |= _measured_delay(lab_file, way)
+            data |= _measured_delay(lab_file, travel_time)
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        seen = driving_point(ports, fem_model.transducers(resolved), name)
-        models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
-        panels.append(_circuit_panel(name, at, seen, models[name]))
+        admittance = driving_point(ports, fem_model.transducers(resolved), name)
+        models[name] = [fem.motional_model(at, admittance, branches) for branches in (1, BRANCHES)]
+        panels.append(_circuit_panel(name, at, admittance, models[name]))
     answer = []
     if lab_file is not None:
-        _, _, own = scattering_matrix(resolved, lab_file.frequency, reference, tolerance)
-        answer = deviations(lab_file, own, names)
+        _, _, predicted = scattering_matrix(resolved, lab_file.frequency, reference, tolerance)
+        answer = deviations(lab_file, predicted, names)
         answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
@@ -117,7 +117,7 @@ def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1
 
 
 def _in_words(names, at, scattering, models):
-    """Yield match and insertion loss where they are best, and each transducer's circuit."""
+    """Yield lines of the answer: largest return loss, smallest insertion loss, and the circuit of each transducer."""
     for k, name in enumerate(names):
         size = abs(scattering[:, k, k])
         best = int(np.argmin(size))
@@ -148,13 +148,12 @@ def figure(record: Panel, ax):
     if record.name == "smith":
         return _smith(record, ax)
     if "group_delay_s" in data:
-        rows = (("group_delay_s", "-", "slip", None),)
         if "measured_group_delay_s" in data:
             at, delay = data["measured_frequency_Hz"] * across.scale, data["measured_group_delay_s"]
             curve(ax, at, delay * quantity("group_delay_s").scale, "o", "stick", "measured", size=2.5)
         title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
         record = Panel(name=record.name, title=title, data=data)
-        return lines(ax, record, "frequency_Hz", rows, "group_delay_s")
+        return lines(ax, record, "frequency_Hz", (("group_delay_s", "-", "slip", None),), "group_delay_s")
     if "spice" in data:
         up = quantity("admittance_S")
         for key, part, style in (
@@ -192,7 +191,7 @@ def _smith(record: Panel, ax):
     for prefix, style, _, remark in _sources(data):
         for i, name in enumerate(data["ports"]):
             s = data[f"{prefix}scattering"][:, i, i]
-            drawn = style if prefix or i == 0 else "--"  # like transducers lie on each other
+            drawn = style if prefix or i == 0 else "--"  # equal transducers coincide
             label = f"S{i + 1}{i + 1}, {name}{remark}"
             ax.plot(s.real, s.imag, drawn, color=f"C{i}", markersize=3, label=label)
     ax.set_aspect("equal")
@@ -208,13 +207,13 @@ def _sources(data: dict):
         yield "measured_", ".", data["measured_frequency_Hz"] * scale, f" ({data['measured_file']})"
 
 
-def _circuit_panel(name: str, at, seen, models) -> Panel:
+def _circuit_panel(name: str, at, admittance, models) -> Panel:
     safe = "".join(letter if letter.isalnum() else "_" for letter in name)
     texts = [model.spice(f"{safe}_{kind}") for model, kind in zip(models, ("bvd", "motional"), strict=True)]
     one, several = (model.admittance(at) for model in models)
     title = f"Transducer {name!r}: errors {models[0].error:.2g} and {models[1].error:.2g}"
     return Panel(name=f"circuit_{safe}", title=title, data={
-        "frequency_Hz": at, "admittance_S": seen, "one_branch_S": one, "several_branches_S": several,
+        "frequency_Hz": at, "admittance_S": admittance, "one_branch_S": one, "several_branches_S": several,
         "spice": "".join(texts),
     })  # fmt: skip
 
@@ -227,19 +226,19 @@ def _measured(file: Path, scene: Scene, ports: int, reference: float) -> Network
         raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
     data = read_network(file, "--measured")
     if data.reference != reference:
-        own = data.reference
-        raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
+        rule = f"has the reference {data.reference:g} ohm: give --z0 {data.reference:g}, not {reference:g}"
+        raise SceneError("--measured", rule)
     refuse_other_range(scene, data, "--measured")
     return data
 
 
-def _measured_delay(seen: NetworkData, way: float) -> dict:
-    """Return the group delay of a file, or why it is not drawn: steps too wide for the phase to be followed."""
-    step = float(np.max(np.diff(seen.frequency)))
-    # echoes run the way twice more: their phase against the first arrival's may turn by half a turn per step
-    widest = 0.5 / (2.0 * way)
+def _measured_delay(measured: NetworkData, travel_time: float) -> dict:
+    """Return the group delay of a file, or why it is not drawn: steps too wide to unwrap the phase."""
+    step = float(np.max(np.diff(measured.frequency)))
+    # echoes travel the distance twice more: their phase relative to the first arrival may change by pi per step
+    widest = 0.5 / (2.0 * travel_time)
     if step > widest:
         rule = f"steps of {step / 1e3:.4g} kHz, at most {widest / 1e3:.4g} kHz would do"
         return {"not_drawn": f"the measured group delay is undersampled and not drawn: {rule}"}
-    delay = passband.group_delay(seen.frequency, seen.scattering[:, 1, 0], way)
-    return {"measured_frequency_Hz": seen.frequency, "measured_group_delay_s": delay}
+    delay = passband.group_delay(measured.frequency, measured.scattering[:, 1, 0], travel_time)
+    return {"measured_frequency_Hz": measured.frequency, "measured_group_delay_s": delay}

@@ -1,38 +1,37 @@
-"""How far a network analyser's file is from the prediction: resonance, G, C0, K2 and loss of each transducer.
+"""Deviation of a network analyser's file from the prediction: resonance, G, C0, K2 and loss of each transducer.
 
-Each transducer's input admittance, the other ports open, at the file's own frequencies.  Resonance: where G is largest.
-C0, K2 and loss: of the circuit of C0 and one motional branch that fits best (`fem.motional_model`): K2 is C1/C0 times a
-factor of the geometry, so only the ratio of two is said; the loss is the branch's 1/Q.  Where no circuit fits C0 is the
-mean of Im Y/omega over the outer tenths of the band.
+They are those of the input admittance, the other ports open, at the frequencies of the file.  Resonance: where G is
+largest.  C0, K2 and loss: of the best circuit of C0 and one motional branch (`fem.motional_model`); K2 is C1/C0 times
+a factor of the geometry, so that only the ratio to the prediction is stated; the loss is 1/Q of the branch.  If no
+circuit fits, C0 is the mean of Im Y/omega over the outer tenths of the band.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 import fem
 from studies.lab.network import NetworkData
 
+UNITS = {"resonance": ("MHz", 1e-6), "G": ("mS", 1e3), "C0": ("pF", 1e12), "K2": ("", 1.0), "loss": ("", 1.0)}
 EDGE = 0.1  # share of the band at either end from which C0 is taken
 
 
-def deviations(seen: NetworkData, predicted: np.ndarray, names: list[str]) -> list[tuple[str, str]]:
-    """Return what the file says beside the prediction, rows of a name and a line."""
-    own = NetworkData(name="", frequency=seen.frequency, scattering=predicted, reference=seen.reference)
-    gap = np.sqrt(np.mean(np.abs(seen.scattering - predicted) ** 2))
-    span = f"{seen.frequency[0] / 1e6:.5g} to {seen.frequency[-1] / 1e6:.5g} MHz"
-    rows = [("measured", f"{seen.name}: {len(seen.frequency)} frequencies, {span}; deviation of S {gap:.3g} rms")]
+def deviations(measured: NetworkData, predicted: np.ndarray, names: list[str]) -> list[tuple[str, str]]:
+    """Return lines of the answer, label and text: deviation of predicted S-parameters from a file."""
+    gap = np.sqrt(np.mean(np.abs(measured.scattering - predicted) ** 2))
+    at = measured.frequency
+    span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
+    lines = [("measured", f"{measured.name}: {len(at)} frequencies, {span}; deviation of S {gap:.3g} rms")]
     for k, name in enumerate(names):
-        measured, computed = (_input(each, k) for each in (seen, own))
-        for key, unit, scale in (("resonance", "MHz", 1e-6), ("G", "mS", 1e3), ("C0", "pF", 1e12), ("K2", "", 1.0),
-                                 ("loss", "", 1.0)):  # fmt: skip
-            if key not in measured or key not in computed:
-                continue
-            a, b = measured[key], computed[key]
-            if key == "K2":
-                rows.append((name, f"K2 over the predicted {a / b:.4g}"))
-                continue
-            rows.append((name, f"{key} {a * scale:.5g} {unit} measured, {b * scale:.5g} {unit} predicted, "
-                               f"{100 * (a / b - 1.0):+.3g} %"))  # fmt: skip
-    return rows
+        ours, theirs = (_input(each, k) for each in (replace(measured, scattering=predicted), measured))
+        for key in (key for key in UNITS if key in ours and key in theirs):
+            (unit, scale), a, b = UNITS[key], theirs[key], ours[key]
+            text = (
+                f"{key} {a * scale:.5g} {unit} measured, {b * scale:.5g} {unit} predicted, {100 * (a / b - 1):+.3g} %"
+            )
+            lines.append((name, f"K2 over the predicted {a / b:.4g}" if key == "K2" else text))
+    return lines
 
 
 def _input(data: NetworkData, port: int) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What coupled modes leave out: P-matrices of transducers and pieces, and their cascade compared with the whole stator.
+"""P-matrices of transducers and pieces, and their cascade compared with the whole stator: what coupled modes neglect.
 
 Method: the P-matrix of each transducer alone, computed from its field (`fem.p_matrix`, nothing is fitted), and of each
 meshed piece (`fem.reflector`), for the surface wave only, at frequencies of the passband. Their cascade along the
@@ -36,7 +36,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     Parameters
     ----------
     count : int
-        Frequencies.
+        Number of frequencies.
     tolerance : float
         Of the P-matrices and of the admittances.
     """
@@ -46,25 +46,25 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
-    at, known, first, cascade = passband.frequencies(resolved, count), {}, [], []
+    at, by_kind, first, cascade = passband.frequencies(resolved, count), {}, [], []
     pieces: list[fem.Reflector] = []
     for f in at:
         LOGGER.info(f"P-matrices at {f / 1e6:.5g} MHz")
         kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
         with as_run_errors(f"at {f / 1e6:.6g} MHz"):
             for kind, each in zip(kinds, row, strict=True):
-                if kind not in known:
-                    known[kind] = fem.p_matrix(stator, each, frequency=float(f), tolerance=tolerance)
+                if kind not in by_kind:
+                    by_kind[kind] = fem.p_matrix(stator, each, frequency=float(f), tolerance=tolerance)
             if stator.pieces:
                 pieces.append(fem.reflector(stator, frequency=float(f), tolerance=tolerance))
-        parts = [known[kind] for kind in kinds]
-        placed = [(each.center - part.length / 2, part) for each, part in zip(row, parts, strict=True)]
+        parts = [by_kind[kind] for kind in kinds]
+        located = [(each.center - part.length / 2, part) for each, part in zip(row, parts, strict=True)]
         if pieces:
-            placed += [(left, pieces[-1].pieces[number][1]) for left, number in pieces[-1].positions]
-        order = sorted(range(len(placed)), key=lambda k: placed[k][0])
-        together, electrical = [placed[k] for k in order], [order.index(k) for k in ports]
-        distances = [start - (before + part.length) for (before, part), (start, _) in pairwise(together)]
-        admittance = fem.cascade_admittance([part for _, part in together], distances)
+            located += [(left, pieces[-1].pieces[number][1]) for left, number in pieces[-1].positions]
+        order = sorted(range(len(located)), key=lambda k: located[k][0])
+        from_left, electrical = [located[k] for k in order], [order.index(k) for k in ports]
+        distances = [start - (before + part.length) for (before, part), (start, _) in pairwise(from_left)]
+        admittance = fem.cascade_admittance([part for _, part in from_left], distances)
         cascade.append(admittance[np.ix_(electrical, electrical)])
         first.append(parts[ports[0]])
     plane = replace(resolved, stator=replace(resolved.stator, diffraction=False, sides="absorbing"))

@@ -11,20 +11,19 @@ from studies.study import Panel
 
 
 def scan_file(scene: Scene, path: str, over: str) -> Scan:
-    """Return the scan of a file, placed on a resolved scene; ``over``: "place" or "frequency".
+    """Return the scan of a file at its positions on a resolved scene; ``over``: "position" or "frequency".
 
     Raises
     ------
     SceneError
-        If the file holds no such scan.
+        If the file holds no scan over this coordinate.
     """
     measured = read_measured(path).scan
     if measured is None:
         raise SceneError("--measured", f"must be a vibrometer's scan for this study, got {path!r}")
     scan = placed(scene, measured)
     if (scan.kind == "frequency") != (over == "frequency"):
-        rule = f"must be a scan over {over} for this study, got one over {scan.kind}"
-        raise SceneError("--measured", rule)
+        raise SceneError("--measured", f"must be a scan over {over} for this study, got one over {scan.kind}")
     return scan.as_displacement(scene.frequency)
 
 
@@ -35,5 +34,5 @@ def scan_panel(scene: Scene, scan: Scan, *, tolerance: float) -> Panel:
 
 
 def scan_answer(panels) -> list[tuple[str, str]]:
-    """Return what a study answers of its scan; nothing where there is none."""
-    return [row for panel in panels if panel.name == "measured" for row in scan_comparison(panel.data)]
+    """Return the lines of a study's answer on its scan; none without a scan."""
+    return [line for panel in panels if panel.name == "measured" for line in scan_comparison(panel.data)]

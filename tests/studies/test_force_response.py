@@ -79,5 +79,5 @@ def test_the_plane_section_takes_the_force_over_the_aperture(scene):
     assert received == pytest.approx(velocity, rel=1e-2)
     assert record.findings[0].found < 1e-2
     assert [finding.confirmed for finding in record.findings] == [True] * 3
-    with pytest.raises(SceneError, match="must allow a beam for a strip of a given width"):
+    with pytest.raises(SceneError, match="must allow a beam for a strip of a specified width"):
         run(plane, width=1e-3)

@@ -130,13 +130,13 @@ def test_a_velocity_scan_is_the_same_displacement():
     # magnitudes too; and the deviation is that of the same quantity
     for one, same in ((rates, scan.values), (replace(rates, values=abs(rates.values)), abs(scan.values))):
         one = replace(one, deviation=0.02 * abs(one.values))
-        moved = one.at_volts(None).as_displacement(2.2e6)
+        moved = one.per_volt_of_source().as_displacement(2.2e6)
         np.testing.assert_allclose(moved.values, same, rtol=1e-12)
         np.testing.assert_allclose(moved.deviation, 0.02 * abs(scan.values), rtol=1e-12)
         assert (moved.per_volt, moved.is_velocity) == (True, False)
     unknown = replace(rates, voltage=None)
     with pytest.raises(SceneError, match="at an unknown voltage: add a column voltage_V"):
-        unknown.at_volts(None)
+        unknown.per_volt_of_source()
 
 
 def test_a_comparison_states_size_phase_velocity_ripple_and_place_of_the_beam():

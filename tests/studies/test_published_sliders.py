@@ -23,7 +23,7 @@ def test_the_wave_fades_under_a_long_slider():
 
 
 def test_the_mass_decides_about_a_step():
-    light, heavy = (published_sliders.shigematsu_step(mass) for mass in (1e-3, 20e-3))
+    light, heavy = (published_sliders.shigematsu_step(mass, cycles=25, amplitude=20e-9) for mass in (1e-3, 20e-3))
     assert heavy < 2e-9 < light
     # at constant traction the way goes as 1/m, the slide after it too
     assert light / heavy == pytest.approx(20.0, rel=1e-6)

@@ -9,8 +9,8 @@ from studies.papers import published_stators as study
 
 def test_fingers_and_strips_are_those_of_the_whole_stator():
     """Share, admittance and motion from two P-matrices against the field of both on one plate, bulk waves included."""
-    row = study.p_matrix_of_row(None, 1.0, 6, 2e-2)
-    strips = study.p_matrix_of_row("o", 1.03, 12, 2e-2)
+    row = study.p_matrix_of(None, 1.0, 6, 2e-2)
+    strips = study.p_matrix_of("o", 1.03, 12, 2e-2)
     case = study.one_sided(row, strips)[0]
     solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
     at = 3e-3 + strips.length + case["distance_m"] + row.length / 2
@@ -32,7 +32,7 @@ def test_fingers_and_strips_are_those_of_the_whole_stator():
 
 def test_a_conjugate_load_takes_the_share_and_leaves_the_reflection():
     """A wave from the right on fingers with strips, all three coupled again by hand, electrodes loaded with 1/Y*."""
-    row, strips = study.p_matrix_of_row(None, 1.0, 6, 0.3), study.p_matrix_of_row("o", 1.03, 12, 0.3)
+    row, strips = study.p_matrix_of(None, 1.0, 6, 0.3), study.p_matrix_of("o", 1.03, 12, 0.3)
     case = study.one_sided(row, strips)[1]
     load = complex(1 / case["load_ohm"], -_susceptance(row, strips, case["distance_m"]))
     far = len(row.wavenumbers)

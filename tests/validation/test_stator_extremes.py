@@ -31,14 +31,14 @@ def strips(motor: Motor) -> tuple[complex, np.ndarray]:
     owner = np.array([int(sign == "-") for sign in transducer.signs])
     charges, coefficients = found.charges(owner, {0: 0.5, 1: -0.5})
     admittance = 2j * np.pi * motor.frequency * transducer.aperture * charges[0]
-    return complex(admittance), found.motion(coefficients, motor.place)
+    return complex(admittance), found.motion(coefficients, motor.position)
 
 
 def compare(motor: Motor) -> None:
     wave = motor.wave(TOLERANCE)
     admittance, motion = strips(motor)
-    turn = np.exp(1j * np.angle(np.sum(np.conj(motion) * wave.motion(motor.place))))
-    off = abs(wave.motion(motor.place) - turn * motion).max() / abs(motion).max()
+    turn = np.exp(1j * np.angle(np.sum(np.conj(motion) * wave.motion(motor.position))))
+    off = abs(wave.motion(motor.position) - turn * motion).max() / abs(motion).max()
     assert off < max(2 * wave.relative_error, TOLERANCE / 100)
     assert abs(wave.admittance / admittance - 1) < max(2 * wave.admittance_error, TOLERANCE / 100)
 

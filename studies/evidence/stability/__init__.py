@@ -80,18 +80,12 @@ def summary(rows: list[dict]) -> str:
         guards = Counter(row["guard"] for row in selected if row["guard"])
         ratios = [ratio for ratio in map(_ratio, selected) if ratio is not None]
         unit = f" {selected[0]['unit']}".rstrip()
-        cells = [
-            part,
-            varied,
-            f"{selected[0]['value']}{unit}",
-            f"{selected[-1]['value']}{unit}",
-            str(len(selected)),
-            *(str(verdicts[verdict] or "") for verdict in VERDICTS),
-            f"{max(ratios):.2g}" if ratios else "",
+        table.append([
+            part, varied, f"{selected[0]['value']}{unit}", f"{selected[-1]['value']}{unit}", str(len(selected)),
+            *(str(verdicts[verdict] or "") for verdict in VERDICTS), f"{max(ratios):.2g}" if ratios else "",
             f"{sum(row['seconds'] for row in selected):.1f}",
             guards.most_common(1)[0][0][:110].replace("|", "/") if guards else "",
-        ]
-        table.append(cells)
+        ])  # fmt: skip
     total = Counter(row["verdict"] for row in rows)
     counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
     return "\n".join([*markdown(head, table), "", f"{len(rows)} cases: {counts}"]) + "\n"
@@ -136,8 +130,8 @@ def against_estimate(panels: tuple[Panel, ...], ax):
         ax.loglog(*zip(*drawn, strict=True), "o", **style, label=f"{panel.name} ({len(drawn)})")
     ends = [1e-16, 1.0]
     ax.loglog(ends, [2 * end for end in ends], "-", color="black", linewidth=1, label="twice the estimate")
-    title = "Stated errors and errors against the other way"
-    return finished(ax, "stated relative error (1)", "error against the other way (1)", title)
+    title = "Stated errors and differences from the reference"
+    return finished(ax, "stated relative error (1)", "difference from the reference (1)", title)
 
 
 def draw(record: StudyRecord, folder) -> None:
@@ -172,13 +166,13 @@ def _ratio(row: dict) -> float | None:
 
 
 def atlas_findings(rows: list[dict]) -> tuple[Finding, ...]:
-    """Return what all rows together must show: enough cases, and none of them wrong."""
+    """Return the findings on all rows: enough cases, and none of them wrong."""
     total = Counter(row["verdict"] for row in rows)
     wrong = [row for row in rows if row["verdict"] == "WRONG"]
     worst = "; ".join(f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5])
-    held = [row for row in rows if row["relative_error"] is not None]
+    referenced = [row for row in rows if row["relative_error"] is not None]
     counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
-    remark = f"{counts}; {len(held)} answers compared with a reference"
+    remark = f"{counts}; {len(referenced)} answers compared with a reference"
     return (
         judged("The study covers enough cases.", "cases", len(rows), low=LEAST - 1, expected=f"at least {LEAST}",
                remark=remark),

@@ -113,11 +113,11 @@ def compared(case: Case, tolerance: float) -> Comparison:
     scene = scene_of(case.value)
     record = run(scene, tolerance=tolerance)
     if record.shortfall:
-        raise NoReference(f"none is asked where the answer itself is flagged: {record.shortfall}")
-    return *_worst(record, _known(reference, scene, tolerance)), True
+        raise NoReference(f"not computed, because the answer itself is flagged: {record.shortfall}")
+    return *_worst(record, _reference_velocities(reference, scene, tolerance)), True
 
 
-def _known(reference: str, scene: Scene, tolerance: float) -> np.ndarray:
+def _reference_velocities(reference: str, scene: Scene, tolerance: float) -> np.ndarray:
     """Return the velocities of the reference in m/s."""
     if reference == "divider":
         admittance = _tighter(MOTOR, tolerance).electrical["admittance_S"]
@@ -134,23 +134,22 @@ def _known(reference: str, scene: Scene, tolerance: float) -> np.ndarray:
 def _tighter(scene: Scene, tolerance: float) -> Record:
     """Return the record at a hundredth of a tolerance, or at a tenth if there is no answer."""
     reason = ""
-    for relative_tolerance in TIGHTER:
+    for finer in TIGHTER:
         try:
-            record = run(scene, tolerance=tolerance * relative_tolerance / TOLERANCE)
+            record = run(scene, tolerance=tolerance * finer / TOLERANCE)
+            if not record.shortfall:
+                return record
+            reason = record.shortfall
         except RunError as error:
             reason = str(error)
-            continue
-        if not record.shortfall:
-            return record
-        reason = record.shortfall
     raise NoReference(reason)
 
 
-def _worst(record: Record, known: np.ndarray) -> tuple[float, float]:
+def _worst(record: Record, reference: np.ndarray) -> tuple[float, float]:
     """Return error and estimate of the point whose error exceeds twice its estimate the most."""
     omega = 2 * math.pi * record.scene.frequency
     errors = []
-    for point, truth in zip(record.points, known, strict=True):
+    for point, truth in zip(record.points, reference, strict=True):
         scale = contact.speed_scale(truth, omega * point["tangential_amplitude_m"])
         difference = abs(point["velocity_m_per_s"] - truth)
         errors.append((difference / scale if scale > 0 else difference, point["relative_error"]))

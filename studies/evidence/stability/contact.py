@@ -1,9 +1,9 @@
-"""The contact at its extremes: every quantity to both ends of its range, and random corners of all ranges together.
+"""Extreme cases of the contact: each quantity at both ends of its range, and random combinations of extreme values.
 
 Method: the seed's slider on a wave of 5 nm; one quantity at a time, and then all at random between their ends, laws and
-numbers of balls too.  The steady velocity is asked for at 1e-3 and held against runs in time that start at it
-(`cross_check`).  Expected: an answer within its stated error, an answer that says that it is not within the
-tolerance, or a refusal with the reason; never NaN, never a traceback.  Run time: about a minute of one processor.
+numbers of balls too.  The steady velocity at a tolerance of 1e-3 is compared with runs in time that start at it
+(`cross_check`).  Expected: an answer within its stated error, an answer whose status says that it misses the
+tolerance, or a refusal with the reason; never NaN or a traceback.  Run time: about a minute of one processor.
 """
 
 import math
@@ -55,8 +55,7 @@ MAY_BE_ZERO = (
 
 def motor(case: Case):
     """Return (slider, orbits) of a case."""
-    values = corner(int(case.value)) if case.varied == "corner" else {case.varied: case.value}
-    return built(values)
+    return built(corner(int(case.value)) if case.varied == "corner" else {case.varied: case.value})
 
 
 def built(values: dict):
@@ -69,9 +68,8 @@ def built(values: dict):
     angle, contacts = rest.pop("angle", -0.5 * math.pi), rest.pop("contacts", 1)
     moduli = {name: factor * SLIDER[name] for name in ("effective_modulus", "tangential_modulus")}
     slider = contact.Slider(**(SLIDER | moduli | rest))
-    one = contact.Orbit(
-        frequency=frequency, normal=amplitude, tangential=ratio * amplitude * complex(np.exp(1j * angle))
-    )
+    tangential = ratio * amplitude * complex(np.exp(1j * angle))
+    one = contact.Orbit(frequency=frequency, normal=amplitude, tangential=tangential)
     return slider, tuple(one.scaled(complex(np.exp(-2j * np.pi * k / 7.0))) for k in range(contacts))
 
 
@@ -99,11 +97,11 @@ def compared(case: Case, tolerance: float) -> Comparison:
     answer = contact.steady(slider, orbits, tolerance=tolerance)
     try:
         reference = cross_check(answer)
-    except contact.ConvergenceError as lacking:
-        raise NoReference(str(lacking)) from None
-    error, own = (
+    except contact.ConvergenceError as error:
+        raise NoReference(str(error)) from None
+    difference, reference_error = (
         relative_to_reference(each, answer.velocity, orbits)
         for each in (reference.velocity - answer.velocity, reference.error)
     )
     # the reference is often less accurate than the answer: subtract twice its error
-    return max(error - 2.0 * own, 0.0), answer.relative_error, answer.status == "ok" or answer.message
+    return max(difference - 2.0 * reference_error, 0.0), answer.relative_error, answer.status == "ok" or answer.message

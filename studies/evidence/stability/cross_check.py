@@ -35,24 +35,12 @@ BESIDE, HIGHER, STILL = 1e-2, 0.1, 1e-4
 
 @dataclass(frozen=True, kw_only=True)
 class CrossCheck:
-    """A steady velocity from runs in time.
+    """A steady velocity from runs in time."""
 
-    Attributes
-    ----------
-    velocity : float
-        m/s.
-    error : float
-        Estimated error in m/s, from the resolutions and the remaining settling.
-    method : str
-        "stepped" or "exact".
-    cycles : int
-        Number of computed cycles.
-    """
-
-    velocity: float
-    error: float
-    method: str
-    cycles: int
+    velocity: float  # m/s
+    error: float  # estimated, m/s, from the resolutions and the remaining settling
+    method: str  # "stepped" or "exact"
+    cycles: int  # number of computed cycles
 
 
 def cross_check(state: SteadyState) -> CrossCheck:
@@ -96,12 +84,12 @@ def cross_check(state: SteadyState) -> CrossCheck:
         apart = a2 - a
         rho = min(max((b2 - b) / apart, 0.0), 1.0 - 1e-9) if abs(apart) > 1e-3 * BESIDE * reference else 0.0
         settled = [early + (late - early) / (1.0 - rho) for early, late in runs]
-        # resolutions, and a secant that is straight to second order in how far it had to reach
+        # resolutions, and a secant whose error is of second order in the distance of extrapolation
         reached = abs(settled[-1] - b) + abs(b2 - b)
         error = max(abs(settled[-1] - other) for other in settled[:-1])
         error += reached * min(1.0, 4.0 * reached / max(reference, 1e-300)) + drift * reference / (1.0 - rho)
         if not stepped:
-            # a stiff damper of the contacts keeps the height of the start for 10^5 cycles, and the velocity with it
+            # a stiff damper of the contacts retains the initial height, and thus the velocity, for 10^5 cycles
             begin[0] += HIGHER * max(normal_amplitude(problem.paths, np.arange(problem.contacts)))
             higher = _quarters(_rows(problem, stepped, resolutions[0], begin, cycles))[1]
             if abs(higher - b2) > max(error, STILL * reference):

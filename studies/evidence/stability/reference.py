@@ -1,6 +1,6 @@
 """Reference solutions for the extreme cases of the driven stator: independent values of admittance and motion.
 
-Each function returns an admittance in S, or None if it has none, and u_x and u_z at ``motor.place`` in m per volt.
+Each function returns an admittance in S, or None if it has none, and u_x and u_z at ``motor.position`` in m per volt.
 """
 
 import math
@@ -37,11 +37,11 @@ def against(motor, kind: str, tolerance: float, balance: float) -> Comparison:
     wave = motor.wave(tolerance)
     try:
         admittance, motion = REFERENCES[kind](motor, wave)
-    except ConvergenceError as lacking:
-        raise NoReference(str(lacking)) from None
+    except ConvergenceError as reason:
+        raise NoReference(str(reason)) from None
     if not wave.power_residual < balance:
         return wave.power_residual, 0.0, "the power balance does not close"
-    pairs = [(_difference(wave.motion(motor.place), motion), wave.relative_error)]
+    pairs = [(_difference(wave.motion(motor.position), motion), wave.relative_error)]
     if admittance is not None:
         pairs.append((abs(wave.admittance / admittance - 1), wave.admittance_error))
     if not all(math.isfinite(error) for error, _ in pairs):
@@ -50,11 +50,11 @@ def against(motor, kind: str, tolerance: float, balance: float) -> Comparison:
     return float(error), float(estimate), True
 
 
-def _difference(motion: np.ndarray, known: np.ndarray) -> float:
+def _difference(motion: np.ndarray, reference: np.ndarray) -> float:
     """Return the difference of two orbits over the larger component, without a common phase, which has no effect."""
-    known = np.asarray(known)
-    phase_factor = np.exp(1j * np.angle(np.sum(np.conj(known) * motion)))
-    return float(abs(motion - phase_factor * known).max() / abs(known).max())
+    reference = np.asarray(reference)
+    phase_factor = np.exp(1j * np.angle(np.sum(np.conj(reference) * motion)))
+    return float(abs(motion - phase_factor * reference).max() / abs(reference).max())
 
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
@@ -69,18 +69,17 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         segment_layers=3,
     )
     circuit = solve_circuit(solution.admittances, solution.names, motor.transducers, motor.drive, motor.frequency)
-    return circuit.admittance, solution.surface(np.array([motor.place]))[:, 0] @ circuit.voltages
+    return circuit.admittance, solution.surface(np.array([motor.position]))[:, 0] @ circuit.voltages
 
 
 def _finer(motor, answer) -> tuple[complex, np.ndarray]:
     """Solve on the next level of discretisation or, after the last level, with a higher order."""
-    level = LEVELS.index(answer.solution.fields.resolution)
-    finest = replace(LEVELS[-1], order=12)
-    resolution = LEVELS[level + 1] if level + 1 < len(LEVELS) else finest
+    finer = (*LEVELS, replace(LEVELS[-1], order=12))
+    resolution = finer[LEVELS.index(answer.solution.fields.resolution) + 1]
     solution = solve_driven(
         motor.stator, motor.transducers, frequency=motor.frequency, drive=motor.drive, resolution=resolution
     )
-    return solution.circuit.admittance, surface_of(solution).motion(motor.place)
+    return solution.circuit.admittance, surface_of(solution).motion(motor.position)
 
 
 def _size(motor, _) -> tuple[complex, np.ndarray]:
@@ -91,9 +90,10 @@ def _size(motor, _) -> tuple[complex, np.ndarray]:
     def scaled(part, *names: str):
         return replace(part, **{name: getattr(part, name) / factor for name in names})
 
-    comb = scaled(transducer, "center", "period", "aperture")
-    ordinary = replace(scaled(motor, "place"), stator=scaled(motor.stator, "length", "thickness"), transducers=(comb,))
-    return _direct(replace(ordinary, frequency=2.2e6), _)
+    transducer = scaled(transducer, "center", "period", "aperture")
+    stator = scaled(motor.stator, "length", "thickness")
+    whole = replace(scaled(motor, "position"), stator=stator, transducers=(transducer,), frequency=2.2e6)
+    return _direct(whole, _)
 
 
 def _circuit(motor, _) -> tuple[complex, np.ndarray]:

@@ -11,6 +11,7 @@ partial waves.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 
 import fem
 from studies.evidence.stability.reference import against
@@ -21,7 +22,7 @@ TOLERANCE = 1e-3
 BALANCE = 1e-7  # allowed error of the power balance over the apparent power; the measured ones are up to 1e-9
 ENDS = ("absorbing", "free", "clamped")
 BOTTOMS = ("free", "grounded", "clamped", "absorbing")
-SIDES = tuple((ends, bottom) for ends in ENDS for bottom in BOTTOMS)
+SIDES = tuple(product(ENDS, BOTTOMS))
 CUTS = (
     ("PZT-8", "X"),
     ("LiNbO3 (Warner)", "YZ"),
@@ -35,26 +36,13 @@ TERMINATIONS = ("open", "short", 0.0, 1e-9, 1e9, 50j, -50j)
 
 @dataclass(frozen=True, kw_only=True)
 class Motor:
-    """A driven stator, and the position at which its motion is computed.
-
-    Attributes
-    ----------
-    stator : fem.Stator
-    transducers : tuple of fem.Transducer
-        The first is driven.
-    frequency : float
-        Hz.
-    place : float
-        Position x in m.
-    source_impedance : complex
-        Ohm.
-    """
+    """A driven stator, and the position at which its motion is computed."""
 
     stator: fem.Stator
-    transducers: tuple[fem.Transducer, ...]
-    frequency: float = 2.2e6
-    place: float = 6e-3
-    source_impedance: complex = 0.0
+    transducers: tuple[fem.Transducer, ...]  # the first is driven
+    frequency: float = 2.2e6  # Hz
+    position: float = 6e-3  # x, m
+    source_impedance: complex = 0.0  # ohm
 
     def solid(self, **changes) -> "Motor":
         """Return the motor with some constants of its solid replaced."""
@@ -76,28 +64,26 @@ class Motor:
     def wave(self, tolerance: float):
         """Return its ``fem.SurfaceWave``."""
         options = {"frequency": self.frequency, "drive": self.drive, "tolerance": tolerance}
-        return fem.driven_wave(self.stator, self.transducers, places=(self.place,), **options)
+        return fem.driven_wave(self.stator, self.transducers, places=(self.position,), **options)
 
 
 def small_motor(material: str = "PZT-8", orientation="Z", *, stretch: float = 1.0) -> Motor:
     """Return the motor of the cases; with another solid it has the same size in wavelengths, ``stretch`` scales it."""
     solid = fem.rotated(fem.material(material), orientation)
     frequency = 2.2e6 / stretch
-    period = fem.automatic_period(fem.rotated(fem.material("PZT-8"), "Z"), frequency, 0.5)
-    if material != "PZT-8" or orientation != "Z":
-        period = fem.automatic_period(solid, frequency, 0.5)
+    period = fem.automatic_period(solid, frequency, 0.5)
     transducer = fem.Transducer(
         name="left", center=3 * period, finger_pairs=2, period=period, metallisation=0.5, aperture=20 * period
     )
     stator = fem.Stator(solid=solid, length=9 * period, thickness=0.7 * period, ends="absorbing")
-    return Motor(stator=stator, transducers=(transducer,), frequency=frequency, place=6.1 * period)
+    return Motor(stator=stator, transducers=(transducer,), frequency=frequency, position=6.1 * period)
 
 
 def other_motor(motor: Motor, **changes) -> Motor:
     """Return the motor with a second transducer at the mirror image of the first."""
     first = motor.transducers[0]
     second = replace(first, name="right", center=motor.stator.length - first.center, **changes)
-    return replace(motor, transducers=(first, second), place=motor.stator.length / 2)
+    return replace(motor, transducers=(first, second), position=motor.stator.length / 2)
 
 
 def _at(frequency: float) -> Motor:
@@ -112,7 +98,7 @@ def _pairs(count: float) -> Motor:
     period = motor.transducers[0].period
     extent = (count + 1) * period
     motor = motor.comb(finger_pairs=int(count), center=extent / 2 + period).section(length=extent + 6 * period)
-    return replace(motor, place=extent + 3 * period)
+    return replace(motor, position=extent + 3 * period)
 
 
 def _long(wavelengths: float) -> Motor:
@@ -120,7 +106,7 @@ def _long(wavelengths: float) -> Motor:
     motor = small_motor()
     period = motor.transducers[0].period
     motor = motor.comb(center=1.5 * period).section(length=(3 + wavelengths) * period)
-    return replace(motor, place=(2.9 + wavelengths) * period)
+    return replace(motor, position=(2.9 + wavelengths) * period)
 
 
 def _thick(wavelengths: float) -> Motor:

@@ -25,7 +25,7 @@ from studies.refusal import RunError, SceneError
 
 VERDICTS = ("right", "flagged", "refused", "WRONG")
 PROMISED = 2.0  # largest permitted ratio of true error to estimate
-UNASKED = 1e-2  # error over tolerance below which the estimate is not judged
+NEGLIGIBLE = 1e-2  # error over tolerance below which the estimate is not judged
 REFUSALS = (SceneError, RunError, fem.ConvergenceError, contact.ConvergenceError, fem.InputError, contact.InputError)
 # error, its estimate, and True or the status of an answer that does not meet the tolerance
 Comparison = tuple[float, float, bool | str]
@@ -37,49 +37,23 @@ class NoReference(RuntimeError):
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One extreme value of one quantity.
+    """One extreme value of one quantity."""
 
-    Attributes
-    ----------
-    part : str
-        "free wave", "stator", "contact" or "chain".
-    varied : str
-        Name of the quantity, or "corner" for a random combination of extreme values.
-    value : float
-        Value of the quantity, or number of the corner.
-    unit : str
-        SI unit; "" for a dimensionless quantity.
-    """
-
-    part: str
-    varied: str
-    value: float
-    unit: str
+    part: str  # "free wave", "stator", "contact" or "chain"
+    varied: str  # name of the quantity, or "corner" for a random combination of extreme values
+    value: float  # of the quantity, or number of the corner
+    unit: str  # SI unit; "" for a dimensionless quantity
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """The outcome of a case.
+    """The outcome of a case."""
 
-    Attributes
-    ----------
-    verdict : str
-        One of `VERDICTS`.
-    guard : str
-        Status of the answer or message of the refusal; "" for an answer without a remark.
-    relative_error : float
-        Difference between answer and reference, normalised as the estimate; nan without a reference.
-    relative_estimate : float
-        Stated relative error; nan without an answer.
-    seconds : float
-        Processor time.
-    """
-
-    verdict: str
-    guard: str
-    relative_error: float
-    relative_estimate: float
-    seconds: float
+    verdict: str  # one of `VERDICTS`
+    guard: str  # status of the answer or message of the refusal; "" for an answer without a remark
+    relative_error: float  # difference of answer and reference, normalised as the estimate; nan without a reference
+    relative_estimate: float  # stated relative error; nan without an answer
+    seconds: float  # processor time
 
 
 def cases_of(part: str, varied: dict[str, tuple]) -> list[Case]:
@@ -98,32 +72,29 @@ def judge(part: ModuleType, case: Case) -> Outcome:
 
 
 def judged(compared: Callable[[], Comparison], tolerance: float) -> Outcome:
-    """Return the outcome of a function that computes answer and reference, asked for with a relative tolerance."""
+    """Return the outcome of a function that computes answer and reference for a relative tolerance."""
     start_time = time.process_time()
 
     def outcome(verdict: str, guard: str = "", error: float = math.nan, estimate: float = math.nan) -> Outcome:
         return Outcome(
-            verdict=verdict,
-            guard=" ".join(guard.split()),
-            relative_error=error,
-            relative_estimate=estimate,
+            verdict=verdict, guard=" ".join(guard.split()), relative_error=error, relative_estimate=estimate,
             seconds=time.process_time() - start_time,
-        )
+        )  # fmt: skip
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            error, estimate, kept = compared()
-    except NoReference as lacking:
-        return outcome("flagged", f"answered, but without a reference: {lacking}")
+            error, estimate, status = compared()
+    except NoReference as reason:
+        return outcome("flagged", f"answered, but without a reference: {reason}")
     except REFUSALS as refusal:
         return outcome("refused", str(refusal))
     except Exception as defect:
         return outcome("WRONG", f"{type(defect).__name__}: {defect}")
     sound = math.isfinite(error) and math.isfinite(estimate)
-    if not sound or error > max(PROMISED * estimate, UNASKED * tolerance):
-        return outcome("WRONG", "" if kept is True else str(kept), error, estimate)
-    if kept is not True or estimate > tolerance:
-        said = f"it states an error of {estimate:.1e}" if kept is True else str(kept)
-        return outcome("flagged", said, error, estimate)
+    if not sound or error > max(PROMISED * estimate, NEGLIGIBLE * tolerance):
+        return outcome("WRONG", "" if status is True else str(status), error, estimate)
+    if status is not True or estimate > tolerance:
+        guard = f"it states an error of {estimate:.1e}" if status is True else str(status)
+        return outcome("flagged", guard, error, estimate)
     return outcome("right", "", error, estimate)

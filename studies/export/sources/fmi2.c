@@ -25,7 +25,7 @@ static Status failed(Instance *instance, const char *message) {
     return ERROR;
 }
 
-static Status told(Instance *instance, const char *message) { return message ? failed(instance, message) : OK; }
+static Status status_of(Instance *instance, const char *message) { return message ? failed(instance, message) : OK; }
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
@@ -64,30 +64,30 @@ EXPORT Status fmi2SetupExperiment(void *instance, int has_tolerance, double tole
 
 EXPORT Status fmi2EnterInitializationMode(void *instance) { (void)instance; return OK; }
 
-EXPORT Status fmi2ExitInitializationMode(void *given) {
-    Instance *instance = given;
-    return told(instance, motor_begin(&instance->motor));
+EXPORT Status fmi2ExitInitializationMode(void *handle) {
+    Instance *instance = handle;
+    return status_of(instance, motor_begin(&instance->motor));
 }
 
 EXPORT Status fmi2Terminate(void *instance) { (void)instance; return OK; }
 
-EXPORT Status fmi2Reset(void *given) {
-    motor_reset(&((Instance *)given)->motor);
+EXPORT Status fmi2Reset(void *handle) {
+    motor_reset(&((Instance *)handle)->motor);
     return OK;
 }
 
-EXPORT Status fmi2GetReal(void *given, const unsigned references[], size_t count, double values[]) {
-    Instance *instance = given;
-    return told(instance, motor_read(&instance->motor, references, count, values));
+EXPORT Status fmi2GetReal(void *handle, const unsigned references[], size_t count, double values[]) {
+    Instance *instance = handle;
+    return status_of(instance, motor_read(&instance->motor, references, count, values));
 }
 
-EXPORT Status fmi2SetReal(void *given, const unsigned references[], size_t count, const double values[]) {
-    Instance *instance = given;
-    return told(instance, motor_write(&instance->motor, references, count, values));
+EXPORT Status fmi2SetReal(void *handle, const unsigned references[], size_t count, const double values[]) {
+    Instance *instance = handle;
+    return status_of(instance, motor_write(&instance->motor, references, count, values));
 }
 
-EXPORT Status fmi2GetBoolean(void *given, const unsigned references[], size_t count, int values[]) {
-    Instance *instance = given;
+EXPORT Status fmi2GetBoolean(void *handle, const unsigned references[], size_t count, int values[]) {
+    Instance *instance = handle;
     for (size_t k = 0; k < count; k++) {
         if (references[k] != V_STICKS) return failed(instance, "fmi2GetBoolean: no such variable");
         values[k] = sawmotor_sticks(&instance->motor.state);
@@ -95,10 +95,10 @@ EXPORT Status fmi2GetBoolean(void *given, const unsigned references[], size_t co
     return OK;
 }
 
-EXPORT Status fmi2DoStep(void *given, double now, double step, int no_return) {
-    Instance *instance = given;
+EXPORT Status fmi2DoStep(void *handle, double now, double step, int no_return) {
+    Instance *instance = handle;
     (void)no_return;
-    return told(instance, motor_step(&instance->motor, now, step));
+    return status_of(instance, motor_step(&instance->motor, now, step));
 }
 
 EXPORT Status fmi2GetFMUstate(void *instance, void **state) {
@@ -107,8 +107,8 @@ EXPORT Status fmi2GetFMUstate(void *instance, void **state) {
     return OK;
 }
 
-EXPORT Status fmi2SetFMUstate(void *given, void *state) {
-    ((Instance *)given)->motor = *(Motor *)state;
+EXPORT Status fmi2SetFMUstate(void *handle, void *state) {
+    ((Instance *)handle)->motor = *(Motor *)state;
     return OK;
 }
 

@@ -18,7 +18,7 @@ static Status failed(Instance *instance, const char *message) {
     return ERROR;
 }
 
-static Status told(Instance *instance, const char *message) { return message ? failed(instance, message) : OK; }
+static Status status_of(Instance *instance, const char *message) { return message ? failed(instance, message) : OK; }
 
 EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 
@@ -66,33 +66,33 @@ EXPORT Status fmi3EnterInitializationMode(void *instance, bool has_tolerance, do
     return OK;
 }
 
-EXPORT Status fmi3ExitInitializationMode(void *given) {
-    Instance *instance = given;
-    return told(instance, motor_begin(&instance->motor));
+EXPORT Status fmi3ExitInitializationMode(void *handle) {
+    Instance *instance = handle;
+    return status_of(instance, motor_begin(&instance->motor));
 }
 
 EXPORT Status fmi3Terminate(void *instance) { (void)instance; return OK; }
 
-EXPORT Status fmi3Reset(void *given) {
-    motor_reset(&((Instance *)given)->motor);
+EXPORT Status fmi3Reset(void *handle) {
+    motor_reset(&((Instance *)handle)->motor);
     return OK;
 }
 
-EXPORT Status fmi3GetFloat64(void *given, const uint32_t references[], size_t count, double values[], size_t size) {
-    Instance *instance = given;
+EXPORT Status fmi3GetFloat64(void *handle, const uint32_t references[], size_t count, double values[], size_t size) {
+    Instance *instance = handle;
     if (size != count) return failed(instance, "every variable is one number");
-    return told(instance, motor_read(&instance->motor, references, count, values));
+    return status_of(instance, motor_read(&instance->motor, references, count, values));
 }
 
-EXPORT Status fmi3SetFloat64(void *given, const uint32_t references[], size_t count, const double values[],
+EXPORT Status fmi3SetFloat64(void *handle, const uint32_t references[], size_t count, const double values[],
     size_t size) {
-    Instance *instance = given;
+    Instance *instance = handle;
     if (size != count) return failed(instance, "every variable is one number");
-    return told(instance, motor_write(&instance->motor, references, count, values));
+    return status_of(instance, motor_write(&instance->motor, references, count, values));
 }
 
-EXPORT Status fmi3GetBoolean(void *given, const uint32_t references[], size_t count, bool values[], size_t size) {
-    Instance *instance = given;
+EXPORT Status fmi3GetBoolean(void *handle, const uint32_t references[], size_t count, bool values[], size_t size) {
+    Instance *instance = handle;
     for (size_t k = 0; k < count; k++) {
         if (references[k] != V_STICKS || size != count) return failed(instance, "fmi3GetBoolean: no such variable");
         values[k] = sawmotor_sticks(&instance->motor.state);
@@ -100,16 +100,16 @@ EXPORT Status fmi3GetBoolean(void *given, const uint32_t references[], size_t co
     return OK;
 }
 
-EXPORT Status fmi3DoStep(void *given, double now, double step, bool no_return, bool *event, bool *terminate,
+EXPORT Status fmi3DoStep(void *handle, double now, double step, bool no_return, bool *event, bool *terminate,
     bool *early, double *last) {
-    Instance *instance = given;
+    Instance *instance = handle;
     (void)no_return;
     if (event) *event = false;
     if (terminate) *terminate = false;
     if (early) *early = false;
     const char *message = motor_step(&instance->motor, now, step);
     if (last) *last = message ? now : now + step;
-    return told(instance, message);
+    return status_of(instance, message);
 }
 
 EXPORT Status fmi3GetFMUState(void *instance, void **state) {
@@ -118,8 +118,8 @@ EXPORT Status fmi3GetFMUState(void *instance, void **state) {
     return OK;
 }
 
-EXPORT Status fmi3SetFMUState(void *given, void *state) {
-    ((Instance *)given)->motor = *(Motor *)state;
+EXPORT Status fmi3SetFMUState(void *handle, void *state) {
+    ((Instance *)handle)->motor = *(Motor *)state;
     return OK;
 }
 
