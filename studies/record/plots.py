@@ -50,25 +50,22 @@ def new_figure(width: float, height: float, *, rows: int = 1, columns: int = 1, 
     return figure, figure.subplots(rows, columns, **kwargs) if rows else None
 
 
-def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, tight: bool = True, **options) -> None:
-    """Make a figure with one Axes, let it be drawn and save it; nothing is shown.
-
-    ``tight``: False for a map with a colour bar, beside which a tight layout leaves the figure empty.
-    """
+def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) -> None:
+    """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
     figure, ax = new_figure(*size, dpi=DPI)
-    if tight:  # one pass of the layout, half the time of a constrained one
-        figure.set_layout_engine("tight", pad=0.3)
     draw(ax)
+    if len(figure.axes) == 1:  # neither colour bar nor second axis: one pass of the layout, in half the time
+        figure.set_layout_engine("tight", pad=0.3)
     # Laid out once: with any layout engine, also "none", savefig draws everything once more before it writes the file.
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine(None)
     figure.savefig(file, **options)
 
 
-def as_uri(draw: Callable, *, size: tuple[float, float] = SIZE, kind: str = "svg+xml", tight: bool = True) -> str:
+def as_uri(draw: Callable, *, size: tuple[float, float] = SIZE, kind: str = "svg+xml") -> str:
     """Make a figure with one Axes, let it be drawn and return it as a data URI of a kind of image."""
     file, remarks = io.BytesIO(), {"metadata": {"Date": None}} if kind == "svg+xml" else {}
-    saved(file, draw, size=size, tight=tight, format=kind[:3], **remarks)
+    saved(file, draw, size=size, format=kind[:3], **remarks)
     return data_uri(file.getvalue(), kind)
 
 

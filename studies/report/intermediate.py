@@ -122,7 +122,7 @@ def _stator(record: Record):
         ("part of the surface mode in u_z", "rayleigh_normal_m_per_V"),
     ):
         if key in wave:
-            yield name, _polar(wave[key], "m/V"), motion
+            yield name, _polar(wave[key]), motion
     ratio, error = wave["standing_wave_ratio"], _error(2 * wave_solution.relative_error)
     yield "standing-wave ratio near it", f"{ratio:.5g}", f"of the order of {error}"
 
@@ -167,5 +167,6 @@ def _complex(value: complex, unit: str) -> str:
     return f"{si(value.real, unit)} {sign} i {si(abs(value.imag), unit)}"
 
 
-def _polar(value: complex, unit: str) -> str:
-    return f"{si(abs(value), unit)}, phase {math.degrees(math.atan2(value.imag, value.real)):.2f}\u00b0"
+def _polar(motion: complex) -> str:
+    """Return amplitude and phase of a motion in m per volt."""
+    return f"{si(abs(motion), 'm/V')}, phase {math.degrees(math.atan2(motion.imag, motion.real)):.2f}\u00b0"

@@ -31,7 +31,7 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
         Relative, of the admittances.
     """
     resolved = passband.driven_scene(scene)
-    at = passband.frequencies(resolved, count, 81)  # Hz
+    at = passband.frequencies(resolved, count, 81)
     ports = port_admittances(resolved, at, tolerance)
     admittance = driving_point(ports, fem_model.transducers(resolved), fem_model.drive(resolved))
     theory = passband.expected(resolved)

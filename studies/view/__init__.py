@@ -133,10 +133,10 @@ def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
     size, draw = (width / plots.DPI, height / plots.DPI), partial(draw_surface_map, beam, scene)
 
     def still(file) -> None:
-        plots.saved(file, draw, size=size, tight=False)
+        plots.saved(file, draw, size=size)
 
     def page(file) -> None:
-        picture = plots.as_uri(draw, size=size, kind="png", tight=False), "size of u_z over the surface"
+        picture = plots.as_uri(draw, size=size, kind="png"), "size of u_z over the surface"
         Path(file).write_text(picture_page(f"{scene.title}: beam", [picture]), encoding="utf-8")
 
     return {"screenshot": still, "html": page, "window": lambda: plots.show(draw)}

@@ -83,7 +83,7 @@ def _beam(run: RunField) -> str:
         return ""
     draw = partial(draw_surface_map, run.beam, run.scene)
     width, height = pixels(run.scene.stator)
-    uri = as_uri(draw, size=(width / DPI, height / DPI), kind="png", tight=False)
+    uri = as_uri(draw, size=(width / DPI, height / DPI), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
         f'apertures give:</p>\n<img alt="size of u_z over the surface" src="{uri}" style="max-width: 100%">'
