@@ -24,8 +24,8 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
 
     Raises
     ------
-    ValueError
-        If a rule is broken; the message names the transducers and their edges in m.
+    InputError
+        If a rule is broken; positions in the message are in mm.
     """
     _check_names(transducers)
     for transducer in transducers:
@@ -55,8 +55,8 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
 
     Raises
     ------
-    ValueError
-        If a rule is broken; the message names the transducers and their edges in m.
+    InputError
+        If a rule is broken; positions in the message are in mm.
     """
     _check_names(transducers)
     for each in transducers:
@@ -104,7 +104,7 @@ def check_interfaces(stator: Stator) -> None:
     Raises
     ------
     InputError
-        The message names the piece and what is drawn in mm.
+        If a rule is broken; lengths in the message are in mm.
     """
     if stator.pieces and stator.above != "none":
         rule = "must be none with a meshed piece, whose model error states the effect of the field above"
@@ -128,6 +128,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         _check_electrode_lines(piece, stator.solid)
         if stator.bottom != "free" and not stator.absorbs_below and "bottom" not in piece.mesh.lines:
             _refuse(piece, f"must have the line group bottom, as stator.bottom is {stator.bottom}, got none")
+    # inner: x at which the end piece meets the uniform stator
     for index, (end, inner) in enumerate(zip(placed.ends, (placed.start, placed.stop), strict=True)):
         if end is None:
             continue
@@ -363,7 +364,7 @@ class _Span(NamedTuple):
 
 
 def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transducer, ...]) -> None:
-    """Raise an InputError for a piece beside the stator, or over another piece or a transducer."""
+    """Raise an InputError for a piece that lies off the stator, overlaps another one, or meets a transducer."""
     tolerance = SAME * length
     for piece in placed.between:
         low, high = piece.extent

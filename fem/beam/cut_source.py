@@ -30,7 +30,7 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields
-from fem.waveguide.surface_modes import NEAR_HALF_SPACE, TWIN_MODES, TWIN_SHARE
+from fem.waveguide.surface_modes import TWIN_MODES, TWIN_SHARE, weighed
 
 SURFACE_FIELDS = ("ux", "uy", "uz", "phi")
 # Lateral wavenumbers over the surface wave's wavenumber between which the integral is faded out.
@@ -236,8 +236,8 @@ class CutSource:
             distance = abs(k) / abs(expected * unit) - 1
             candidates = np.flatnonzero(side & nearly_real & selected)
             share = np.zeros(len(k))
-            share[candidates] = section.surface_share(self.reduced.basis @ shapes[:, candidates])
-            share[candidates] /= 1 + (distance[candidates] / NEAR_HALF_SPACE) ** 2
+            localised = section.surface_share(self.reduced.basis @ shapes[:, candidates])
+            share[candidates] = weighed(localised, distance[candidates])
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
         factors = np.ones((len(left), 1), dtype=complex)
