@@ -24,8 +24,8 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
 
     Raises
     ------
-    ValueError
-        If a rule is broken; the message names the transducers and their edges in m.
+    InputError
+        If a rule is broken; positions in the message are in mm.
     """
     _check_names(transducers)
     for transducer in transducers:
@@ -55,8 +55,8 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
 
     Raises
     ------
-    ValueError
-        If a rule is broken; the message names the transducers and their edges in m.
+    InputError
+        If a rule is broken; positions in the message are in mm.
     """
     _check_names(transducers)
     for each in transducers:
@@ -104,7 +104,7 @@ def check_interfaces(stator: Stator) -> None:
     Raises
     ------
     InputError
-        The message names the piece and what is drawn in mm.
+        If a rule is broken; lengths in the message are in mm.
     """
     if stator.pieces and stator.above != "none":
         rule = "must be none with a meshed piece, whose model error states the effect of the field above"
@@ -128,6 +128,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         _check_electrode_lines(piece, stator.solid)
         if stator.bottom != "free" and not stator.absorbs_below and "bottom" not in piece.mesh.lines:
             _refuse(piece, f"must have the line group bottom, as stator.bottom is {stator.bottom}, got none")
+    # inner: x at which the end piece meets the uniform stator
     for index, (end, inner) in enumerate(zip(placed.ends, (placed.start, placed.stop), strict=True)):
         if end is None:
             continue
@@ -161,6 +162,7 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
 
     One interface that fits is enough: behind the other one a stator of another thickness may follow (a step).
     """
+    # by side: position, height and upper end z of the interface
     lines = {side: line for side in ("left", "right") if (line := piece.interface(side)) is not None}
     for side, (_, height, _) in lines.items():
         border = piece.mesh.border(side)
@@ -274,6 +276,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
 
 def _check_size(piece: MeshPiece) -> None:
     """Raise an InputError for a mesh with too many unknowns even at the coarsest level."""
+    # every element is divided into as many quadrilaterals as it has corners (fem.mesh.quads)
     quads = sum(CORNERS[cells.kind] * len(cells.nodes) for cells in piece.mesh.cells)
     least = quads * LEAST_PER_QUAD
     if least <= MAX_UNKNOWNS:
@@ -330,7 +333,7 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
     solids = {"stator": solid} | dict(piece.solids)
     coupled = {int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)}
 
-    def refuse(rule: str, at: set[int] | None = None) -> None:
+    def refuse(rule: str, at: set[int] | None = None) -> None:  # {} in the rule: position of one of the nodes ``at``
         where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
         _refuse(piece, rule.format(where), "piece.file")
 
@@ -363,7 +366,7 @@ class _Span(NamedTuple):
 
 
 def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transducer, ...]) -> None:
-    """Raise an InputError for a piece beside the stator, or over another piece or a transducer."""
+    """Raise an InputError for a piece that lies off the stator, overlaps another one, or meets a transducer."""
     tolerance = SAME * length
     for piece in placed.between:
         low, high = piece.extent

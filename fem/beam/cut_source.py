@@ -30,7 +30,7 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields
-from fem.waveguide.surface_modes import NEAR_HALF_SPACE, TWIN_MODES, TWIN_SHARE
+from fem.waveguide.surface_modes import TWIN_MODES, TWIN_SHARE, weighed
 
 SURFACE_FIELDS = ("ux", "uy", "uz", "phi")
 # Lateral wavenumbers over the surface wave's wavenumber between which the integral is faded out.
@@ -210,7 +210,7 @@ class CutSource:
         return out
 
     def select_poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> Poles:
-        """Select the forward modes that are not local, and identify the surface wave among them.
+        """Select the forward modes that do not decay within a wavelength (LOCAL), and the surface wave among them.
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
         By equation (1) the field of a unit load is sum_p v_p (l_p . e) / (k - k_p).  ``column`` of the result is the
@@ -236,8 +236,8 @@ class CutSource:
             distance = abs(k) / abs(expected * unit) - 1
             candidates = np.flatnonzero(side & nearly_real & selected)
             share = np.zeros(len(k))
-            share[candidates] = section.surface_share(self.reduced.basis @ shapes[:, candidates])
-            share[candidates] /= 1 + (distance[candidates] / NEAR_HALF_SPACE) ** 2
+            localised = section.surface_share(self.reduced.basis @ shapes[:, candidates])
+            share[candidates] = weighed(localised, distance[candidates])
             best = np.argmax(share)
             surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_MODES)
         factors = np.ones((len(left), 1), dtype=complex)

@@ -44,7 +44,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.electrode_charges import ChargeSheet
+from fem.beam.beam_of_charges import ChargeSheet
 from fem.beam.lateral import (
     PLANE,
     LateralRule,

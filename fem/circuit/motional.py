@@ -72,6 +72,7 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     admittance : ndarray, shape (n,)
         S.
     branches : int
+        Number of series branches R, L, C.
 
     Returns
     -------
@@ -81,6 +82,8 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
 
     fit = _Fit(np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex))
     y, fits = fit.admittance, []
+    # Start: C0 from the median of Im Y, 1/R0 = 1e-3 of the largest |Y|, and branches spread evenly about the peak that
+    # share its conductance; R/L is smaller the more branches there are.
     for spread in SPREADS if branches > 1 else (0.0,):
         start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * fit.scale)]
         for offset in np.linspace(-spread, spread, branches):
@@ -102,7 +105,8 @@ class _Fit:
     """Residual of a circuit of one static capacitance and motional branches, and its derivatives.
 
     The unknowns are the logarithms of omega C0 at the peak of the conductance and of 1/R0 (S), then three per branch:
-    logarithm of 1/R (S), distance of the resonance from that peak in widths, and logarithm of R/L over the width.
+    logarithm of 1/R (S), offset of the resonance from that peak, counted in widths of the peak at half its maximum, and
+    logarithm of R/L over the width in rad/s.
     """
 
     def __init__(self, frequency: np.ndarray, admittance: np.ndarray):
@@ -112,7 +116,10 @@ class _Fit:
         self.width = _width_at_half_maximum(frequency, admittance.real)
 
     def parts(self, parameters: np.ndarray):
-        """Return omega C0, 1/R0 and 1/R in S, resonances and R/L in rad/s: in the order 1/R, resonance, R/L."""
+        """Return (omega C0, 1/R0, 1/R, omega_r, R/L): the first three in S, omega_r and R/L in rad/s.
+
+        The last three are arrays over the branches; omega_r = 1/sqrt(L C) is a branch's resonance.
+        """
         static, leak = np.exp(parameters[:2])
         peak, rate = np.exp(parameters[2::3]), 2 * np.pi * self.width * np.exp(parameters[4::3])
         return static, leak, peak, 2 * np.pi * (self.middle + parameters[3::3] * self.width), rate
@@ -120,13 +127,14 @@ class _Fit:
     def terms(self, parameters: np.ndarray) -> np.ndarray:
         """Terms of Y and their derivatives by the parameters, shape (2 + 3 branches, frequencies).
 
-        A branch is Y_k = peak / (1 + i q).  C0, 1/R0 and the peak enter by their logarithms, so that the derivative of
-        each of these terms by its own logarithm is the term itself.
+        A branch is Y_k = peak / (1 + i q), with peak = 1/R and q = (omega - omega_r^2 / omega) / (R/L).  C0, 1/R0 and
+        the peak enter by their logarithms, so that the derivative of each of these terms by its own logarithm is the
+        term itself.
         """
         static, leak, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in self.parts(parameters))
         q = (self.omega - resonance**2 / self.omega) / rate
         branch = peak / (1 + 1j * q)
-        # q = (omega - omega_r^2 / omega) / (R/L), so that d q / d log(R/L) = -q; `q_by_offset`: dq per width
+        # d q / d log(R/L) = -q; `q_by_offset` is d q / d(offset), the offset of the resonance counted in widths
         by_q = -1j * branch / (1 + 1j * q)
         q_by_offset = -2 * resonance / (self.omega * rate) * 2 * np.pi * self.width
         terms = np.stack([branch, by_q * q_by_offset, -by_q * q], axis=1).reshape(-1, len(self.omega))

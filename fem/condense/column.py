@@ -209,13 +209,13 @@ def schur(matrix, keep, drop):
     remaining = matrix[np.ix_(keep, keep)]
     if not len(drop):
         return remaining, coupling
-    back = eliminated(matrix[np.ix_(drop, drop)], coupling)
+    back = sides_to_inside(matrix[np.ix_(drop, drop)], coupling)
     reduced = remaining + coupling.T @ back
     return 0.5 * (reduced + reduced.T), back
 
 
-def eliminated(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:
-    """Fields inside for unit fields at the sides.
+def sides_to_inside(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:
+    """Matrix from the fields at the sides to those inside, minus the inverse of ``inside`` times ``coupling``.
 
     Each decade of amplification costs a digit of the answer.  A piece that resonates between clamped lines makes its
     condensation singular, though not the stator's problem; it raises a ConvergenceError.

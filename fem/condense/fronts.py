@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.column import eliminated
+from fem.condense.column import sides_to_inside
 
 LEAF = 4  # elements of the smallest parts
 
@@ -53,7 +53,7 @@ class Dissection:
         fronts: list[Front] = []
 
         def part(elements: np.ndarray) -> tuple[int, np.ndarray, np.ndarray]:
-            """Index of the front of some elements, the unknowns passed on, and how many of its elements have each."""
+            """Index of the front of some elements, the unknowns passed on, and in how many elements each occurs."""
             children: tuple[int, ...] = ()
             if len(elements) <= LEAF:
                 parts = [(own[each], np.ones(len(own[each]), dtype=int)) for each in elements]
@@ -67,6 +67,7 @@ class Dissection:
             numbers, where = np.unique(np.concatenate([each for each, _ in parts]), return_inverse=True)
             count = np.bincount(where, weights=np.concatenate([each for _, each in parts])).astype(int)
             complete = (count == total[numbers]) & (numbers < self.first_kept)
+            # position of each unknown in (eliminated, passed_on); index -1, for those fixed at zero, has the entry -1
             rank = np.empty(len(numbers) + 1, dtype=int)
             rank[np.argsort(~complete, kind="stable")] = np.arange(len(numbers))
             rank[-1] = -1
@@ -108,7 +109,7 @@ class Dissection:
                     full[at[:, None], at] += own
                 else:
                     np.add.at(full, (at[:, None], at), own)
-            back.append(eliminated(full[:first, :first], full[:first, first:]))
+            back.append(sides_to_inside(full[:first, :first], full[:first, first:]))
             complement = full[first:, first:] + full[first:, :first] @ back[-1]
             complements[number] = 0.5 * (complement + complement.T)
         root = complements[len(self.fronts) - 1]

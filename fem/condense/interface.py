@@ -9,8 +9,8 @@ The multipliers are mu_i = phi_i, except next to a vertex that is fixed at zero 
 flux does not vanish there, and the mu_i must be able to represent it: the hat function of the fixed vertex replaces the
 function of highest order of its edge.  On a line graded towards a clamped bottom the error is 1e-4 with the phi_i alone
 and 2e-8 with the mu_i.  The integrals are exact, because they are taken over the union of both sets of breakpoints.
-P^T A P is symmetric, reciprocal and conserves energy whatever P is.  An error in P can therefore be detected only by
-comparison with the same segment without a mesh.
+With A the matrix of the condensed mesh, P^T A P is symmetric, reciprocal and conserves energy whatever P is.  An error
+in P can therefore be detected only by comparison with the same segment without a mesh.
 """
 
 import numpy as np
@@ -36,7 +36,8 @@ def line_projection(
     section : Section
         Of the uniform segment beside it.
     held : dict
-        For each field, True for functions of the mesh that are fixed at zero or tied to an electrode, (skeleton,).
+        For each field, True for functions of the mesh that are fixed at zero or tied to an electrode, shape
+        (functions of vertices and edges of the mesh,).
 
     Returns
     -------

@@ -30,7 +30,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condense.column import Column, eliminated
+from fem.condense.column import Column, sides_to_inside
 from fem.condense.columns import FingerColumns, LiftedHalf, Pair, Restated
 from fem.condense.electrodes import equipotential
 
@@ -40,8 +40,9 @@ def joined(
 ) -> FingerColumns:
     """Join two neighbours into one piece by equations (2) and (3).
 
-    Both have the same potentials.  If the surface node of the shared line lies on a finger, ``phi`` is the number of
-    the potential at this node on the line and ``electrode`` the number of the finger's electrode.
+    Both have the same potentials.  If the surface node of the shared line lies on a finger, ``phi`` is the index of
+    this node's potential among the unknowns of the line, and ``electrode`` the number of the finger's electrode.  The
+    node then has the potential of the finger, and its row in the system of the shared line becomes the identity.
 
     Examples
     --------
@@ -61,7 +62,7 @@ def joined(
     coupling = np.hstack([first[at.right, at.left], second[at.left, at.right], shared])
     if electrode is not None:
         middle[phi, phi] = 1.0
-    transfer = eliminated(middle, coupling)  # T of equation (2)
+    transfer = sides_to_inside(middle, coupling)  # T of equation (2)
     matrix = coupling.T @ transfer  # and equation (3)
     for own, line in ((first, at.left), (second, at.right)):
         matrix[line, line] += own[line, line]
@@ -112,21 +113,21 @@ def with_ports(piece: FingerColumns, ports: list[int]) -> FingerColumns:
 
 
 def with_fingers(whole: FingerColumns, left: FingerColumns, right: FingerColumns) -> FingerColumns:
-    """Return a joined pair in which both parts have their own potentials, from left to right, instead of common ones.
+    """Return a joined pair with the electrodes of ``left`` and then those of ``right`` as separate ports.
 
-    ``left`` and ``right`` are the parts with their own potentials v_A and v_B.  Equations (1) to (3) hold with C_p =
-    [A_mp, B_mp], [A_lp, 0] and [0, B_rp] in the columns of [v_A, v_B]; the columns of the lines are those of ``whole``.
+    ``whole`` is the joined pair with common potentials; the parts have their own, v_A and v_B.  Equations (1) to (3)
+    hold with C_p = [A_mp, B_mp], [A_lp, 0] and [0, B_rp] in the columns of [v_A, v_B]; the columns of the lines are
+    those of ``whole``.
     """
     at, first, second = whole.at, left.matrix, right.matrix
     count, total = len(left.ports), len(left.ports) + len(right.ports)
     v_a, v_b = slice(0, count), slice(count, total)
-    c_left, c_middle, c_right = np.zeros(
-        (3, at.size, total), dtype=np.result_type(first, second)
-    )  # [A_lp, 0], C_p, ...
+    dtype = np.result_type(first, second)
+    c_left, c_middle, c_right = np.zeros((3, at.size, total), dtype=dtype)  # [A_lp, 0], C_p and [0, B_rp]
     c_left[:, v_a], c_right[:, v_b] = first[at.left, at.ports], second[at.right, at.ports]
     c_middle[:, v_a], c_middle[:, v_b] = first[at.right, at.ports], second[at.left, at.ports]
     t_lines = whole.pair.middle[:, at.lines]  # columns of T: of the lines, and of [v_A, v_B]
-    t_ports = eliminated(first[at.right, at.right] + second[at.left, at.left], c_middle)
+    t_ports = sides_to_inside(first[at.right, at.right] + second[at.left, at.left], c_middle)
     matrix = np.zeros((at.ports.start + total,) * 2, dtype=t_ports.dtype)
     matrix[at.lines, at.lines] = whole.matrix[at.lines, at.lines]
     matrix[at.lines, at.ports] = np.concatenate([c_left, c_right]) + t_lines.T @ c_middle

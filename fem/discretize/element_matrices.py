@@ -2,8 +2,9 @@
 
 They discretise the weak form of time-harmonic piezoelectricity (medium.py).  In a rectangular element of a homogeneous
 medium every integral is a product of integrals along x and z, so that the element's matrix is a sum of Kronecker
-products of one-dimensional matrices (spectral.py).  Curved quadrilaterals are integrated in quads.py, uniform segments
-in section.py; `scikit_fem_derivatives` serves direct.py.
+products of one-dimensional matrices (spectral.py).  Elsewhere are the matrices of the quadrilaterals of a mesh
+(`QuadSpace` in quads.py), of uniform segments (`Section.matrices` in section.py) and of absorbing layers along their
+depth (graded_medium.py).  `scikit_fem_derivatives` has the same integrals as forms of scikit-fem, for fem/direct.py.
 """
 
 from functools import lru_cache

@@ -1,7 +1,9 @@
 """Error estimate of the stator from two discretisations, and the loop that refines until it meets the tolerance.
 
 Let a_h be the answer at one level of discretisation, a_H that at the level before, and g the least factor (the gain) by
-which a level divides the error.  Then |a_h - a| <= |a_h - a_H| / (g - 1), which is the error stated with every answer.
+which a level divides the error.  Then |a_h - a| <= |a_h - a_H| / (g - 1), which is the stated error of an answer at one
+frequency in the plane section.  Beams (beam/surface_beam.py), bands of frequencies (solve/band.py) and bursts
+(solve/burst.py) have further errors, which are estimated there.
 """
 
 from collections.abc import Callable, Sequence
@@ -55,7 +57,7 @@ def first_level(tolerance: float) -> int:
 def planned_levels(stator: Stator, tolerance: float) -> range:
     """Levels at which an ordinary layout on this stator is solved; another one follows if the error is too large."""
     first = first_level(tolerance)
-    slower = (GAIN - 1) / (level_gain(stator) - 1)
+    slower = (GAIN - 1) / (level_gain(stator) - 1)  # factor on the estimates, by the denominator g - 1
     enough = [level for level, error in enumerate(EXPECTED) if error * slower <= tolerance]
     return range(first, max(first + 1, enough[0] if enough else len(LEVELS) - 1) + 1)
 
@@ -161,15 +163,15 @@ def refine(
                 with suppress(ConvergenceError):
                     best = compared(coarse, at_level(levels[start - 1]), start)
             grows = best is not None and latest.errors[0] >= best.errors[0]
-            best = _kept(best, latest) if best and grows else latest
+            best = _before_rounding(best, latest) if best and grows else latest
         coarse = answer
     if best is None:
         raise InputError("levels", "must hold at least two from the start on", len(levels) - start)
     return best
 
 
-def _kept(before: Refined[Answer], latest: Refined[Answer]) -> Refined[Answer]:
-    """Keep the answer before the latest, whose difference has grown by rounding, with the larger errors of both."""
+def _before_rounding(before: Refined[Answer], latest: Refined[Answer]) -> Refined[Answer]:
+    """Answer before the latest one, whose difference has grown by rounding, with the larger errors of both."""
     return replace(
         before,
         errors=tuple(map(max, before.errors, latest.errors)),

@@ -1,8 +1,9 @@
 """A meshed piece over a band of frequencies: the nodes of its interpolation, and the error of the interpolation.
 
 A piece may resonate in the band, so that the number of nodes is not known beforehand.  The interpolation through all
-nodes (`fem.condense.reduced`) is compared with two others, each of which omits one node, and the smaller of the two
-changes counts.  A node is added at the frequency where it is largest.
+nodes (`fem.condense.reduced`) is compared with two others: one omits the first node, which spoils the low end of the
+band, and one the last but one, which spoils the high end.  At each frequency the smaller of the two changes therefore
+counts as the error.  A node is added at the frequency where it is largest.
 """
 
 from collections.abc import Callable
@@ -42,12 +43,16 @@ def interpolated(
     ----------
     pieces : list of MeshedPiece
         The condensed piece at the first nodes; those at further nodes are appended.
-    frame, size
-        As of `fem.condense.reduced.RationalPiece`.
+    frame : ndarray, shape (lines and ports, reduced lines and ports)
+        Matrix from reduced to full lines, and ports.
+    size : int
+        Unknowns of a reduced line.
     answers : callable
         Returns the answers of an interpolated piece at a frequency in Hz, shape (m, columns).
     frequencies : ndarray
         Hz: where the answers are compared and where nodes may be added.
+    tolerance : float
+        Relative.
     max_nodes : int
         No node is added beyond this number.
 
@@ -122,7 +127,7 @@ def piece_of_cascade(
 
 
 def _incident(solution: Solution, sample: MeshedPiece, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Incident fields on reduced lines and potentials of the ports, by excitation, wherever a piece stands.
+    """Incident fields on reduced lines and potentials of the ports, by excitation, at all occurrences of a piece.
 
     ``sample``: the piece, condensed at any frequency.
     """

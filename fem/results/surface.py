@@ -17,7 +17,7 @@ MAX_SAMPLES = 50_000  # along the whole surface
 PER_WAVELENGTH = 12  # samples of the surface that a file and a picture show
 # m per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
 MAX_MOTION_PER_VOLT = 1e-6
-FINER = 64  # points of a spline between two samples
+FINER = 64  # points of the interpolation between two samples
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +30,7 @@ class UniformSegment:
     # right, left: shape (modes,): amplitudes of modes to the right at ``start`` and to the left at ``stop``, m per V
     right: np.ndarray = field(repr=False)
     left: np.ndarray = field(repr=False)
-    # wavenumbers, backwards: shape (modes,); rad/m
+    # wavenumbers, backwards: shape (modes,); k_x of the modes to the right and of those to the left, rad/m
     wavenumbers: np.ndarray = field(repr=False)
     backwards: np.ndarray = field(repr=False)
     # right_shapes, left_shapes: shape (2, modes); u_x and u_z of each mode at the surface
@@ -61,7 +61,7 @@ class CondensedPiece:
     stop: float
     # returns the motion as a function of x (m), shape (2, positions); called on first use
     recover: Callable[[], Callable[[np.ndarray], np.ndarray]] = field(repr=False)
-    # for an end of the plain section: the segment whose surface mode continues in it
+    # for an end without mesh: the uniform segment next to it, whose surface mode is the Rayleigh part here too
     beside: UniformSegment | None = field(default=None, repr=False)
     transducer: bool = True  # True if fingers lie on it
     index: int = 0  # number of the scatterer, or of the end (`fem.results.evaluation.ENDS`)
@@ -104,7 +104,7 @@ class Surface:
 
         Raises
         ------
-        ValueError
+        InputError
             If a position lies outside the stator.
         ConvergenceError
             If an amplitude is larger than any stator can reach.
@@ -112,7 +112,10 @@ class Surface:
         return self._gather(x, lambda piece, at: piece.motion(at))
 
     def rayleigh_motion(self, x: float | np.ndarray) -> np.ndarray:
-        """Part of the motion in the bare surface's mode, shape (2, *x.shape); a ValueError under a transducer."""
+        """Part of the motion in the bare surface's mode, m per V, shape (2, *x.shape).
+
+        Raises an InputError under a transducer or on a meshed piece, and the errors of `motion`.
+        """
 
         def part(piece, at):
             segment = piece.beside if isinstance(piece, CondensedPiece) else piece

@@ -80,7 +80,7 @@ class StatorCascade:
         # Widths over which charges are summed: of the two apertures the narrower one for charges that another port
         # causes, and the whole aperture for those by forces and waves from outside.
         widths = np.repeat(apertures, excitations, axis=1)
-        if not solution.own_apertures:
+        if not solution.own_apertures:  # otherwise each charge is already that of the whole aperture
             widths[:, :count] = np.minimum(apertures, apertures.T)
         charges = widths * solution.reactions[:count]
         voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
@@ -108,9 +108,9 @@ class StatorCascade:
 class PortFields(StatorCascade, PortSolution):
     """A cascade and its fields for each of its excitations, the other ones at zero; no transducer has a net charge.
 
-    The excitations are 1 V at each port, then 1 N/m of each force, then a wave of amplitude 1 from outside.  Potentials
-    of ``sides`` are those of a transducer's two electrodes, or of every finger (fem.beam.reception), or of a piece's
-    ports, scaled.
+    The excitations are 1 V at each port, then 1 N/m of each force, then a wave of amplitude 1 from outside.
+    ``sides`` (of `PortSolution`) holds the lines and the scaled potentials of each scatterer; the potentials are those
+    of a transducer's two electrodes, or of every finger (fem.beam.reception), or of a meshed piece's ports.
     """
 
     names: tuple[str, ...]  # transducers that are ports, from left to right
@@ -143,15 +143,17 @@ class PortFields(StatorCascade, PortSolution):
         if not len(factors):
             return 1.0, 1.0
         angles = abs(np.angle(factors))
-        nearest = abs(factors) * np.exp(1j * np.maximum(angles - phase_range, 0.0))  # to 1, over that range
+        # each mu turned towards 1 by at most phase_range
+        nearest = abs(factors) * np.exp(1j * np.maximum(angles - phase_range, 0.0))
         return float(1 / abs(1 - factors).min()), float(1 / abs(1 - nearest).min())
 
 
-def _means(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
-    """Names of the transducers whose mean potential is not arbitrary, because something else determines it.
+def _with_mean_port(transducers: tuple[Transducer, ...], pieces: CondensedPieces, floating: bool) -> set[str]:
+    """Names of the transducers whose mean potential is an unknown and has a port of its own.
 
-    In a floating section these are the transducers with electrodes in a meshed piece that is grounded, and all but one
-    of those that meshed pieces connect to each other.
+    That is all of them, unless the section floats or one mesh is the whole stator.  In these two cases the mean of a
+    transducer is arbitrary, except with electrodes in a meshed piece that is grounded; and where meshed pieces connect
+    transducers to each other, the mean of only one of them is arbitrary.
     """
     names = {each.name for each in transducers}
     if not (floating or pieces.whole):
@@ -222,8 +224,8 @@ def joined_cascade(
     default no pieces and plain ends; ``forces``: on the bare surface.
     """
     pieces = pieces or no_pieces(stator, modes.section.length_unit)
-    means = _means(transducers, pieces, modes.section.floating_potential)
-    own_ports = [transducer_ports(each, each.name in means) for each in transducers]
+    with_mean = _with_mean_port(transducers, pieces, modes.section.floating_potential)
+    own_ports = [transducer_ports(each, each.name in with_mean) for each in transducers]
     ports = tuple(port for own in own_ports for port in own)
     potentials = [electrode_potentials(each, own) for each, own in zip(transducers, own_ports, strict=True)]
     first = np.cumsum([0, *map(len, own_ports)])
@@ -327,5 +329,8 @@ def check_passive(admittances: np.ndarray, names: tuple[str, ...], frequency: fl
 
 
 def charge_currents(charges: np.ndarray, frequency: float) -> np.ndarray:
-    """Currents in A of reactions int grad psi . D over an aperture, which are minus the charges, C."""
+    """Currents in A of reactions int grad psi . D over an aperture, in C.
+
+    Reactions are minus the charges of the electrodes, so that I = i omega Q changes its sign.
+    """
     return -2j * np.pi * frequency * charges

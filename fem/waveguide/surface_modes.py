@@ -3,9 +3,9 @@
 The surface wave is the mode whose motion is most localised at the surface, with a wavenumber near that of the
 half-space.  In a plate with two equal faces it is split into two modes of nearly equal wavenumbers.
 
-`CutSource.select_poles` (oblique waves) weighs modes in the same way, but does not take ONE_WAVE: beside the surface
-wave it has bulk waves at nearly the same wavenumber.  `Grating` selects among the waves of a loaded surface, which are
-few, by localisation alone.
+`CutSource.select_poles` (oblique waves) weighs modes in the same way, but accepts no twin by nearness alone (ONE_WAVE),
+because its bulk waves may have nearly the wavenumber of the surface wave.  `Grating` selects among the waves of a
+loaded surface, which are few, by localisation alone.
 """
 
 import numpy as np
@@ -16,6 +16,11 @@ NEAR_HALF_SPACE = 0.02
 # TWIN_MODES while the less localised one has at least the fraction TWIN_SHARE of the other's localisation.
 ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
 TWIN_SHARE = 0.4
+
+
+def weighed(share: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Localisations of modes, weighed by the relative ``distance`` of their k from the expected one."""
+    return share / (1.0 + (distance / NEAR_HALF_SPACE) ** 2)
 
 
 def surface_modes(
@@ -37,7 +42,7 @@ def surface_modes(
     localised = share
     if expected is not None:
         total = np.sqrt(wavenumbers**2 + lateral_wavenumber**2) if lateral_wavenumber else wavenumbers
-        localised = share / (1.0 + (abs(total / expected - 1.0) / NEAR_HALF_SPACE) ** 2)
+        localised = weighed(share, abs(total / expected - 1.0))
     best = int(np.argmax(localised))
     distance = abs(wavenumbers / wavenumbers[best] - 1)
     split = (distance < TWIN_MODES) & (localised > TWIN_SHARE * localised[best])

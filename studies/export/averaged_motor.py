@@ -184,7 +184,7 @@ def _velocity_error(motor: AveragedMotor, steady) -> float:
     p, worst = motor.parameters, 0.0
     for level, _, first, scale in steady:
         size = level * motor.drives[0].amplitude
-        height = model.riding(p, motor.tables, 0, size, motor.slider.preload)
+        height = model.steady_approach(p, motor.tables, 0, size, motor.slider.preload)
         nearby = first + 1e-4 * scale * np.array([-1.0, 0.0, 1.0])
         low, here, high = (
             model.slip_force(p, motor.tables, 0, height, size, motor.slider.preload, v)

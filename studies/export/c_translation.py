@@ -1,15 +1,17 @@
-"""Translation of Python functions of numbers and arrays into C, so that each formula of the averaged motor stands once.
+"""Translation of Python functions of numbers and arrays into C.
 
-The translation covers annotated functions of a module (`float`, `int`, `Array`: pointer to double), its constants in
-capitals, and in their bodies assignments, if, while, return, arithmetic, comparisons, conditional expressions, indexed
-arrays, and calls of each other and of `sqrt`, `abs`, `min`, `max`, `int`.  A variable without an annotation is a
-double.  Anything else is refused with its line.
+The averaged motor (`studies.export.reduced_motor`) runs in Python and in exported C from the same source, so that each
+of its formulas stands once.  The translation covers annotated functions of a module (`float`, `int`, `Array`: pointer
+to double), its constants in capitals, and in the function bodies assignments, if, while, return, arithmetic,
+comparisons, conditional expressions, indexed arrays, and calls of each other and of `sqrt`, `abs`, `min`, `max`, `int`.
+A variable without an annotation is a double.  Anything else is refused with its line.
 """
 
 import ast
 
 TYPES = {"float": "double", "int": "int", "Array": "double *"}
 PREFIX = "model_"  # of the names of functions in C
+READ_ONLY = ("p", "tables")  # arguments that no translated function changes: const in C
 CALLS = {"abs": "fabs", "min": "fmin", "max": "fmax", "int": "(int)", "sqrt": "sqrt"}
 OPERATORS = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
@@ -51,7 +53,7 @@ class _Function:
         self.node, self.names = node, names
         self.locals = {each.arg: self._type(each.annotation) for each in node.args.args}
         arguments = ", ".join(
-            f"{'const ' * (name in ('p', 'tables'))}{kind}{'' if kind.endswith('*') else ' '}{name}"
+            f"{'const ' * (name in READ_ONLY)}{kind}{'' if kind.endswith('*') else ' '}{name}"
             for name, kind in self.locals.items()
         )
         self.head = f"static {self._type(node.returns)} {PREFIX}{node.name}({arguments})"

@@ -2,11 +2,13 @@
 
 Method: the slider of a scene (``twente-contact`` by default) on the orbits of its [wave] or of its stator's wave,
 on a grid of amplitudes and preloads. Steady states come from averaging with its second-order correction. They are
-compared with the closed forms of the threshold, A sqrt(r^2 + c^2) = c |h|, of the release, A = h, and of hopping, in
-which the slider rides above the surface at rest (h < 0, contact for less than half of each cycle). The levels of the
-scene are marked. Points to which averaging does not apply (close to the threshold) are marked and not judged. Expected:
-every other point lies on the side of the lines that corresponds to its regime; the event-driven method gives the same
-velocity to 1e-6 at a dozen points. Run time: about 1 s, plus the time of the stator.
+compared with the closed forms of the threshold, A sqrt(r^2 + c^2) = c h, of the release, A = h, and of hopping, h = 0,
+beyond which the slider rides above the surface at rest (h < 0, contact for less than half of each cycle). Here
+A = |u_z|, r = |u_x/u_z|, c is the slope of the slip limit over the approach (`limit_slope`), and h the slider's mean
+approach on the wave, at which the cycle mean of the normal force is the preload. The levels of the scene are marked.
+Points to which averaging does not apply (close to the threshold) are marked and not judged. Expected: every other point
+lies on the side of the lines that corresponds to its regime; the event-driven method gives the same velocity to 1e-6 at
+a dozen points. Run time: about 1 s, plus the time of the stator.
 """
 
 import logging
@@ -47,7 +49,8 @@ def run(
         Of the slider velocity, for the stator.
     """
     driven = driven_contact(scene, tolerance=tolerance)
-    resolved_scene, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
+    resolved_scene, slider = driven.scene, driven.slider
+    per_metre = driven.at(1.0 / driven.amplitude)  # orbits at an amplitude of 1 m, so that their factors are amplitudes
     if slider.shape != "sphere" or slider.heights:
         resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
     operating_preload = slider.preload
@@ -56,7 +59,7 @@ def run(
     at, loads, operating = _grid(driven, per_metre, amplitudes, preloads)
     LOGGER.info(f"regime map: {at.size * loads.size} steady states")
     sliders = [replace(slider, preload=float(preload)) for preload in loads]
-    # for each point (preload, amplitude): index of the slider, and 0, the only set of orbits
+    # (slider, orbits) of each point (preload, amplitude): one slider for each preload, and 0, the only set of orbits
     which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
     factors = np.tile(at, (loads.size, 1))
     states = contact.steady_sweep(sliders, [per_metre], which=which, factors=factors, wave_errors=[0.0])

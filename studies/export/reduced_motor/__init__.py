@@ -27,12 +27,21 @@ the slider bounces on a surface at rest. Ends of stick and slip are located with
 interpolation over four neighbours; on a steady wave (`glide`, `hold`) constant values are read once.
 """
 
-from studies.export.reduced_motor.bounce import riding
+from studies.export.reduced_motor.bounce import steady_approach
 from studies.export.reduced_motor.contact_spring import power, spring_share
 from studies.export.reduced_motor.force_tables import slip_force, traction_share
 from studies.export.reduced_motor.sticking import deformation
 from studies.export.reduced_motor.time_steps import advance, begin
 
-__all__ = ["advance", "begin", "deformation", "power", "riding", "slip_force", "spring_share", "traction_share"]
+__all__ = [
+    "advance",
+    "begin",
+    "deformation",
+    "power",
+    "slip_force",
+    "spring_share",
+    "steady_approach",
+    "traction_share",
+]
 # in the order of their C in one file
 MODULES = tuple("index contact_spring force_tables surface_wave bounce sticking sliding time_steps".split())

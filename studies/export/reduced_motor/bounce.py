@@ -1,4 +1,10 @@
-"""Normal motion of the slider about its mean approach on the wave."""
+"""Normal motion of the slider: its bounce about the steady approach, at which <P> is the preload.
+
+Arguments: p, the flat array of parameters, and state, that of the state (`index`); tables, R and g of every drive one
+after the other (`force_tables`); drive, the number of the drive whose wave counts, 0 or 1; s, the normal amplitude of
+the wave at the slider, m; h, the mean approach, m, and w, its rate, m/s; preload, N.  <P> is the mean normal force of a
+cycle, summed over the contacts, N; it is zero from h = -s downwards, where no contact touches.
+"""
 
 from math import sqrt
 
@@ -10,8 +16,11 @@ from studies.export.reduced_motor.index import Array
 
 
 @compiled
-def riding(p: Array, tables: Array, drive: int, s: float, preload: float) -> float:
-    """Return the mean approach in m at which <P> is the preload (false position, Illinois variant)."""
+def steady_approach(p: Array, tables: Array, drive: int, s: float, preload: float) -> float:
+    """Return the mean approach in m at which <P> is the preload (false position, Illinois variant).
+
+    It lies between -s, where no contact touches, and the approach without a wave, because a wave raises <P>.
+    """
     rest = rest_approach(p, preload)
     if s <= 0.0:
         return rest
@@ -47,14 +56,17 @@ def riding(p: Array, tables: Array, drive: int, s: float, preload: float) -> flo
 
 @compiled
 def normal_acceleration(p: Array, tables: Array, drive: int, s: float, preload: float, h: float, w: float) -> float:
-    """Return h'' in m/s^2."""
+    """Return h'' = (preload - <P> (1 + contact damping w) - normal damping w)/mass, m/s^2."""
     force = mean_load(p, tables, drive, h, s) * (1.0 + p[index.CONTACT_DAMPING] * w)
     return (preload - force - p[index.NORMAL_DAMPING] * w) / p[index.MASS]
 
 
 @compiled
-def fall(p: Array, tables: Array, state: Array, drive: int, s: float, preload: float, d: float) -> float:
-    """Advance the approach and its rate by a step d in s (Runge-Kutta of order 4); return the approach at mid-step."""
+def bounce_step(p: Array, tables: Array, state: Array, drive: int, s: float, preload: float, d: float) -> float:
+    """Advance the approach and its rate by a step d in s (Runge-Kutta of order 4).
+
+    Return the approach in the middle of the step, from the cubic Hermite polynomial through both ends.
+    """
     h = state[index.APPROACH]
     w = state[index.APPROACH_RATE]
     a1 = normal_acceleration(p, tables, drive, s, preload, h, w)
@@ -72,23 +84,32 @@ def fall(p: Array, tables: Array, state: Array, drive: int, s: float, preload: f
 
 
 @compiled
-def ride(p: Array, tables: Array, state: Array, drive: int, s: float, preload: float) -> float:
-    """Store the mean approach on the wave and the angular frequency of the bounce; return the approach in m."""
-    h = riding(p, tables, drive, s, preload)
+def update_steady_approach(p: Array, tables: Array, state: Array, drive: int, s: float, preload: float) -> float:
+    """Store the steady approach and the angular frequency of the bounce about it; return this approach in m.
+
+    The frequency follows from the slope of <P> over h, by a central difference.
+    """
+    h = steady_approach(p, tables, drive, s, preload)
     span = 1e-4 * (abs(h) + s)
     rise = mean_load(p, tables, drive, h + span, s) - mean_load(p, tables, drive, h - span, s)
-    state[index.RIDE] = h
-    state[index.BOUNCE_RATE] = sqrt(max(0.5 * rise / span, 1e-30) / p[index.MASS])
+    state[index.STEADY_APPROACH] = h
+    state[index.BOUNCE_OMEGA] = sqrt(max(0.5 * rise / span, 1e-30) / p[index.MASS])
     return h
 
 
 @compiled
 def settle(p: Array, state: Array, s: float) -> float:
-    """Set the approach to that on the wave if the bounce has decayed; return 1 if it persists, else 0."""
-    apart = abs(state[index.APPROACH] - state[index.RIDE]) + abs(state[index.APPROACH_RATE]) / state[index.BOUNCE_RATE]
+    """Return 1 if the bounce persists, else 0, after putting the slider at rest at the steady approach h_0.
+
+    The bounce has decayed if its amplitude, |h - h_0| + |w|/(its angular frequency), is below DEAD_BOUNCE (|h_0| + s).
+    """
+    amplitude = (
+        abs(state[index.APPROACH] - state[index.STEADY_APPROACH])
+        + abs(state[index.APPROACH_RATE]) / state[index.BOUNCE_OMEGA]
+    )
     state[index.BOUNCES] = 1.0
-    if apart < p[index.DEAD_BOUNCE] * (abs(state[index.RIDE]) + s):
-        state[index.APPROACH] = state[index.RIDE]
+    if amplitude < p[index.DEAD_BOUNCE] * (abs(state[index.STEADY_APPROACH]) + s):
+        state[index.APPROACH] = state[index.STEADY_APPROACH]
         state[index.APPROACH_RATE] = 0.0
         state[index.BOUNCES] = 0.0
     return state[index.BOUNCES]

@@ -9,24 +9,24 @@ import numpy as np
 
 Array = np.ndarray
 
-# of the parameters (a flat array of doubles)
-MASS = 0
-NORMAL_DAMPING = 1
-TANGENTIAL_DAMPING = 2
-CONTACT_DAMPING = 3
-FRICTION = 4
-LIMIT_SLOPE = 5
+# Indices of the parameters (a flat array of doubles)
+MASS = 0  # kg
+NORMAL_DAMPING = 1  # d_n, N s/m
+TANGENTIAL_DAMPING = 2  # d_t, N s/m
+CONTACT_DAMPING = 3  # chi, s/m
+FRICTION = 4  # coefficient mu
+LIMIT_SLOPE = 5  # c: contacts slip at a deformation of c times the approach
 STIFFNESS = 6  # n K of all contacts, N/m^e
-EXPONENT = 7  # 1.5 or 1
+EXPONENT = 7  # e: 1.5 for spheres, 1 for flat punches
 TAU_NODES = 8  # number of tau nodes
 NU_NODES = 9  # number of nodes of each side of nu
 DRIVES = 10  # 1 or 2
-MAX_STEP = 11
-FAST_STEP = 12
-RING_STEP = 13
-DEAD_BOUNCE = 14  # relative to the approach at rest: below it the approach follows the wave at once
+MAX_STEP = 11  # longest time step, s: of slip on a steady wave
+FAST_STEP = 12  # of all other motion
+RING_STEP = 13  # of sticking contacts on a steady wave, and of slip while the slider bounces on a wave
+DEAD_BOUNCE = 14  # amplitude at which a bounce ends, over |steady approach| + normal amplitude (`bounce.settle`)
 FIRST_DRIVE = 15
-# of the parameters of each drive, from its first on
+# Indices of the parameters of each drive; the block of the first one begins at FIRST_DRIVE
 AMPLITUDE = 0  # largest |u_z| of the contacts per unit of the drive, m: s of a steady wave
 SATURATION = 1  # v_1, (m/s)/m: from V = v_1 s on friction has one direction throughout the cycle
 RESPONSE_NODES = 2  # 0: the wave follows at once
@@ -38,33 +38,33 @@ RESPONSE = 7  # where the step response begins, real and imaginary part
 FACING = 8  # 1, or -1 where the table g is that of the mirrored wave
 DRIVE_SIZE = 9
 
-# of the state (a flat array of doubles)
-TIME = 0
-POSITION = 1
-VELOCITY = 2
+# Indices of the state (a flat array of doubles)
+TIME = 0  # s
+POSITION = 1  # m
+VELOCITY = 2  # V, m/s
 DEFORMATION = 3  # of contacts that stick, m; see `deformation`
-APPROACH = 4
-APPROACH_RATE = 5
+APPROACH = 4  # mean approach h, m
+APPROACH_RATE = 5  # m/s
 STICKS = 6  # 1: the contact sticks
 BOUNCES = 7  # 1: the slider bounces on the wave
-SURFACE = 8  # normal amplitude under the slider, m
-FORCE = 9  # Q, N
+SURFACE = 8  # normal amplitude s of the wave under the slider, m
+FORCE = 9  # mean tangential force Q on the slider, N
 ACTIVE = 10  # drive whose wave counts
 PRELOAD = 11  # of the last step, N
-RIDE = 12  # mean approach on the wave, m
-BOUNCE_RATE = 13  # angular frequency of the bounce about it, rad/s
+STEADY_APPROACH = 12  # mean approach at which <P> is the preload on the present wave, m
+BOUNCE_OMEGA = 13  # angular frequency of the bounce about it, rad/s
 PINNED = 14  # at the upper (1) or lower (-1) limit of a spring that slips; 0 where the contacts do not stick at all
 DEPTH = 15  # approach that carries <P> without a wave, m; 0 if it and the next two must be computed again
-LOWEST = 16  # deformations at which slip begins, m
-HIGHEST = 17
+LOWEST = 16  # deformation at which the slider begins to slip towards +x, m
+HIGHEST = 17  # and towards -x, m
 CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V; 0: none
 CUBIC = 19  # 4 coefficients of the cubic over that cell, 19 to 22
 HISTORY = 23
-# of the history of each drive, from its first on
+# Indices of the history of each drive; that of the first one begins at HISTORY
 LEVEL = 0  # present value of the drive, zero or positive
 COUNT = 1  # number of stored changes
 SETTLED = 2  # sum of the changes that have settled
-CHANGES = 3  # pairs (time, change)
-ENTRIES = 48
+CHANGES = 3  # pairs (time in s, change of the drive)
+ENTRIES = 48  # largest number of stored changes
 HISTORY_SIZE = 99  # CHANGES + 2 ENTRIES
 STATE_SIZE = 221  # HISTORY + 2 HISTORY_SIZE

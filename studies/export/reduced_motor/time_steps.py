@@ -2,7 +2,7 @@
 
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
-from studies.export.reduced_motor.bounce import fall, ride, settle
+from studies.export.reduced_motor.bounce import bounce_step, settle, update_steady_approach
 from studies.export.reduced_motor.contact_spring import rest_approach, spring_deformation
 from studies.export.reduced_motor.force_tables import bounded
 from studies.export.reduced_motor.index import Array
@@ -72,7 +72,7 @@ def advance(
             state[index.SURFACE] = s
             state[index.DEPTH] = 0.0
             state[index.CELL] = 0.0
-            ride(p, tables, state, drive, s, preload)
+            update_steady_approach(p, tables, state, drive, s, preload)
             settle(p, state, s)
         elif state[index.BOUNCES] > 0.5:
             settle(p, state, state[index.SURFACE])
@@ -101,7 +101,7 @@ def advance(
                 s = wave(p, tables, state, drive, state[index.TIME] + 0.5 * step)
             h = state[index.APPROACH]
             if state[index.BOUNCES] > 0.5:
-                h = fall(p, tables, state, drive, s, preload, step)
+                h = bounce_step(p, tables, state, drive, s, preload, step)
             left = step
             regime_changes = 0
             while left > 0.0 and regime_changes < 4:
