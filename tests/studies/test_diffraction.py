@@ -46,11 +46,11 @@ def test_without_diffraction_the_answer_is_that_of_the_section(plane):
 def test_each_ball_has_the_orbit_of_its_own_place(spread):
     beam = fem.surface_beam(spread.surface_wave)
     x, y = np.array([8.7e-3, 8.8e-3, 9.3e-3]), np.array([5e-3, -2e-3, 1e-3])
-    assert np.allclose(spread.scene.slider.contact_positions, np.stack([x, y], axis=1), rtol=1e-12)
+    assert np.allclose(spread.scene.slider.contact_positions, np.stack([x, y], axis=1), rtol=1e-12, atol=0.0)
     orbits = bridge.DrivenContact.of_run(spread).orbits
     u_x, u_y, u_z = beam.motion(x, y)
-    assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6)
-    assert np.allclose([each.tangential for each in orbits], u_x, rtol=1e-6)
+    assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6, atol=0.0)
+    assert np.allclose([each.tangential for each in orbits], u_x, rtol=1e-6, atol=0.0)
     assert abs(spread.wave["normal_m_per_V"] / beam.motion(9e-3, 1e-3)[2] - 1) < 1e-6
     ratios = np.append(abs(u_y / u_x), abs(spread.wave["lateral_m_per_V"] / spread.wave["tangential_m_per_V"]))
     assert spread.wave["largest_lateral_ratio"] == pytest.approx(ratios.max(), rel=1e-5)
@@ -65,9 +65,9 @@ def test_the_mirror_image_of_a_slider_runs_as_fast(spread):
     """Property: y -> -y of position and balls; of the position alone it is another motor."""
     balls = [(-3e-4, -4e-3), (-2e-4, 3e-3), 3e-4]
     image = run(spread.scene.replace(slider={"position": (9e-3, -1e-3), "contacts": balls}), tolerance=TOLERANCE)
-    assert np.allclose(image.velocity, spread.velocity, rtol=1e-6)
+    assert np.allclose(image.velocity, spread.velocity, rtol=1e-6, atol=0.0)
     moved = run(spread.scene.replace(slider={"position": (9e-3, -1e-3)}), tolerance=TOLERANCE)
-    assert not np.allclose(moved.velocity, spread.velocity, rtol=1e-3)
+    assert not np.allclose(moved.velocity, spread.velocity, rtol=1e-3, atol=0.0)
 
 
 def test_every_door_has_the_same_orbit(spread, small):
@@ -83,7 +83,7 @@ def test_every_door_has_the_same_orbit(spread, small):
     assert abs(rows["velocity_m_per_s"][1] / rows["velocity_m_per_s"][0] - 1) > 1e-3
     driven = driven_contact(given, tolerance=TOLERANCE)
     orbits = bridge.DrivenContact.of_run(spread).orbits
-    assert np.allclose([each.normal for each in driven.orbits], [each.normal for each in orbits], rtol=1e-3)
+    assert np.allclose([each.normal for each in driven.orbits], [each.normal for each in orbits], rtol=1e-3, atol=0.0)
 
 
 def test_a_burst_moves_as_the_beam(small, small_run):
@@ -181,9 +181,9 @@ def test_the_beam_is_drawn_from_above(spread, tmp_path):
     beam = spread.surface_motion.beam
     ax = draw_surface_map(beam, spread.scene, Figure().add_subplot())
     _, _, motion = surface_map(beam, spread.scene.stator)
-    assert np.allclose(np.ravel(ax.collections[0].get_array()), abs(motion[2]).T.ravel() * 1e9, rtol=1e-12)
+    assert np.allclose(np.ravel(ax.collections[0].get_array()), abs(motion[2]).T.ravel() * 1e9, rtol=1e-12, atol=0.0)
     points = sorted(map(tuple, ax.lines[0].get_xydata() / 1e3))
-    assert np.allclose(points, sorted(spread.scene.slider.contact_positions))
+    assert np.allclose(points, sorted(spread.scene.slider.contact_positions), rtol=1e-12, atol=0.0)
     spread.save(tmp_path / "run")
     files = tmp_path / "beam.png", tmp_path / "beam.html"
     wanted = ["--screenshot", str(files[0]), "--html", str(files[1])]

@@ -103,7 +103,7 @@ def test_a_followed_motor_under_load_gives_way_as_cattaneo_says():
     state.advance(0.01, 0.0, force=-0.5 * limit)
     assert abs(state.position) < 1e-15
     state.advance(0.01, 0.0, force=0.0)
-    assert np.isclose(state.position + state.deformation, reach * (1.0 - 0.5 ** (2.0 / 3.0)), atol=1e-12)
+    assert state.position + state.deformation == pytest.approx(reach * (1.0 - 0.5 ** (2.0 / 3.0)), rel=1e-9)
 
 
 def test_the_averaged_motor_goes_the_way_of_the_followed_one():
