@@ -162,6 +162,7 @@ def _check_heights(piece: MeshPiece, thickness: float) -> None:
 
     One interface that fits is enough: behind the other one a stator of another thickness may follow (a step).
     """
+    # by side: position, height and upper end z of the interface
     lines = {side: line for side in ("left", "right") if (line := piece.interface(side)) is not None}
     for side, (_, height, _) in lines.items():
         border = piece.mesh.border(side)
@@ -275,6 +276,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
 
 def _check_size(piece: MeshPiece) -> None:
     """Raise an InputError for a mesh with too many unknowns even at the coarsest level."""
+    # every element is divided into as many quadrilaterals as it has corners (fem.mesh.quads)
     quads = sum(CORNERS[cells.kind] * len(cells.nodes) for cells in piece.mesh.cells)
     least = quads * LEAST_PER_QUAD
     if least <= MAX_UNKNOWNS:
@@ -331,7 +333,7 @@ def _check_electrode_lines(piece: MeshPiece, solid: Solid) -> None:
     solids = {"stator": solid} | dict(piece.solids)
     coupled = {int(n) for each in mesh.cells if solids[each.solid].is_piezoelectric for n in np.unique(each.nodes)}
 
-    def refuse(rule: str, at: set[int] | None = None) -> None:
+    def refuse(rule: str, at: set[int] | None = None) -> None:  # {} in the rule: position of one of the nodes ``at``
         where = " at ({:.4g}, {:.4g}) mm".format(*mesh.points[min(at)] * 1e3) if at else ""
         _refuse(piece, rule.format(where), "piece.file")
 

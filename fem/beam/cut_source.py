@@ -210,7 +210,7 @@ class CutSource:
         return out
 
     def select_poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> Poles:
-        """Select the forward modes that are not local, and identify the surface wave among them.
+        """Select the forward modes that do not decay within a wavelength (LOCAL), and the surface wave among them.
 
         A mode is right-going if its power flows to the right or, if it hardly propagates, if it decays to the right.
         By equation (1) the field of a unit load is sum_p v_p (l_p . e) / (k - k_p).  ``column`` of the result is the

@@ -53,7 +53,7 @@ class Dissection:
         fronts: list[Front] = []
 
         def part(elements: np.ndarray) -> tuple[int, np.ndarray, np.ndarray]:
-            """Index of the front of some elements, the unknowns passed on, and how many of its elements have each."""
+            """Index of the front of some elements, the unknowns passed on, and in how many elements each occurs."""
             children: tuple[int, ...] = ()
             if len(elements) <= LEAF:
                 parts = [(own[each], np.ones(len(own[each]), dtype=int)) for each in elements]

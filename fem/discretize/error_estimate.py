@@ -57,7 +57,7 @@ def first_level(tolerance: float) -> int:
 def planned_levels(stator: Stator, tolerance: float) -> range:
     """Levels at which an ordinary layout on this stator is solved; another one follows if the error is too large."""
     first = first_level(tolerance)
-    slower = (GAIN - 1) / (level_gain(stator) - 1)
+    slower = (GAIN - 1) / (level_gain(stator) - 1)  # factor on the estimates, by the denominator g - 1
     enough = [level for level, error in enumerate(EXPECTED) if error * slower <= tolerance]
     return range(first, max(first + 1, enough[0] if enough else len(LEVELS) - 1) + 1)
 
@@ -163,15 +163,15 @@ def refine(
                 with suppress(ConvergenceError):
                     best = compared(coarse, at_level(levels[start - 1]), start)
             grows = best is not None and latest.errors[0] >= best.errors[0]
-            best = _kept(best, latest) if best and grows else latest
+            best = _before_rounding(best, latest) if best and grows else latest
         coarse = answer
     if best is None:
         raise InputError("levels", "must hold at least two from the start on", len(levels) - start)
     return best
 
 
-def _kept(before: Refined[Answer], latest: Refined[Answer]) -> Refined[Answer]:
-    """Keep the answer before the latest, whose difference has grown by rounding, with the larger errors of both."""
+def _before_rounding(before: Refined[Answer], latest: Refined[Answer]) -> Refined[Answer]:
+    """Answer before the latest one, whose difference has grown by rounding, with the larger errors of both."""
     return replace(
         before,
         errors=tuple(map(max, before.errors, latest.errors)),

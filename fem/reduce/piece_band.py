@@ -51,6 +51,8 @@ def interpolated(
         Returns the answers of an interpolated piece at a frequency in Hz, shape (m, columns).
     frequencies : ndarray
         Hz: where the answers are compared and where nodes may be added.
+    tolerance : float
+        Relative.
     max_nodes : int
         No node is added beyond this number.
 
@@ -125,7 +127,7 @@ def piece_of_cascade(
 
 
 def _incident(solution: Solution, sample: MeshedPiece, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Incident fields on reduced lines and potentials of the ports, by excitation, wherever a piece stands.
+    """Incident fields on reduced lines and potentials of the ports, by excitation, at all occurrences of a piece.
 
     ``sample``: the piece, condensed at any frequency.
     """

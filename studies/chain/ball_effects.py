@@ -23,7 +23,8 @@ POINT_ADMITTANCE = 0.93  # Re(v/F) over omega^2 / (2 pi mu c_T) of a point load 
 NO_FRICTION = 1e-9  # coefficient of a frictionless contact: the averaged equilibrium requires a positive one
 LOADS = 5  # levels of a run at which the load on the wave is computed, 6 ms each; linear in the voltage between them
 NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
-LOAD, OVERTONES = "load of the slider on the wave", "overtones of the wave under the pillars"  # names of effects
+# Names of effects, here and in `pillar_effects`
+LOAD, OVERTONES = "load of the slider on the wave", "overtones of the wave under the pillars"
 
 
 def point_admittance(omega: float, shear_modulus: float, shear_speed: float) -> float:
@@ -75,11 +76,13 @@ def wave_load(record: Record, voltages) -> list[float]:
     """
     slider, stator = record.scene.slider, fem_model.stator(record.scene.stator)
     body = bridge.contact_slider(slider)
+    # `contact.balls_of` takes the elastic law with Coulomb's friction alone
     body = replace(
         body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
         friction_coefficient=body.static_coefficient or NO_FRICTION,
     )  # fmt: skip
     offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
+    # each computed contact stands for slider.share contacts; the body bears 1/share of the slider's preload
     balls = contact.balls_of(replace(body, preload=body.preload * slider.share), offsets, weights=slider.share)
     tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave

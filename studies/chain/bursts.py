@@ -1,6 +1,7 @@
 """The motion of a slider on balls during and after a burst: on the wave at its position, then with its travel.
 
-The growth and decay of the wave are those of its ring-up, where the method of solution accepts an envelope.
+The wave grows and decays as in `ring_up` if the method of solution accepts an envelope.  Otherwise it is steady from
+the start of the burst to its end, where it stops.
 """
 
 from dataclasses import replace
@@ -24,12 +25,12 @@ def followed_burst(driven: DrivenContact, level: float, velocity: float, toleran
     ``velocity``: the steady one at this level.  The trajectory covers the time ``after`` (s) from the end of the burst.
     If this is None, it covers the stop of the slider and some periods of its tangential resonance.
     """
-    held = _held_burst(driven, driven.at(level), velocity, tolerance, after)
-    return (held, {}) if driven.along is None else _along(driven, held, level)
+    trajectory = _burst_without_travel(driven, driven.at(level), velocity, tolerance, after)
+    return (trajectory, {}) if driven.along is None else _along(driven, trajectory, level)
 
 
-def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None):
-    """Return the trajectory of a slider on the wave at its initial position."""
+def _burst_without_travel(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None):
+    """Return the trajectory of a slider that remains on the wave at its initial position."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.least_friction(len(orbits))
     stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
@@ -45,8 +46,9 @@ def _held_burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance
         return followed()
     ring_down = ringing.ring_down
     try:
-        rest = after if ring_down is None else (after + float(ring_down.time[-1]), ring_down)
-        return followed(ringing.envelope, rest)
+        # `after` of `contact.burst`: the time, with the envelope of the ring-down
+        faded = after if ring_down is None else (after + float(ring_down.time[-1]), ring_down)
+        return followed(ringing.envelope, faded)
     except contact.ConvergenceError:
         if method != "auto":
             raise
@@ -71,7 +73,7 @@ def _along(driven: DrivenContact, trajectory, level: float):
         )
     # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
     speed = contact.reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
-    averaging_error = abs(travel.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
+    averaging_error = abs(travel.velocity_without_travel[-1] - trajectory.velocity_at_burst_end) / speed
     with_change = with_travel(trajectory, travel)
     error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
     return replace(with_change, answer=replace(with_change.answer, error=error)), {

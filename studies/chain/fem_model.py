@@ -1,6 +1,7 @@
-"""The blocks of a scene as objects of ``fem``: stator, meshed pieces, transducers, drive; and which model of its beam.
+"""The blocks of a scene as objects of ``fem``: stator, meshed pieces, transducers, drive.
 
-The scene is resolved: its automatic values are numbers.
+It also decides whether a scene is computed as a plane section or with finite apertures (`section_reason`). The scene is
+resolved: its automatic values are numbers.
 """
 
 import math
@@ -98,8 +99,9 @@ def transducers(scene: Scene) -> tuple:
 
 
 def free_span(extents, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
-    """Return the ends in m of the free surface about x: those of the stator, or ``clear`` from the fingers before them.
+    """Return the ends in m of the free surface about x.
 
+    On either side this is the end of the stator, or a distance ``clear`` (m) before the nearest fingers.
     ``extents``: left and right end of the fingers of each transducer, m.
     """
     left = max((right + clear for _, right in extents if right <= x), default=0.0)
@@ -161,7 +163,7 @@ def drive(scene: Scene):
     """Return the ``fem.Drive`` of a scene with transducers."""
     block, ladder = scene.drive, []
     for each in () if isinstance(block.match, str) else block.match:
-        place, kind = each.name.split("_")
+        place, kind = each.name.split("_")  # such as series_L
         value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
         ladder.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
     return fem.Drive(sources=block.driven, impedance=block.source_impedance, match=tuple(ladder))
@@ -206,7 +208,10 @@ def section_reason(block: Stator, whole, positions) -> str:
 
 
 def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
-    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
+    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz.
+
+    ``spread``: True for finite apertures; None as `diffracts` says.
+    """
     return fem.port_admittance(
         whole_stator(scene), section_transducers(scene), frequency=frequency, tolerance=tolerance,
         finite_apertures=diffracts(scene) if spread is None else spread, mirror_width=scene.stator.mirror_width,

@@ -1,4 +1,8 @@
-"""The frequencies of a study, from a band or the passband of the driven transducer, and an estimate of the latter."""
+"""The frequencies of a study, and the estimated answer of the driven transducer.
+
+The frequencies are those of a band START:STOP:N of the user (in MHz without a unit; `studies.scene.ranges` reads its
+text), or by default those of the driven transducer's passband.
+"""
 
 from pathlib import Path
 from typing import Any

@@ -73,7 +73,7 @@ class Travel:
     time: np.ndarray  # s
     velocity: np.ndarray  # m/s along +x
     displacement: np.ndarray  # from the beginning, m
-    held_velocity: np.ndarray  # velocity by the same equation with X = 0, m/s
+    velocity_without_travel: np.ndarray  # velocity by the same equation with X = 0, m/s
     ended: bool  # True if a ball reached the stator's end, where the solution stops
     # error of the change of velocity at the end, m/s, estimated with half as many displacements, speeds and steps
     error: float
@@ -81,7 +81,7 @@ class Travel:
     @property
     def change(self) -> float:
         """Change of the final velocity by the travel, m/s."""
-        return float(self.velocity[-1] - self.held_velocity[-1])
+        return float(self.velocity[-1] - self.velocity_without_travel[-1])
 
 
 class _Table:
@@ -165,19 +165,19 @@ def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: 
             fastest = duration * table.top_speed / (STEP * wave.wavelength)
             steps = int(np.ceil(max(MIN_STEPS, fastest) / coarser))
             solutions.append([_followed(table, duration, steps, moves) for moves in (True, False)])
-        (moving, held), (coarse, coarse_held) = solutions
+        (moving, fixed), (coarse, coarse_fixed) = solutions
         final = moving[2, -1]
         at_limit = not reach[0] < final < reach[1]
         if not at_limit or abs(final) >= abs(wave.limits[1] if final > 0 else wave.limits[0]):
             break
         span *= 2
     time, velocity, displacement = moving
-    held_velocity = held[1, : len(time)]
-    change = velocity[-1] - held_velocity[-1]
-    coarse_change = np.interp(time[-1], *coarse[:2]) - np.interp(time[-1], *coarse_held[:2])
+    without_travel = fixed[1, : len(time)]
+    change = velocity[-1] - without_travel[-1]
+    coarse_change = np.interp(time[-1], *coarse[:2]) - np.interp(time[-1], *coarse_fixed[:2])
     return Travel(
-        time=time, velocity=velocity, displacement=displacement, held_velocity=held_velocity, ended=bool(at_limit),
-        error=float(abs(change - coarse_change)),
+        time=time, velocity=velocity, displacement=displacement, velocity_without_travel=without_travel,
+        ended=bool(at_limit), error=float(abs(change - coarse_change)),
     )  # fmt: skip
 
 
@@ -185,7 +185,7 @@ def with_travel(trajectory, travel: Travel):
     """Return a `contact.Trajectory` with the change of velocity added, and the slide after the burst adapted to it."""
     time, velocity = trajectory.time, np.array(trajectory.velocity)
     on = time <= trajectory.duration * (1 + 1e-12)
-    velocity[on] += np.interp(time[on], travel.time, travel.velocity - travel.held_velocity)
+    velocity[on] += np.interp(time[on], travel.time, travel.velocity - travel.velocity_without_travel)
     end = trajectory.velocity_at_burst_end
     new_end = end + travel.change
     if not on.all():

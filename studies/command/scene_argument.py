@@ -26,16 +26,16 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
         values = [toml_value(part.strip()) for part in arguments.voltage.split(",")]
         file = file.replaced("drive.voltage", values if len(values) > 1 else values[0])
     if arguments.call in ("sweep", "fit", "design"):
-        without_bands(file.table)
+        say_unused_tolerances(file.table)
     else:
         arguments.scene_file = file  # for refusals during the run, which name file and line
     return file
 
 
-def without_bands(table: dict) -> None:
+def say_unused_tolerances(table: dict) -> None:
     """Print that this command ignores the tolerances of a scene, if it has any."""
     if "uncertain" in split_tolerances(table):
-        say(["[uncertain] is not used here: its bands are those of sawmotor run"])
+        say(["[uncertain] is not used here; sawmotor run computes the bands"])
 
 
 def read_tolerance(text: str | None) -> float:

@@ -4,7 +4,7 @@ import argparse
 
 from studies.command.options import add_shared
 from studies.command.output import committed_pictures, origin_of, results_folder, say
-from studies.command.scene_argument import read_tolerance, without_bands
+from studies.command.scene_argument import read_tolerance, say_unused_tolerances
 from studies.progress import Progress
 from studies.results import Origin, result_directory
 from studies.scene import read_table
@@ -56,7 +56,7 @@ def call(arguments: argparse.Namespace) -> int:
     if arguments.scene is not None:
         scene = origin_of("study", arguments.scene)
         if arguments.name not in ("voltage_to_velocity", "gallery", "positioning"):
-            without_bands(read_table(arguments.scene))
+            say_unused_tolerances(read_table(arguments.scene))
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
         name = f"{name}-{scene.name}"
     out = results_folder(arguments, name)

@@ -23,7 +23,8 @@ class Design:
     columns: tuple[str, ...]  # of a point, one for each goal
     optimum: dict  # the best point (of two goals: the middle of the front)
     front: list[dict]  # points that no other exceeds in both goals; the optimum alone with one goal
-    # by key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
+    # by key: with this variable 5 % larger or smaller (a whole number: by 1), the smallest share of the first goal that
+    # is left, and whether all constraints still hold
     robustness: dict
     points: list[dict]  # of the search, in the order of their evaluation
     evaluations: int  # number, with those of the robustness
@@ -44,7 +45,7 @@ class Design:
 
     def __str__(self) -> str:
         """Return what `sawmotor design` prints."""
-        rows = [["variable", "best", "5 % off leaves", "constraints"]]
+        rows = [["variable", "best", "5 % (or 1) off leaves", "constraints"]]
         for each in self.variables:
             robust, best = self.robustness[each.key], each.text(self.optimum[each.key], 5)
             constraints = "kept" if robust["keeps_constraints"] else "broken"
@@ -70,7 +71,8 @@ class Design:
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "design.json", self.to_dict())
         goals = " and ".join(self.goals)
-        remark = f"{'largest ' * (not goals.startswith(LEAST))}{goals} of {self.evaluations} evaluations"
+        largest = "" if goals.startswith(LEAST) else "largest "  # a goal that is minimised begins with "least" itself
+        remark = f"{largest}{goals} of {self.evaluations} evaluations"
         (folder / "optimum.toml").write_text(document(self.table, remarks=(remark,)), encoding="utf-8")
         saved(folder / "design.png", self.draw)
 

@@ -134,7 +134,7 @@ def fit_about(problem: Problem, minima: list[Minimum], degrees: int, estimated: 
         minima = [(x, squares / scale**2) for x, squares in minima]
         if problem.systematic:  # a systematic error does not scale with the scatter
             minima = sorted((problem.minimum(x) for x, _ in minima), key=lambda each: each[1])
-    (best, least), *others = minima
+    (best, least), *others = minima  # best: x, the parameters in the solver's variables, then the systematic errors
     jacobian = problem.jacobian(best)
     directions = undetermined(jacobian, problem.parameters, problem.half_width)
     best = _nearest(problem, best, least, directions)
@@ -166,9 +166,10 @@ def fit_about(problem: Problem, minima: list[Minimum], degrees: int, estimated: 
 
 
 def _informed(problem: Problem, jacobian: np.ndarray) -> tuple[tuple[str, dict[str, float]], ...]:
-    """Return, for each measurement, how many times it alone narrows each number.
+    """Return, for each measurement, how many times it alone narrows each number: 1 if it tells nothing.
 
-    That is half the width of the number's range over the standard deviation that this measurement would leave.
+    That is half the width of the number's range over the standard deviation that this measurement would leave, with
+    the range as a weak prior.
     """
     ends, informs = np.cumsum([len(each.values) for each in problem.measurements]), []
     for each, rows in zip(problem.measurements, np.split(jacobian, ends)[: len(ends)], strict=True):
@@ -272,6 +273,7 @@ def _weighted(measurements: list[Measurement]) -> tuple[list[Measurement], bool]
 
 def _signed(problem: Problem) -> tuple[Measurement, ...]:
     """Return the measurements; speeds without a sign take that of the predicted velocity."""
+    # the sign is that of the sum over up to eight starting points
     predicted, signed = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         is_speed = each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0

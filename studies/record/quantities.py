@@ -128,7 +128,7 @@ def quantities() -> dict[str, Quantity]:
 
 @cache
 def _by_column() -> dict[str, Quantity]:
-    """Return those that have a label, by the last part of their path."""
+    """Return the quantities that have a label, by the last part of their path."""
     columns: dict[str, Quantity] = {}
     for each in quantities().values():
         if each.label:
@@ -145,14 +145,16 @@ def quantity(key: str) -> Quantity:
 
 
 def unit_of(key: str) -> str | None:
-    """Return the SI unit of a column, from the table or the ending of its name; None for a word.
+    """Return the SI unit of a column, from the table or the ending of its name.
+
+    It is None for a word, and for a column that neither the table nor an ending tells.
 
     Examples
     --------
     >>> unit_of("velocity_m_per_s"), unit_of("my_own_depth_m"), unit_of("relative_error"), unit_of("regime")
     ('m/s', 'm', '1', None)
     """
-    key = re.sub("_(re|im|0|1)$", "", key)
+    key = re.sub("_(re|im|0|1)$", "", key)  # parts of a complex number and of a pair have the unit of the whole
     if key in _by_column():
         unit = _by_column()[key].unit
         return None if unit == "-" else unit

@@ -1,4 +1,7 @@
-"""The pictures of a run, each drawn from its record on an Axes; files are named by `pictures`."""
+"""The pictures of a run, each drawn from its record on an Axes.
+
+`pictures` gives them their file names; `errors` is drawn by the page alone.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,7 +19,8 @@ if TYPE_CHECKING:
     from studies.record import Record
 
 MAX_WAVELENGTHS = 40  # length of a surface whose ripple a picture of this width resolves
-WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
+WINDOW = 12  # width in wavelengths of the inset about the slider
+WINDOW_ROOM = 2.4  # upper limit of the axes over the largest amplitude, so that the inset has room above the curves
 COMPARED = ("predicted", "measured")  # beginnings of columns of a comparison
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 

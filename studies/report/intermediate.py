@@ -108,6 +108,7 @@ def _stator(record: Record):
     yield "phase velocity of the surface mode", si(wave["phase_velocity_m_per_s"], "m/s", 9), motion
     yield "|u_x/u_z| of the surface mode", f"{wave['surface_ratio']:.6g}", motion
     yield "admittance", _complex(electrical["admittance_S"], "S"), _error(electrical_error)
+    # V = 1/(1 + Z Y) behind a source impedance Z: a relative error e of Y changes V relatively by |1 - V| e
     error = _error(electrical_error * abs(1 - comb_voltage))
     yield "voltage between the electrodes, per volt", _complex(comb_voltage, "V"), error
     for name, key in (
@@ -124,7 +125,8 @@ def _stator(record: Record):
         if key in wave:
             yield name, _polar(wave[key]), motion
     ratio, error = wave["standing_wave_ratio"], _error(2 * wave_solution.relative_error)
-    yield "standing-wave ratio near it", f"{ratio:.5g}", f"of the order of {error}"
+    where = "middle" if record.scene.slider is None else "slider"
+    yield f"standing-wave ratio near the {where}", f"{ratio:.5g}", f"of the order of {error}"
 
 
 def _free(record: Record):

@@ -22,7 +22,8 @@ from studies.scene.uncertain import Uncertain, split_tolerances
 class Scene(Block):
     """A stator with its transducers and drive, or a prescribed wave, and perhaps a slider.
 
-    A block that is absent is None. Its type is written Any, because code that needs a block has refused scenes without.
+    A block that is absent is None. Its type includes Any, so that code behind a check for its presence needs no second
+    check for None.
     """
 
     block: ClassVar[str] = ""
@@ -103,7 +104,7 @@ class Scene(Block):
 
     @property
     def crossed(self) -> bool:
-        """Whether a transducer is turned or stands beside the middle line."""
+        """Whether one section along x does not suffice: a transducer is rotated, or its centre has y != 0."""
         return any(each.turned for each in self.transducer)
 
     @property
