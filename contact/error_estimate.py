@@ -1,9 +1,9 @@
 r"""Error estimates of the answers, one function for each way of computing.
 
 An answer is computed twice, at two resolutions or by two methods, and the functions here turn the difference into the
-error that is stated with it (`choice.Answer`). That of a velocity is relative to max(|v|, omega |u_x|/10). The true
-error is at most twice the stated one in 98 of 100 cases, as `tests/contact/test_calibration.py` and
-`tests/contact/test_burst_errors.py` measure.
+error that is stated with it (`choice.Answer`). Velocity errors are compared with the *reference speed*
+max(|v|, omega |u_x|/10). The true error is at most twice the stated one in 98 of 100 cases, as
+`tests/contact/test_calibration.py` and `tests/contact/test_burst_errors.py` measure.
 
 Three errors are computed elsewhere: the effect of an undamped bounce and of a motion that is not reached from rest is
 added in `answers.steady`, the parts of the error of an averaged burst are added up in `averaged.burst`, and that of
@@ -11,8 +11,7 @@ pillars is the residual of their equations (`averaged.pillar_slider`) and `richa
 (`averaged.pillar_motion`).
 
 The functions stand in the order burst, step, steady state (shooting, long run, averaged), threshold and release, stall,
-errors of the wave. `ratio` is f_n/f, the contact resonance over the frequency of the wave. The *reference speed* is
-max(|v|, omega |u_x|/10), the scale of all velocity errors.
+errors of the wave. `ratio` is f_n/f, the contact resonance over the frequency of the wave.
 """
 
 import math
@@ -25,8 +24,9 @@ from contact.orbit import Orbit
 # Event-driven motion. TRUNCATION: smallest error that is stated, over the reference speed and the truncation error
 # allowed in a segment, because two orders may agree by chance. DRIFT: rounding per cycle, over the reference speed.
 # SCATTER: rounding over the root of the number of segments, in units of `Problem.speed`; segments add and subtract
-# lengths of order one, so that a wave with little u_x leaves few digits. Against runs of 20 nodes it was up to 4e-16 in
-# 140 of 150 draws of `tests/contact/aimed.py` at 1e-10, and the error was within twice the stated one in all.
+# lengths of order one, so that a wave with little u_x leaves few digits. Against runs of 20 nodes the error in this
+# measure was up to 4e-16 in 140 of 150 draws of `tests/contact/aimed.py` with the tolerance 1e-10, and within twice the
+# stated one in all.
 TRUNCATION, DRIFT, SCATTER = 3e-6, 1e-15, 4e-16
 EPSILON = 2.2e-16  # rounding of one segment in `shooting_rounding`
 # Order of convergence of fixed time steps that is assumed. Spheres converge with order 1.5 to 2, punches and contact

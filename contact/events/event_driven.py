@@ -43,7 +43,7 @@ class Task(NamedTuple):
     number: int  # repetitions; more than one only over a whole cycle
     mobile: int  # 0: the slider keeps its velocity whatever the forces, as a body of infinite mass
     tolerance: float  # largest roughness of a segment (`segment.roughness`)
-    limit: int  # largest number of segments of one repetition
+    limit: int  # largest number of attempts at a segment in one repetition
     at: np.ndarray  # (k,): phases of the samples, rising, in (start, stop]; they do not change the motion
     samples: np.ndarray  # (k, contacts, len(Sample))
     stride: int  # cycles per recorded sample; 0: none
@@ -51,7 +51,7 @@ class Task(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work arrays: values at the nodes of a segment, and the segments of the last cycle (`warm_start`)."""
+    """Work arrays: values at the nodes, segments of the last cycle (`warm_start`), and those of `many_contacts`."""
 
     nodes: seg.Nodes
     pattern: Pattern
@@ -111,7 +111,8 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
                 seg.surface(problem, grid, nodes, segment)
         if arrived:
             root, other, _ = earliest(problem, grid, state, nodes, memory)
-            # accepted only if no guard turns negative before the end; an earlier event needs a cold start
+            # Accepted only if no guard turns negative before the end (a root at 1 is the event that ends the segment);
+            # an earlier event needs a cold start.
             known = other < 0 or (segment.contact >= 0 and root > 1.0 - 1e-6)
             return segment.length if known else 0.0
     return 0.0

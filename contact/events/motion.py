@@ -201,6 +201,6 @@ class Motion:
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def _limit(self, span):
-        """Return the largest number of segments of a run, after which it fails: a guard may fire without end."""
+        """Return the largest number of attempts at a segment in a run; more mean that events follow without end."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
         return int(min(events + 40.0 * span / self.problem.longest, 1e9))
