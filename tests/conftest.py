@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -19,6 +20,18 @@ settings.register_profile("thorough", deadline=None)
 settings.register_profile("quick", deadline=None, max_examples=25)
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+_approx = pytest.approx
+
+
+def _relative(expected, rel=None, abs=None, nan_ok=False):
+    """`pytest.approx`, whose relative tolerance is relative: pytest adds 1e-12, which here may be a motion in m."""
+    if abs is None and (rel is not None or np.any(expected)):
+        rel, abs = 1e-6 if rel is None else rel, 0.0
+    return _approx(expected, rel=rel, abs=abs, nan_ok=nan_ok)
+
+
+pytest.approx = _relative
 
 ROOT = Path(__file__).parents[1]
 THOROUGH = ROOT / "tests" / "thorough.txt"
@@ -59,6 +72,7 @@ def _small_pictures():
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plots, "new_figure", hasty)
+        patch.setattr(plots, "lay_out", lambda figure: figure.set_layout_engine(None))
         patch.setattr(plots, "DPI", 40)
         yield
 

@@ -54,12 +54,16 @@ def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) 
     """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
     figure, ax = new_figure(*size, dpi=DPI)
     draw(ax)
+    lay_out(figure)
+    figure.savefig(file, **options)
+
+
+def lay_out(figure) -> None:
+    """Lay a figure out once: with any layout engine, also "none", savefig draws everything once more beforehand."""
     if len(figure.axes) == 1:  # neither colour bar nor second axis: one pass of the layout, in half the time
         figure.set_layout_engine("tight", pad=0.3)
-    # Laid out once: with any layout engine, also "none", savefig draws everything once more before it writes the file.
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine(None)
-    figure.savefig(file, **options)
 
 
 def as_uri(draw: Callable, *, size: tuple[float, float] = SIZE, kind: str = "svg+xml") -> str:

@@ -39,7 +39,7 @@ def test_contacts_at_rest_carry_preload_and_load(shape):
     def carried(x):
         return sum(elastic.tangential_force(x, a, friction, c, kind) for a in z)
 
-    common = brentq(lambda x: carried(x) - s.load, 0.0, c * np.max(z), rtol=1e-14)
+    common = brentq(lambda x: carried(x) - s.load, 0.0, c * np.max(z), xtol=1e-24, rtol=1e-14)
     assert s.rest_deformations(3) == pytest.approx(np.minimum(common, c * z), rel=1e-10)
     assert carried(c * np.max(z)) == pytest.approx(s.friction_coefficient * s.preload, rel=1e-13)
 

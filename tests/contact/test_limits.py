@@ -12,7 +12,7 @@ from contact.averaged.riding import mean_normal_force, quadrature
 from contact.codes import Shape
 from contact.law.normal import SHAPES, load
 from contact.problem import scaled
-from tests.contact.motors import orbit, slider
+from tests.contact.motors import HEAVY, orbit, slider
 
 
 def mean_load(h, A, shape=Shape.SPHERE):
@@ -35,9 +35,11 @@ def test_mean_load_against_adaptive_quadrature(height, shape):
 def test_release_amplitude_is_the_closed_form():
     mean = 16.0 * math.sqrt(2.0) / (6.0 * math.pi)
     assert mean == pytest.approx(1.2004217549, rel=1e-10)
-    found = release_amplitude(slider(), orbit(1e-9))
-    assert found == pytest.approx(slider().rest_approach(1) / mean ** (2.0 / 3.0), rel=1e-13)
-    assert found == pytest.approx(4.17258e-9, rel=1e-6)
+    closed_form = slider().rest_approach(1) / mean ** (2.0 / 3.0)
+    assert closed_form == pytest.approx(4.17258e-9, rel=1e-6)
+    assert release_amplitude(slider(mass=HEAVY), orbit(1e-9)) == pytest.approx(closed_form, rel=1e-8)
+    # the seed's slider moves within a cycle by (f_n/f)^2 = 2e-5 of the wave
+    assert 1e-5 < 1 - release_amplitude(slider(), orbit(1e-9)) / closed_form < 2e-5
 
 
 def test_release_does_not_depend_on_the_tangential_motion_or_on_the_scale():
@@ -58,10 +60,10 @@ def test_riding_height_carries_the_preload():
 @pytest.mark.parametrize("ratio", [0.1, 0.7, 2.0])
 def test_threshold_in_quadrature_is_the_closed_form(ratio):
     # A sqrt(r^2 + c^2) = c h(A)
-    s = slider()
+    s = slider(mass=HEAVY)
     A = threshold_amplitude(s, orbit(1e-9, ratio))
     c = s.limit_slope
-    assert A * math.hypot(ratio, c) == pytest.approx(c * riding_height(s, orbit(A)), rel=1e-12)
+    assert A * math.hypot(ratio, c) == pytest.approx(c * riding_height(s, orbit(A)), rel=1e-7)
 
 
 def test_threshold_at_a_general_phase_by_searching_the_offset():

@@ -7,7 +7,7 @@ import pytest
 
 from contact import burst, mean_motion, release_amplitude, riding_height, steady, threshold_amplitude
 from studies.evidence.stability.cross_check import cross_check
-from tests.contact.motors import FREQUENCY, orbit, slider, steady_map
+from tests.contact.motors import FREQUENCY, HEAVY, orbit, slider, steady_map
 from tests.oracles.contact_springs import velocity_from_rest
 
 PUNCH = {"shape": "punch", "radius": 2e-6}
@@ -22,7 +22,7 @@ def trio(A):
 def test_a_punch_that_keeps_contact_rides_where_it_rests_and_parts_at_its_rest_approach():
     # The mean of a linear force is the force at the mean
     assert riding_height(slider(**PUNCH), orbit(0.9 * Z0)) == pytest.approx(Z0, rel=1e-13)
-    assert release_amplitude(slider(**PUNCH), orbit(1e-9)) == pytest.approx(Z0, rel=1e-13)
+    assert release_amplitude(slider(mass=HEAVY, **PUNCH), orbit(1e-9)) == pytest.approx(Z0, rel=1e-8)
     # hopping: A (sin b - b cos b)/pi = Z0 with h = -A cos b; b = 2
     A = Z0 * math.pi / (math.sin(2.0) - 2.0 * math.cos(2.0))
     assert riding_height(slider(**PUNCH), orbit(A)) == pytest.approx(-A * math.cos(2.0), rel=1e-12)
@@ -31,17 +31,17 @@ def test_a_punch_that_keeps_contact_rides_where_it_rests_and_parts_at_its_rest_a
 @pytest.mark.parametrize("ratio", [0.1, 0.7, 2.0])
 def test_the_threshold_in_quadrature_is_the_closed_form(ratio):
     # A sqrt(r^2 + c^2) = c z0, for h does not move
-    s = slider(**PUNCH)
+    s = slider(mass=HEAVY, **PUNCH)
     A = s.limit_slope * Z0 / math.hypot(ratio, s.limit_slope)
-    assert threshold_amplitude(s, orbit(1e-9, ratio)) == pytest.approx(A, rel=1e-12)
+    assert threshold_amplitude(s, orbit(1e-9, ratio)) == pytest.approx(A, rel=1e-7)
 
 
 def test_a_loaded_threshold_is_the_closed_form():
     # The spring is linear: the load takes x0 = load/8 a G of the room c z0
     share = 0.4
-    s = slider(load=share * 0.08 * 0.089e-3 * 9.81, **PUNCH)
+    s = slider(mass=HEAVY, load=share * 0.08 * 0.089e-3 * 9.81, **PUNCH)
     A = (1.0 - share) * s.limit_slope * Z0 / math.hypot(0.7, s.limit_slope)
-    assert threshold_amplitude(s, orbit(1e-9)) == pytest.approx(A, rel=1e-9)
+    assert threshold_amplitude(s, orbit(1e-9)) == pytest.approx(A, rel=1e-7)
 
 
 @pytest.mark.parametrize(("limit", "inside"), [(threshold_amplitude, "stick"), (release_amplitude, "slip")])

@@ -27,7 +27,7 @@ def test_fingers(center, pairs, period, metallisation):
     middles = fingers.mean(axis=1)
     assert fingers.shape == (2 * pairs, 2)
     assert np.diff(middles) == pytest.approx(period / 2, rel=1e-9)
-    assert np.diff(fingers, axis=1) == pytest.approx(metallisation * period / 2, rel=1e-9)
+    assert np.diff(fingers, axis=1) == pytest.approx(metallisation * period / 2, rel=1e-9, abs=1e-15)
     assert middles.mean() == pytest.approx(center, abs=1e-9 * period + 1e-15)
     assert (fingers[0, 0], fingers[-1, 1]) == pytest.approx(comb.extent, abs=1e-9 * period + 1e-15)
 

@@ -42,7 +42,7 @@ def test_threshold_and_release_lie_between_the_points_of_their_regimes(given):
     summary = given.summary
     assert last["stick"] < summary["threshold_amplitude_m"] < first["slip"]
     assert last["slip"] < summary["release_amplitude_m"] < first["intermittent"]
-    assert summary["release_amplitude_m"] == pytest.approx(4.17258e-9, rel=1e-5)  # design.md, closed form
+    assert summary["release_amplitude_m"] == pytest.approx(4.17258e-9, rel=2e-5)  # design.md, by averaging
 
 
 def test_the_error_is_that_of_the_worst_point_and_the_sum_of_its_parts(given):

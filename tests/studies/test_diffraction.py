@@ -197,7 +197,7 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
     wide, mirrored = (run(given.replace(stator={"sides": each}), tolerance=1e-2) for each in ("absorbing", "mirror"))
     beam, width = wide.surface_motion.beam, given.stator.width
     images = sum(beam.motion(9e-3, k * width)[2] for k in range(-4, 5))
-    assert abs(mirrored.surface_motion.at([(9e-3, 0.0)])[2, 0]) == pytest.approx(abs(images), rel=1e-3)
+    assert abs(mirrored.surface_motion.at([(9e-3, 0.0)])[2, 0]) == pytest.approx(abs(images), rel=3e-3)
     sizes = [
         next(each["size"] for each in record.model_error if each["effect"] == "side faces")
         for record in (wide, mirrored)

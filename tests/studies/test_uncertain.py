@@ -32,7 +32,7 @@ def test_linear_bands_of_the_release_are_hertz_s_in_quadrature():
     release, shares = record.summary["release_amplitude_m"], ((0.1, 1), (4e9 / MODULUS, -1))
     halves = [((1 + t) ** (2 * s / 3) - (1 - t) ** (2 * s / 3)) / 2 for t, s in shares]
     low, high = record.uncertainty["release_amplitude_m"]
-    assert (high - release, release - low) == pytest.approx((release * np.hypot(*halves),) * 2, rel=1e-6)
+    assert (high - release, release - low) == pytest.approx((release * np.hypot(*halves),) * 2, rel=2e-6)
     assert record.uncertainty["tolerances"] == pytest.approx(
         {"slider.preload": 0.1 * PRELOAD, "slider.effective_modulus": 4e9}
     )

@@ -24,7 +24,7 @@ def test_the_equations_of_coupled_modes(detuning, coupling):
 def test_the_edges_of_the_stop_band_by_legendre_functions(metallisation):
     cos = np.cos(np.pi * metallisation)
     even = (1 + cos) / 2 + eval_legendre(0.5, -cos) / eval_legendre(-0.5, -cos)  # Oracle: scipy's
-    assert stop_band_edges(metallisation) == pytest.approx(((1 - cos) / 2, even), rel=1e-12)
+    assert stop_band_edges(metallisation) == pytest.approx(((1 - cos) / 2, even), rel=5e-12)
 
 
 @pytest.mark.parametrize("metallisation", [0.3, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.5, 0.7))])
