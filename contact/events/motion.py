@@ -74,7 +74,7 @@ class Motion:
     def carry(self, state, sign, regime, tally, sums):
         """Make these arrays, all scaled, the state; the kernels change them in place."""
         self.state, self.sign, self.regime, self.tally, self.sums = state, sign, regime, tally, sums
-        # for the kernels: the same memory, not copies
+        # for the kernels: the same arrays, not copies, as one tuple
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
     def set_state(self, height, normal_velocity, speed, deformations=0.0, problem=None):
