@@ -1,10 +1,10 @@
 r"""Choice of the method for a problem of the contact, by its applicability and its estimated error.
 
-The errors are estimated in `error_estimate`. The methods of a burst are the table
-`answers.burst_methods.BURST_METHODS`, with the rule of "auto" in `run` below it; those of a steady state are
-`answers.steady.STEADY_METHODS`, with their rule above it. `answers.load_line.stall` takes the averaged load where its
-error is within the tolerance, and `answers.thresholds` the averaged factor of a slider whose full motion it does not
-search (a law or heights other than the simplest). The other answers have one method each.
+The errors are estimated in `error_estimate`. The methods of a burst are the table BURST_METHODS of
+`answers/burst_methods.py`, with the rule of "auto" in `run` below it; those of a steady state are the table
+STEADY_METHODS of `answers/steady.py`, with their rule above it. `answers.load_line.stall` takes the averaged load where
+its error is within the tolerance, and `answers.thresholds` the averaged factor of a slider whose full motion it does
+not search (a law or heights other than the simplest). The other answers have one method each.
 
 `choose` returns the result of the first method, the cheapest, that applies and whose estimated error is within the
 tolerance. If a method that the user named misses the tolerance, the exact method replaces it, provided that it is cheap

@@ -1,12 +1,14 @@
-r"""Error estimates of all answers, one function for each way of computing.
+r"""Error estimates of the answers, one function for each way of computing.
 
 An answer is computed twice, at two resolutions or by two methods, and the functions here turn the difference into the
-error that is stated with it (`choice.Answer`). That of a velocity is relative to max(|v|, omega |u_x|/10). The true
-error is at most twice the stated one in 98 of 100 cases, as `tests/contact/test_calibration.py` and
-`tests/contact/test_burst_errors.py` measure.
+error that is stated with it (`choice.Answer`). Velocity errors are compared with the *reference speed*
+max(|v|, omega |u_x|/10). The true error is at most twice the stated one in 98 of 100 cases, as
+`tests/contact/test_calibration.py` and `tests/contact/test_burst_errors.py` measure.
 
-Where an answer has several errors, they are added up where they are computed; that of pillars is what is left of the
-equations (`averaged.pillar_slider`) and `richardson` of the number of harmonics (`averaged.pillar_motion`).
+Three errors are computed elsewhere: the effect of an undamped bounce and of a motion that is not reached from rest is
+added in `answers.steady`, the parts of the error of an averaged burst are added up in `averaged.burst`, and that of
+pillars is the residual of their equations (`averaged.pillar_slider`) and `richardson` of the number of harmonics
+(`averaged.pillar_motion`).
 
 The functions stand in the order burst, step, steady state (shooting, long run, averaged), threshold and release, stall,
 errors of the wave. `ratio` is f_n/f, the contact resonance over the frequency of the wave.
@@ -19,11 +21,12 @@ import numpy as np
 from contact.jit.compiled import formula
 from contact.orbit import Orbit
 
-# Event-driven motion. TRUNCATION: least relative error over the truncation error of a segment, because two runs may
-# agree by chance. DRIFT: rounding per cycle, relative to the reference speed. SCATTER: rounding over the root of the
-# number of segments, in units of `Problem.speed`; segments add and subtract lengths of order one, so that a wave with
-# little u_x leaves few digits. Against runs of 20 nodes the error was up to 4e-16 in 140 of 150 draws of
-# `tests/contact/aimed.py` at 1e-10, and within twice the stated one in all.
+# Event-driven motion. TRUNCATION: smallest error that is stated, over the reference speed and the truncation error
+# allowed in a segment, because two orders may agree by chance. DRIFT: rounding per cycle, over the reference speed.
+# SCATTER: rounding over the root of the number of segments, in units of `Problem.speed`; segments add and subtract
+# lengths of order one, so that a wave with little u_x leaves few digits. Against runs of 20 nodes the error in this
+# measure was up to 4e-16 in 140 of 150 draws of `tests/contact/aimed.py` with the tolerance 1e-10, and within twice the
+# stated one in all.
 TRUNCATION, DRIFT, SCATTER = 3e-6, 1e-15, 4e-16
 EPSILON = 2.2e-16  # rounding of one segment in `shooting_rounding`
 # Order of convergence of fixed time steps that is assumed. Spheres converge with order 1.5 to 2, punches and contact
@@ -31,22 +34,23 @@ EPSILON = 2.2e-16  # rounding of one segment in `shooting_rounding`
 STEPPED_ORDER = 1
 # Every estimate is increased by this fraction of the error expected for the step, because two runs may agree by chance.
 FLOOR = 0.01
-# Under an envelope: largest relative change of the velocity that a cycle adds, over that of the wave's amplitude.
-# Against the oracle `contact_motion`, an envelope of five random slopes had 0.1 and a phase of +-3 rad in 50 cycles 0.5
-# of this error.
+# An envelope bends within a cycle, where fixed steps take it as linear. Error of the velocity over the product of
+# `Envelope.bend` and the largest change of the velocity in a cycle. Against the oracle `contact_motion`, the true error
+# was 0.1 of this one for an envelope of five random slopes, and 0.5 for a phase of +-3 rad in 50 cycles.
 ENVELOPE_CHANGE = 3.0
-# Safety factors: on the calibration ratio, on an estimate after the calibration window, and on the estimate of a run
-# that cannot be calibrated.
+# Safety factors of `calibrated_error`. CALIBRATION: on the ratio of true and stated error in the first cycles. BEYOND:
+# on the estimate of the whole burst, of which only these cycles were checked. UNCHECKED: on an estimate without check.
 CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
-# Second-order averaging of a burst: shares of the difference of the two orders and of (f_n/f)^2 times the reference
-# speed. `tests/benchmarks/averaging_error.py` measured them: among 86 difficult bursts the largest true
-# error is 1.3 times the stated one; it is 1.5 times with half of these values and 1.1 times with twice these values.
+# Second-order averaging of a burst: the error that second order leaves. LEFT_OF_FIRST: over its difference from first
+# order; LEFT_OF_RATIO: over (f_n/f)^2 times the reference speed; both are added. `tests/benchmarks/averaging_error.py`
+# measured them: among 86 difficult bursts the largest true error is 1.3 times the stated one; it is 1.5 times with half
+# of these values and 1.1 times with twice these values.
 LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
-# Travel. LEAST_TRAVEL_ERROR: relative; two levels may agree by chance, and the finer one has errors up to 3e-11 (90
-# draws of `tests/contact/aimed.py`). MEMORY_SHIFT: shift of the final position by partial slip of hysteretic contacts
-# over the amplitude of the ring; it was 0.07 to 0.37 in `tests/contact/test_stall_and_steps.py` and in five similar
-# scenes. CUT: largest change of the final position over the amplitude at which a ring-down is cut; it was up to 4.2, in
-# the median 0.25, in 40 random motors of one to three contacts that were cut at amplitudes of 1e-5 to 3e-3.
+# Travel. LEAST_TRAVEL_ERROR: over the travel; two levels may agree by chance, and the finer one has errors up to 3e-11
+# (90 draws of `tests/contact/aimed.py`). MEMORY_SHIFT: shift of the final position by partial slip of hysteretic
+# contacts over the amplitude of the ring; it was 0.07 to 0.37 in `tests/contact/test_stall_and_steps.py` and in five
+# similar scenes. CUT: largest change of the final position over the amplitude at which a ring-down is cut; it was up to
+# 4.2, in the median 0.25, in 40 random motors of one to three contacts that were cut at amplitudes of 1e-5 to 3e-3.
 LEAST_TRAVEL_ERROR, MEMORY_SHIFT, CUT = 2e-11, 0.5, 5.0
 # number of batch means of a long run, and Student's factor for 95 % with one degree of freedom less
 BATCHES, STUDENT = 16, 2.13
@@ -55,24 +59,27 @@ BATCHES, STUDENT = 16, 2.13
 # (`tests/contact/test_threshold_answers.py`), up to 1.9 in draws with unequal balls or the hysteretic law; of the load
 # at the stall 1.8 (`tests/contact/test_thrust.py`).
 OF_VELOCITY, OF_THRESHOLD, OF_STALL = 3.0, 2.0, 3.0
-# Relative change of a wave on which a held slider must not move, over (f_n/f)^2, and its largest value.
+# A slider that averaging says is held must not move on a larger wave either. LARGER_WAVE: relative increase of the
+# wave over (f_n/f)^2; MAX_LARGER_WAVE: its largest value.
 LARGER_WAVE, MAX_LARGER_WAVE = 12.0, 0.5
-# Second-order averaging: share of its correction that is not trusted, and the least relative error, since the periodic
-# motion of the full equations, which this is checked against, is itself known to some 1e-10
-# (`tests/contact/test_calibration.py`).
+# Second-order averaging of a steady state. CORRECTION_ERROR: smallest error over the difference from first order.
+# LEAST_ERROR: smallest error over the velocity, because the periodic motion of the full equations, with which it is
+# compared, is itself known to some 1e-10 (`tests/contact/test_calibration.py`).
 CORRECTION_ERROR, LEAST_ERROR = 1e-4, 1e-9
-# Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
-# f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
+# Error of the velocity by the harmonics left out, over the largest of the last three kept ones and times
+# (harmonics + 1)^2. With 2, the true error of none of 263 random motors up to f_n/f = 0.3 is more than twice the stated
+# one; with 1 that of one motor is, and with 1 and the last tangential harmonic alone that of five.
 TAIL_SHARE = 2.0
-# Error of the finer of the two quadratures over their difference; the true one is 1/70 with 16 and 24 nodes per piece
-# and an elliptic orbit of general phase.
+# Error of the finer of two quadratures over their difference. The true ratio is 1/70 with 16 and 24 nodes per smooth
+# piece of a cycle and an elliptic orbit of general phase.
 RULE_ERROR = 0.1
-# smallest relative distance of two bounds; bisection of the full motion at f_n/f = 0.2 differs by 5e-7
+# Smallest relative error of a threshold or release between two bounds, which may agree by chance; bisection of the full
+# motion at f_n/f = 0.2 differs by 5e-7.
 LEAST_DISTANCE = 1e-6
 
 
 def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
-    """Return max(|v|, omega |u_x|/10) in m/s, the measure of velocity errors."""
+    """Return the reference speed max(|v|, omega |u_x|/10) in m/s, with the largest |u_x| of the orbits."""
     return speed_scale(velocity, max(o.omega * abs(o.tangential) for o in orbits))
 
 
@@ -100,8 +107,9 @@ def event_driven_error(
 ) -> float:
     """Return the error of the velocity of an event-driven burst.
 
-    `difference` is that of two collocation orders, `truncation` that of a segment of the finer one. The velocity of a
-    slider that never `moves` sums up nothing and has no rounding errors.
+    `difference` is that of two collocation orders, `truncation` the truncation error allowed in a segment of the finer
+    one, `segments` the number of segments per cycle. If the slider never `moves`, its velocity is not a sum over the
+    segments and has no rounding error.
     """
     scatter = SCATTER * math.sqrt(cycles * segments) if moves else 0.0
     return max(difference, TRUNCATION * truncation * reference) + DRIFT * cycles * reference + scatter
@@ -110,14 +118,18 @@ def event_driven_error(
 def stepped_error(difference: float, fine: int, coarse: int, expected: float = 0.0) -> float:
     """Return the error of the finer of two runs with fixed time steps; `fine`, `coarse`: steps per cycle.
 
-    The difference may vanish by chance, since events fall anywhere in a step: give the largest of many. `expected` is
-    the error for which the finer step is usually fine enough.
+    The difference may vanish by chance, since events fall anywhere in a step: pass the largest of many. `expected` is
+    the smallest error for which the finer number of steps was seen to be enough (`answers.burst_methods.STEPS`, times
+    the reference speed).
     """
     return richardson(difference, fine / coarse, STEPPED_ORDER) + FLOOR * expected
 
 
 def envelope_error(bend: float, change_per_cycle: float) -> float:
-    """Return the error by what an envelope does within a cycle (`Envelope.bend`), for the largest change in a cycle."""
+    """Return the error by an envelope that is not linear within a cycle, from its `Envelope.bend`.
+
+    `change_per_cycle` is the largest change of the velocity (or travel) in a cycle; the error has its unit.
+    """
     return ENVELOPE_CHANGE * bend * change_per_cycle
 
 
@@ -143,9 +155,9 @@ def travel_error(
     """Return the error in m of the travel of a burst and of the motion after it, from the difference of two levels.
 
     `steps`: fixed steps per cycle of the finer and the coarser level, for each part of the motion that uses them; the
-    rest is event-driven. `scale`: largest of the travels and of the slip limit at rest. `ring`: amplitude of the
-    remaining ring of hysteretic contacts. `change`: `envelope_error`. `cut`: amplitude of the wave at which its
-    ring-down is cut. All in m.
+    other parts are event-driven. `scale`: largest of the travels and of the slip limit at rest. `ring`: amplitude of
+    the remaining ring of hysteretic contacts. `change`: `envelope_error`. `cut`: amplitude of the wave at which its
+    ring-down is cut. All but the steps in m.
     """
     levels = max((stepped_error(difference, *pair) for pair in steps), default=difference)
     return levels + LEAST_TRAVEL_ERROR * scale + MEMORY_SHIFT * ring + change + CUT * cut
@@ -248,9 +260,9 @@ def search_error(change: float, low: float, high: float) -> float:
 
 
 @formula
-def changed_waves_error(larger, smaller, ratio, phase):
+def changed_waves_error(larger, smaller, other_ratio, other_phase):
     """Return the change of a velocity by a change of the wave, from the changes by four single changes of this size.
 
     They are those by both amplitudes larger, both smaller, another ratio u_x/u_z and another phase between them.
     """
-    return np.sqrt(max(larger, smaller) ** 2 + (ratio**2 + phase**2))
+    return np.sqrt(max(larger, smaller) ** 2 + (other_ratio**2 + other_phase**2))

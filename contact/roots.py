@@ -5,9 +5,12 @@ every twelfth step a bisection. A loop that evaluates the function itself uses i
 point, and `narrowed` the new bracket.
 
 *Roots of an interpolant* (`first_root`): values at Chebyshev-Lobatto points in sigma on [-1, 1] define a polynomial
-(barycentric formula, Berrut and Trefethen, SIAM Review 46 (2004) 501). A guard is positive until its first root.
-Between two nodes it may also turn negative and positive again, or touch zero; this is searched where the values and
-slopes at the nodes allow it.
+(barycentric formula, Berrut and Trefethen, SIAM Review 46 (2004) 501). Here the function is a *guard*, which is
+positive as long as the regime of a contact lasts, so that its first root is an event. Between two nodes it may also
+turn negative and positive again, or touch zero; this is searched where the values and slopes at the nodes allow it.
+
+`sigma` (n,) are the nodes, `bary` (n,) their barycentric weights, `values` (n,) those of the function at the nodes, and
+`rates` (n, n) the matrix that takes values to their derivatives in sigma (`events.collocation`).
 """
 
 from contact.jit.compiled import compiled, formula
@@ -65,7 +68,10 @@ def narrowed(a, fa, b, fb, x, f):
 
 @compiled
 def root(a, b, sigma, bary, values):
-    """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9 (Illinois)."""
+    """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9.
+
+    The method is regula falsi, Illinois variant.
+    """
     fa = interpolate(a, sigma, bary, values)
     fb = interpolate(b, sigma, bary, values)
     if not fa > 0.0:
@@ -108,7 +114,7 @@ def _wiggles(u, v, du, dv):
 
 @compiled
 def first_root(sigma, bary, rates, values):
-    """Return the smallest sigma at which a guard turns negative, 2.0 if it does not.
+    """Return the smallest sigma at which a guard turns negative; 2.0, outside of [-1, 1], if it does not.
 
     An interval between two nodes is searched for further roots if the cubic through the values and slopes at its ends
     has an extremum inside and may come close to zero.
@@ -116,7 +122,7 @@ def first_root(sigma, bary, rates, values):
     n = sigma.size
     for j in range(1, n):
         low = min(values[j - 1], values[j])
-        # an upper estimate of how far the cubic reaches below its ends, without the slopes, which cost a sum each
+        # First a cheap estimate of how far the cubic reaches below its ends, because a slope costs a sum over all nodes
         steps = abs(values[j] - values[j - 1])
         if j > 1:
             steps = max(steps, abs(values[j - 1] - values[j - 2]))
@@ -127,7 +133,7 @@ def first_root(sigma, bary, rates, values):
             before, slope = _slope(rates, j - 1, values), _slope(rates, j, values)
             near = low < 0.5 * width * max(abs(before), abs(slope))
             if near and j == 1 and values[0] < 1e-12 * largest(values):
-                # a guard that has just opened: a dip there would be the interpolation's own error
+                # the guard is zero where the regime begins: a dip there would be the interpolation's own error
                 near = False
             if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
                 dip = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
@@ -161,7 +167,7 @@ def _searched(start, stop, sigma, bary, values):
     for m in range(parts + 1):
         if m > 0 and middle < rounding:
             return root(start + (m - 1) * step, start + m * step, sigma, bary, values)
-        right = interpolate(start + (m + 1) * step, sigma, bary, values)  # one beyond the end at the last
+        right = interpolate(start + (m + 1) * step, sigma, bary, values)  # for the last m beyond the interval
         if middle <= left and middle <= right:  # golden section for a negative dip
             a, b = max(start + (m - 1) * step, start), min(start + (m + 1) * step, stop)
             for _ in range(40):

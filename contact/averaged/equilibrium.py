@@ -1,9 +1,13 @@
 r"""The averaged equilibrium of a slider that is heavy on the wave's time scale: one search over any cycle means.
 
-In the units of `problem`, with h the mean approach, V the mean velocity and <> the means over a cycle of the wave,
+In the units of `problem`, with h the mean approach, V the mean velocity, <> the means over a cycle of the wave, and the
+sums over the contacts,
 
     h'' = p - <sum P>(h) (1 + chi h') - d_n h'      the bounce,
     V'  = <sum Q>(h, V) - d_t V - q                 the velocity.
+
+P and Q are the normal and the tangential force of a contact, p the preload, q the load, chi the damping of a contact,
+and d_n and d_t the dampers of the slider.
 
 At rest h follows from <sum P> = p (`riding`) and V from <sum Q>(V) = d_t V + q, which `balanced_speed` searches between
 rest and the velocity at which every contact slips all the time. The search takes the mean from any provider with a
@@ -12,7 +16,9 @@ function `left(problem, means, v)`, the mean force that is left to accelerate th
     `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
     `event_equilibrium.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
     `bounce.Heights`           several heights of a bounce
-    `pillar_motion`            many contacts with their own positions, stiffnesses and weights, on a wave that they load
+    `pillar_slider.PillarSlider`  many contacts with their own positions, stiffnesses and weights, on a wave that they
+                               load; only where Newton's method of `pillar_equilibrium`, which searches all unknowns
+                               at once and comes first, returns no moving slider
 
 For balls on a prescribed wave this search is compiled as a whole. `pillar_equilibrium` gives the same velocity of first
 order (4e-13 apart for 1 to 8 balls), but takes 9 to 4 times the CPU time for one state of 1 to 8 balls and 45 to 10
@@ -53,18 +59,18 @@ class Entry(IntEnum):
     LOAD_SIGN = 4
     COARSE = 5  # velocity of first order by the coarse rule
     RESIDUAL = 6  # of the velocity
-    MADE_PER_CYCLE = 7  # contacts
-    SLIPS_PER_CYCLE = 8  # slips begun
+    MADE_PER_CYCLE = 7  # contacts that close
+    SLIPS_PER_CYCLE = 8  # slips that begin
     TAIL = 9  # error of the velocity by harmonics left out
-    QUADRATURE = 10  # and by quadrature
+    QUADRATURE = 10  # error of the velocity by quadrature
     LEAST_AT_REST = 11  # mean tangential force of a cycle at rest
     LARGEST_AT_REST = 12
-    REGIME = 13
-    ERROR = 14
-    FROM_WAVE = 15
-    THRUST = 16
+    REGIME = 13  # `codes.Steady`
+    ERROR = 14  # of the velocity
+    FROM_WAVE = 15  # error of the velocity by that of the wave
+    THRUST = 16  # load at which the slider stalls
     THRUST_ERROR = 17
-    STATUS = 18
+    STATUS = 18  # `codes.Status`
 
 
 # Nodes per smooth piece of a cycle: those of the search, and those of the answer.
@@ -243,6 +249,7 @@ def _fill_rest_forces(problem, h, work, out):
     stuck = counts[Counted.STUCK]
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
     if least - max(problem.load, 0.0) <= ROUNDING * full_friction(problem):
+        # the slider may be held or move backwards; -1e-300 stands for rest after a motion towards -x
         largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
     counts[Counted.STUCK] = stuck
     out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
@@ -285,7 +292,7 @@ def _second_order(problem, slope, top, work, out):
         f = force_left(problem, second.means[Mean.TANGENTIAL], v)
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
-            if 0.5 * slope > new > 2.0 * slope:
+            if 0.5 * slope > new > 2.0 * slope:  # a secant within a factor of two of the last slope; both < 0
                 slope = new
         v_old, f_old = v, f
         v -= f / slope

@@ -2,8 +2,8 @@
 
 Symbols as in `pillars` and `march`: a *row* is the set of all pillars at one x, where the wave changes its amplitude by
 the forces of these pillars; U+ and U- are the amplitudes of the waves towards +x and -x, A the amplitude of the larger
-incident one, Gamma the surface's compliance for a line force, w the width of the strip in which the wave runs, and F
-the preload.
+incident one, Gamma the surface's compliance for a line force, w the width of the strip in which the wave runs, F the
+preload, v the slider velocity and omega the angular frequency of the wave.
 """
 
 from dataclasses import dataclass, field
@@ -23,8 +23,8 @@ class SearchState(NamedTuple):
     forward: np.ndarray  # amplitudes U+ and U- at the rows, m
     backward: np.ndarray
     approaches: np.ndarray  # mean approaches of the pillars, m
-    w: float  # v/omega, m
-    side: float  # for w = 0 the sign of the motion before it
+    velocity_over_omega: float  # v/omega, m
+    side: float  # sign of v; for v = 0 that of the motion before it came to rest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class PillarMotion:
     velocity : float
         Velocity along +x, m/s.
     held : bool
-        True if v = 0 and sticking contacts carry the load.
+        True if v = 0: the contacts that stick carry the load.
     approach : float
         Mean approach H of a pillar of height 0 at the slider's centre, m. With a soft backing it is the mean over the
         rows.
@@ -157,7 +157,7 @@ class PillarMotion:
         else:
             cycle, state = OvertoneCycle(self.pillars, wave, False, 2), self.state
             cycle.begin(state.forward, state.backward)
-            second = cycle.radiated(wave.compliance_per_width, state.approaches, state.w, state.side)
+            second = cycle.radiated(wave.compliance_per_width, state.approaches, state.velocity_over_omega, state.side)
         return float(abs(second)) / wave.amplitude
 
 

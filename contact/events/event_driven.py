@@ -1,5 +1,10 @@
 r"""The event-driven motion: segment after segment, each ended by the first root of any guard.
 
+A *guard* is a function that is positive inside a contact's regime (`law.elastic`), and its root is an *event*. A
+contact that has just closed has *entered*: its force rises as a fractional power of time, so that the next segment uses
+the map ROOT_AT_START of `collocation`; other segments begin with SMOOTH. A segment is *rough* if its highest Chebyshev
+coefficients, which estimate the truncation error, exceed the tolerance (`segment.roughness`).
+
 *Cold start.* A segment is first computed to its longest length. If a guard turns negative on it, the root is that of
 the interpolant, and the segment is computed again to end there. Newton's method with the true rate then corrects
 the length until the guard vanishes to rounding.
@@ -7,9 +12,9 @@ the length until the guard vanishes to rounding.
 *Warm start* (`warm_start`). If the last cycle had the same segment, its length and accelerations are the first guess.
 Newton's iteration for the length and Picard's for the motion then go on together.
 
-In both cases the extrema of every guard between the nodes are searched, so that no contact is missed. A segment is
-shortened if its highest Chebyshev coefficients exceed the tolerance or Picard's iteration does not converge. With many
-contacts, a segment spans their events (`many_contacts`).
+In both cases the extrema of every guard between the nodes are searched, so that no contact is missed. A segment that is
+rough, or on which Picard's iteration does not converge, is computed again with a shorter length. With many contacts, a
+segment spans their events (`many_contacts`).
 """
 
 from typing import NamedTuple
@@ -37,8 +42,8 @@ class Task(NamedTuple):
     stop: float  # and ends
     number: int  # repetitions; more than one only over a whole cycle
     mobile: int  # 0: the slider keeps its velocity whatever the forces, as a body of infinite mass
-    tolerance: float  # truncation allowed per segment, over the friction and preload impulse of a radian
-    limit: int  # largest number of segments of one repetition
+    tolerance: float  # largest roughness of a segment (`segment.roughness`)
+    limit: int  # largest number of attempts at a segment in one repetition
     at: np.ndarray  # (k,): phases of the samples, rising, in (start, stop]; they do not change the motion
     samples: np.ndarray  # (k, contacts, len(Sample))
     stride: int  # cycles per recorded sample; 0: none
@@ -46,7 +51,7 @@ class Task(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work arrays: values at the nodes of a segment, and the segments of the last cycle (`warm_start`)."""
+    """Work arrays: values at the nodes, segments of the last cycle (`warm_start`), and those of `many_contacts`."""
 
     nodes: seg.Nodes
     pattern: Pattern
@@ -96,7 +101,7 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
             end = segment.phase + segment.length
             value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
             step = -value / rate
-            if not rate < 0.0 or abs(step) > 0.2 * segment.length:
+            if not rate < 0.0 or abs(step) > 0.2 * segment.length:  # the event is not near that of the last cycle
                 return 0.0
             if abs(value) >= 1e-16 and abs(step) >= 2e-16:
                 arrived = False
@@ -106,7 +111,8 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
                 seg.surface(problem, grid, nodes, segment)
         if arrived:
             root, other, _ = earliest(problem, grid, state, nodes, memory)
-            # an earlier event, which the last cycle did not have, needs a cold start
+            # Accepted only if no guard turns negative before the end (a root at 1 is the event that ends the segment);
+            # an earlier event needs a cold start.
             known = other < 0 or (segment.contact >= 0 and root > 1.0 - 1e-6)
             return segment.length if known else 0.0
     return 0.0
@@ -138,7 +144,10 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
 
 @compiled
 def _ended_at_event(problem, grid, state, nodes, task, segment, memory):
-    """Return the segment computed to where its guard vanishes."""
+    """Return the segment, computed, with its length corrected by Newton's method until its guard vanishes at the end.
+
+    A segment without a guard is computed once.
+    """
     for trial in range(12):
         if segment.length < 1e-14:
             segment = seg.resized(segment, 0.0)
@@ -178,7 +187,7 @@ def _sampled(grid, state, nodes, task, segment, taken):
 
 @compiled
 def _move_to_end(problem, state, nodes, memory):
-    """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
+    """Set the state to that at the end of a segment; the next one is guessed from the accelerations there."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
     state.slider[At.POSITION] = slider[Index.POSITION, end]
     state.slider[At.NORMAL_VELOCITY] = slider[Index.NORMAL_VELOCITY, end]
@@ -232,10 +241,11 @@ def _attempt(problem, grid, state, work, task, memory, progress):
         if not converged:
             return Attempt(Outcome.NOT_CONVERGED, segment, 0.25 * segment.length, Status.STIFF)
     if segment.length == 0.0:
+        # a guard vanishes at the start: nothing moves, and `advance` changes the regime
         return Attempt(Outcome.EVENT_AT_START, segment, segment.longest, Status.DONE)
     rough, change = _roughness(problem, grid, nodes, segment), 1.0
     if progress.match < 0 or rough > task.tolerance:
-        order = nodes.guard.size - 1
+        order = nodes.guard.size - 1  # the roughness is about proportional to this power of the length
         change = min(2.0, max(0.2, 0.9 * (task.tolerance / (rough + 1e-300)) ** (1.0 / order)))
     if rough > task.tolerance and segment.length > 1e-6 * longest:
         _begin_with(nodes, normal, tangential)
@@ -253,7 +263,10 @@ def _next(problem, grid, state, work, task, memory, progress):
 
 @compiled
 def _accept(problem, grid, state, work, task, memory, progress, segment):
-    """Add a segment's integrals and move the state to its end; return (phase there, number of samples taken)."""
+    """Add a segment's integrals, take its samples, store it for the next cycle, and move the state to its end.
+
+    Return (phase there, number of samples taken so far).
+    """
     phase = task.stop if segment.last else progress.phase + segment.length
     if memory is None and state.regime.size >= many_contacts.MANY:
         return phase, many_contacts.accept(problem, grid, state, work, task, segment, progress.taken)
@@ -266,13 +279,18 @@ def _accept(problem, grid, state, work, task, memory, progress, segment):
 
 @compiled
 def advance(problem, grid, state, work, task, memory, cycle):
-    """Move the state from start to stop; return the reason for ending.
+    """Move the state from the start to the stop of the task; return the reason for ending.
 
-    Of the pattern's two cycles that of number `cycle % 2` is filled, the other one is the guess.
+    `work.pattern` stores the segments of two cycles: those of this one are written to the index `cycle % 2`, those of
+    the last one are read from the other index.
     """
     contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
-    phase, length, idle, taken, spent = task.start, problem.longest, 0, 0, 0
-    first, warm, entered = 0, True, False  # entered: the segment starts where a contact was made
+    phase, length, taken = task.start, problem.longest, 0
+    spent = 0  # attempts at a segment
+    idle = 0  # events since the last segment, all at one phase
+    first = 0  # segment of the last cycle at which the search for a match begins
+    warm = True  # False after a rough segment: the next attempt is a cold start
+    entered = False  # True if a contact has closed at this phase
     work.pattern.stored[new] = 0
     while phase < task.stop:
         spent += 1
@@ -300,8 +318,8 @@ def advance(problem, grid, state, work, task, memory, cycle):
             idle, entered, warm = 0, False, True
         else:
             idle += 1
-            tally[Count.CHATTER] += idle > contacts
-            if idle > 20 * contacts + 20:
+            tally[Count.CHATTER] += idle > contacts  # more than one event per contact at one instant
+            if idle > 20 * contacts + 20:  # they follow one another without end
                 return Status.TOO_MANY
         if segment.contact >= 0:
             made = transit(problem, state, nodes, segment, phase, memory)

@@ -37,8 +37,29 @@ def rest_state(slider: Slider, problem: Problem) -> np.ndarray:
 class Motion:
     """State of a slider on a wave, moved along by segments between events.
 
-    `state` (3 + contacts,) holds z_s, z_s', v and the deformations. `truncation` is that allowed per segment, relative
-    to the friction and preload impulse of a radian.
+    Attributes
+    ----------
+    problem : Problem
+        Slider and wave, scaled.
+    grid : Collocation
+        Nodes of a segment.
+    truncation : float
+        Largest truncation error allowed in a segment (`segment.roughness`): of the impulse of a contact's normal force,
+        over that of the preload in one radian of phase, and of its tangential force, over that of full friction.
+    state : ndarray, shape (3 + contacts,)
+        Slider position z_s, its rate z_s', slider velocity v, and the deformation of each contact.
+    sign : ndarray, shape (contacts,)
+        Sign of the deformation or of the slip.
+    regime : ndarray of int, shape (contacts,)
+        One of `codes.Regime`.
+    tally : ndarray of int, shape (event_driven.TALLY,)
+        Number of events of each kind (`codes.Event`) and measures of the work (`codes.Count`).
+    sums : ndarray, shape (len(Sum),)
+        Integrals over the motion since `begin` (`energy.Sum`).
+    memory : law.hysteretic.Memory or None
+        Memory of the contacts; None for a law without one.
+    begun : ndarray, shape (3,), or None
+        `energy` at the last `begin`.
     """
 
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
@@ -46,21 +67,22 @@ class Motion:
         self.problem, self.grid, self.truncation = problem, grid, truncation
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(Sum))
         self.carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
-        remembers = problem.law.guard is hysteretic.guard
-        self.begun = None  # energies at the start of what the sums cover, set by `begin`
+        remembers = problem.law.guard is hysteretic.guard  # the only law with a memory
+        self.begun = None
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
     def carry(self, state, sign, regime, tally, sums):
-        """Take these arrays, which the kernels change, as the motion's own; all scaled."""
+        """Make these arrays, all scaled, the state; the kernels change them in place."""
         self.state, self.sign, self.regime, self.tally, self.sums = state, sign, regime, tally, sums
-        # what the kernels take: the arrays themselves
+        # for the kernels: the same arrays, not copies, as one tuple
         self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
     def set_state(self, height, normal_velocity, speed, deformations=0.0, problem=None):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
 
-        With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
-        approach and deformation. `problem` is that of the motion from here on, in the same units; None keeps it.
+        With the hysteretic law the force depends on the path to this state: it is a straight line in approach and
+        deformation from the present state of each contact. `problem` is that of the motion from here on, in the same
+        units; None keeps it.
         """
         before = self._approaches(self.state[At.POSITION])
         self.problem = problem or self.problem
@@ -80,7 +102,7 @@ class Motion:
         return other
 
     def begin(self):
-        """Set what has been counted and summed to zero, and note the energies at this start."""
+        """Set tally and sums to zero, and store the energies of this state."""
         self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
@@ -89,7 +111,8 @@ class Motion:
         nothing = np.empty((0, self.regime.size, len(Sample)))
         whole = 2.0 * np.pi
         self._travel(event_driven.Task(
-            0.0, whole, number, mobile, self.truncation, self._limit(whole), nothing[:, 0, 0], nothing, stride, record
+            start=0.0, stop=whole, number=number, mobile=mobile, tolerance=self.truncation, limit=self._limit(whole),
+            at=nothing[:, 0, 0], samples=nothing, stride=stride, record=record,
         ))  # fmt: skip
         return record
 
@@ -97,9 +120,11 @@ class Motion:
         """Move from one phase to another; return samples (k, contacts, len(`Sample`)) at the k phases `at`."""
         samples = np.zeros((at.size, self.regime.size, len(Sample)))
         cycles = self.tally[Count.CYCLES]
-        limit, record = self._limit(stop - start), np.empty((0, len(Column)))
-        self._travel(event_driven.Task(start, stop, 1, True, self.truncation, limit, at, samples, 0, record))
-        self.tally[Count.CYCLES] = cycles
+        self._travel(event_driven.Task(
+            start=start, stop=stop, number=1, mobile=True, tolerance=self.truncation, limit=self._limit(stop - start),
+            at=at, samples=samples, stride=0, record=np.empty((0, len(Column))),
+        ))  # fmt: skip
+        self.tally[Count.CYCLES] = cycles  # a part of a cycle does not count as one
         return samples
 
     def _travel(self, task):
@@ -114,11 +139,14 @@ class Motion:
         return ConvergenceError(*FAILURES[why].format(advice=advice).split(": ", 1))
 
     def events(self) -> dict:
-        """Return the number of events by kind, whether they crowd, their smallest gap in s, and the work.
+        """Return the numbers of events by kind and the measures of the work since `begin`, by name.
 
-        The gap is inf where there were not two events.
+        `stretches`: segments; `halvings`: rejected attempts at a segment; `sweeps`: Picard iterations; `chatter`: True
+        if there was more than one event per contact at one instant; `smallest_gap`: shortest time between two events
+        in s, inf if there were fewer than two.
         """
         kinds = [event.name.lower() for event in list(Event)[:6]]
+        # in the order of the tally
         names = *kinds, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out"
         counted = {name: int(number) for name, number in zip(names, self.tally, strict=True)}
         crowding = float(self.sums[Sum.CROWDING])
@@ -128,7 +156,7 @@ class Motion:
     def energy(self) -> np.ndarray:
         """Return the energy of the contacts' springs, of the preload and of the slider, in units m (omega ell)^2.
 
-        At phase 0: the surface's height there is what the approach is taken from.
+        The state must be at phase 0, because the approaches are computed with the surface's height there.
         """
         problem, state = self.problem, self.carried
         height, normal_velocity, speed = state.slider
@@ -151,6 +179,7 @@ class Motion:
         return approach(self.problem.paths, every, self.problem.paths.normal_cos, Coordinates(height, 0.0))
 
     def _displace(self, before, height, normal_velocity, speed, deformations):
+        """Do what `set_state` does for the hysteretic law; `before`: the approaches up to now."""
         c, state, after = self.problem.limit_slope, self.carried, self._approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
@@ -172,6 +201,6 @@ class Motion:
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def _limit(self, span):
-        """Return the largest number of segments of a run, after which it fails: a guard may fire without end."""
+        """Return the largest number of attempts at a segment in a run; more mean that events follow without end."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
         return int(min(events + 40.0 * span / self.problem.longest, 1e9))

@@ -5,10 +5,10 @@ For f = C t^a, t > 0 the time from an edge, sampled at t = (j + theta) h, j = 0,
     h sum_j f = int f dt + C h^(a+1) zeta(-a, theta),                                                           (1)
 
 zeta Hurwitz's function (Navot, J. Math. and Phys. 40 (1961) 271; Lyness and Ninham, Math. Comp. 21 (1967) 162). The
-last term is the *excess*. For integers zeta(-n, theta) = -B_(n+1)(theta)/(n + 1) with Bernoulli's polynomials.
+last term is the *excess*. For integers zeta(-n, theta) = -B_(n+1)(theta)/(n + 1) with Bernoulli's polynomials B_n.
 
-Contact, release and the end of stick are edges of a force P = K p(z), p = z^m (`law.normal`), with m = 3/2 for a sphere
-and 1 for a punch. With z = z' t + z'' t^2/2,
+Contact, release and the end of stick are edges of a force P = K p(z), p = z^m (`law.normal`), with the approach z, the
+stiffness K, and m = 3/2 for a sphere and 1 for a punch. With z = z' t + z'' t^2/2,
 
     p(z) = p(z') [p(t) + m z''/(2 z') t p(t) + ...],     the terms a = m and a = m + 1.                         (2)
 
@@ -62,20 +62,22 @@ def contact_edge(problem, z_rate, z_bend, h):
 
 @compiled
 def closing_share(ratio, shape):
-    """Return Q/(mu P) of a contact that closes with |x'|/(c z') = ratio < 1, and p'(1 - ratio)/2.
+    """Return the share Q/(mu P) of a contact that closes and p'(1 - ratio)/2, for |x'| = ratio c z', 0 <= ratio <= 1.
 
-    Q/(mu K) = p(z) - p(z - |x|/c), and z - |x|/c = (1 - ratio) z. The second result is the factor of the relative
-    change of z - |x|/c in time, as m/2 in eq. (2).
+    The contact sticks, and its deformation grows in proportion to its approach, |x| = ratio c z. From
+    Q/(mu K) = p(z) - p(z - |x|/c) and z - |x|/c = (1 - ratio) z the share is 1 - p(1 - ratio), constant in time. The
+    second result takes the place of m/2 in eq. (2) if the rate of z - |x|/c changes in time.
     """
     return 1.0 - load(1.0 - ratio, shape), 0.5 * slope(1.0 - ratio, shape)
 
 
 @compiled
 def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
-    """Return the excess (1) of the rule for mu P - |Q| if stick ends within the step.
+    """Return the excess (1) of the rule for mu P - |Q| if stick ends within the step; 0 if it lasts to the end.
 
     `below` and `above` are |x| - X(z) at the ends of the step, with X = c z the slip limit, and `v_old` and `v_new` are
-    their rates. Stick ends at the fraction s of the step, where |x| - X rises through zero with the rate v_edge. Before
+    their rates. Stick ends at the fraction s of the step, where |x| - X rises through zero with the rate v_edge. Until
+    then
 
         mu P - |Q| = mu K p((X - |x|)/c),                                                                       (3)
 

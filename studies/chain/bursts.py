@@ -82,7 +82,10 @@ def _along(driven: DrivenContact, trajectory, level: float):
 
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:
-    """Return the solution method for a steady state or a burst; "auto" if the scene's exists only for the other one."""
+    """Return the solution method for a steady state or a burst; "auto" if the scene's exists only for the other one.
+
+    `contact.choice` then selects the method that computes the answer.
+    """
     method = scene.slider.method
     if method not in available:
         if scene.burst is None or method not in STEADY_METHODS + BURST_METHODS:

@@ -1,7 +1,7 @@
 """Normal motion of the slider: its bounce about the steady approach, at which <P> is the preload.
 
-Arguments: p, the flat array of parameters, and state, that of the state (`index`); tables, R and g of every drive one
-after the other (`force_tables`); drive, the number of the drive whose wave counts, 0 or 1; s, the normal amplitude of
+Arguments: p, the flat array of parameters, and state, that of the state (`index`); tables, R, g and the step response
+of every drive, one after the other; drive, number of the drive whose wave counts, 0 or 1; s, the normal amplitude of
 the wave at the slider, m; h, the mean approach, m, and w, its rate, m/s; preload, N.  <P> is the mean normal force of a
 cycle, summed over the contacts, N; it is zero from h = -s downwards, where no contact touches.
 """

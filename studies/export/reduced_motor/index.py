@@ -21,9 +21,9 @@ EXPONENT = 7  # e: 1.5 for spheres, 1 for flat punches
 TAU_NODES = 8  # number of tau nodes
 NU_NODES = 9  # number of nodes of each side of nu
 DRIVES = 10  # 1 or 2
-MAX_STEP = 11  # longest time step, s: of slip on a steady wave
-FAST_STEP = 12  # of all other motion
-RING_STEP = 13  # of sticking contacts on a steady wave, and of slip while the slider bounces on a wave
+MAX_STEP = 11  # longest time step of slip on a steady wave, s
+FAST_STEP = 12  # that of all other motion, s
+RING_STEP = 13  # that of sticking contacts on a steady wave, and of slip during a bounce on a wave, s
 DEAD_BOUNCE = 14  # amplitude at which a bounce ends, over |steady approach| + normal amplitude (`bounce.settle`)
 FIRST_DRIVE = 15
 # Indices of the parameters of each drive; the block of the first one begins at FIRST_DRIVE
