@@ -222,6 +222,7 @@ def _stepped(burst):
 
     def error(level, run, difference, reference):
         estimate = levels_error(level, difference, reference)
+        # without motion of the surface along x, and with the slider at rest, there is no error to state
         return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
     small = [k for k, (number, _) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]

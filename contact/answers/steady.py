@@ -219,11 +219,14 @@ class _Search(NamedTuple):
 
     @property
     def hops(self):
-        """Whether averaging is no substitute for a periodic motion that is not known."""
+        """True if the slider's height and velocity change within a cycle.
+
+        The averaged motion cannot stand in then for a periodic motion that was not found.
+        """
         # a strong contact damper moves the slider within a few cycles, so that averaging does not apply
-        adhesive = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
+        strongly_damped = self.balance.problem.contact_damping * self.balance.problem.preload > 1e-2
         unstable = self.failure is not None and self.failure.status == "unstable"
-        return self.ratio > MAX_RATIO_HELD or unstable or adhesive
+        return self.ratio > MAX_RATIO_HELD or unstable or strongly_damped
 
     def relative(self, difference, velocity):
         """Return a velocity difference divided by the reference speed."""

@@ -132,8 +132,8 @@ def step(
         bend += after.bend(math.ceil(after.time[-1] * frequency), frequency)
         largest = max(abs(amplitude) for each in listed for amplitude in (each.normal, each.tangential))
         amplitude_left = abs(complex(after.at(np.array([spent(after)]))[0])) * largest
-    # a change of the wave in one cycle changes the slider's speed for at most the rest of the burst: with a constant
-    # acceleration that is twice the cycle's share of the travel
+    # A change of the wave in one cycle changes the speed by at most that cycle's gain, at constant acceleration
+    # 2 travel/N^2 per cycle.  Over the N cycles of the burst this moves the slider by 2 travel/N.
     error = travel_error(
         abs(fine.displacement - coarse.displacement),
         [(f, c) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c],

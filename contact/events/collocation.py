@@ -23,8 +23,8 @@ class Collocation(NamedTuple):
     sigma: np.ndarray  # (n,): Chebyshev-Lobatto points, rising from -1 to 1
     bary: np.ndarray  # (n,): barycentric weights in sigma
     tau: np.ndarray  # (3, n): fraction of the segment at each node, 0 to 1
-    # (3, 2, n, n): of the integral in tau from 0, and of a second integral, transposed, for the kernels add up along
-    # rows: int_0^tau_j f dtau = sum_k integrals[map, 0, k, j] f_k
+    # (3, 2, n, n): [map, which, k, j]: weight of f_k in int_0^tau_j f dtau (which = 0) and in the double integral
+    # int_0^tau_j (tau_j - tau) f dtau (which = 1); kernels add up along the last axis
     integrals: np.ndarray
     rates: np.ndarray  # (n, n): derivatives in sigma at the nodes
     tail: np.ndarray  # (2, n): rows that return the two highest Chebyshev coefficients: the truncation gauge

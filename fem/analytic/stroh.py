@@ -34,7 +34,7 @@ _SIGN_STEPS = 60
 class SurfaceImpedance:
     """Surface impedance Z(v) of a lossless medium whose surface is under "vacuum", "open" or "metallised".
 
-    Velocities are in units of sqrt(stress_unit / rho), ``velocity_unit`` in m/s; Z in ``stress_unit``, Pa.
+    Velocities are in units of ``velocity_unit`` = sqrt(body.stress_unit / rho) in m/s; Z is in ``stress_unit``, Pa.
     """
 
     def __init__(self, body: Medium, surface: str):
@@ -98,7 +98,7 @@ class SurfaceImpedance:
             if change < 1e-8 * np.abs(w).max():
                 break
         else:
-            raise ConvergenceError(f"no decaying partial waves at {velocity:.6g} of the scaled shear velocity")
+            raise ConvergenceError(f"no decaying partial waves at {velocity * self.velocity_unit:.6g} m/s")
         inverse = np.linalg.inv(w[:n, n:])
         z = inverse + 1j * inverse @ w[:n, :n]
         return (z + z.conj().T) / 2

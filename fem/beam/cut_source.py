@@ -48,21 +48,21 @@ GROWTH = 1e-3
 SPACING_GROUNDED, SPACING_FLOATING = 1.6, 0.85
 # Distance of the contour from the real axis over the wavenumber, if the potential does not float; with SPACING_GROUNDED
 # the error is 2e-5 on YZ and 128YX lithium niobate.
-TILT_GROUNDED = 0.06
+CONTOUR_TILT_GROUNDED = 0.06
 # Wave vectors of the reduced basis: number of directions on a half circle, range of sizes over the surface wave's, and
 # their angle in the complex plane in rad, which avoids the real wavenumbers of lossless modes.  The skimming waves need
 # many directions: with 111 fingers at the free wavelength on a half-space of YZ lithium niobate, where u_z is weak, u_y
 # is up to 9e-4 of the motion off, with 10 directions 3e-3, with 7 at 0.05 rad 3e-2 (against Stroh's problem as in
 # test_oblique_bulk.py).
-DIRECTIONS, SIZES, TILT = 14, (0.02, 1.2), 0.02
+DIRECTIONS, SIZES, BASIS_ANGLE = 14, (0.02, 1.2), 0.02
 ORDER, LAYER = 7, 3  # least resolution of the section
 DEPTH = 0.5  # wavelengths of the half-space above its absorbing layer; 2 change the motion by less than 1e-4
 # Least singular value over the largest of the vectors in the basis, for each level of the section.  At TRIALS random
 # wave vectors between those of the basis the error of the response must be less than ten times this value.
 SINGULAR, TRIALS = (3e-5, 3e-5, 3e-5, 7e-6, 1.4e-6, 3e-7), 20
-# Sizes of these wave vectors over the surface wave's: those of the bulk waves, where the basis errs most.  On 21 drawn
-# cuts the largest error at the trials exceeds that at 95 % of 200 other wave vectors in four of five draws.  With 5
-# trials of all SIZES the largest error was up to 76 times the stated one in 20 of these cuts, 1100 in one.
+# Sizes of these wave vectors over the surface wave's: those of the bulk waves, where the basis errs most.  In four of
+# five tests on 21 random cuts the largest error at the trials exceeded the error at 95 % of 200 other wave vectors.
+# With 5 trials of all SIZES the largest error was up to 76 times the stated one in 20 of these cuts, 1100 in one.
 TRIAL_SIZES = (0.35, 0.8)
 # Where modes of the reduced section grow although those of the section do not, the responses at their wavenumbers are
 # added to the basis, at most so many times; one time suffices on 128YX lithium niobate, where the modes of the backward
@@ -76,7 +76,8 @@ class Poles(NamedTuple):
     """Modes of both directions at one k_y.
 
     ``wavenumbers`` (modes,) are in rad/m; ``right`` is True for modes that run to the right, ``surface`` for those of
-    the surface wave.  ``column`` and ``transposed`` (modes, 3): residues of u per load and of the transposed response.
+    the surface wave.  ``column`` (modes, 3): u_x, u_y and u_z at the surface of each mode's residue per unit
+    load; ``transposed`` (modes, 3): those of the transposed response.
     """
 
     wavenumbers: np.ndarray
@@ -88,7 +89,7 @@ class Poles(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class CutSource:
-    """`ModeSource` in any crystal cut.
+    """Response of the bare stator to a load on the line x = 0, in any crystal cut; a `line_source.ModeSource`.
 
     It has the surface motion of the modes sent by 1 C/m or 1 N/m on the line x = 0, at any lateral wavenumber.
 
@@ -109,7 +110,7 @@ class CutSource:
     static : float
         0, because the modes contain the pole at k = 0.
     omits_oblique : bool
-        As of `ModeSource`.
+        True: waves whose power leaves at more than 45 degrees are neglected.
     known_poles : dict
         Poles at the nodes of the rules that were integrated so far, by the number of nodes and the last node.
     """
@@ -139,7 +140,7 @@ class CutSource:
         return replace(self, load=load, known_poles={})
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
-        """`LineSource.surface_wavenumbers`, at real lateral wavenumbers of either sign."""
+        """Wavenumbers of the surface wave along x in rad/m, at real lateral wavenumbers of either sign."""
         sizes, which = np.unique(abs(np.asarray(lateral)), return_inverse=True)
         poles = self.poles_at(sizes)
         forward = np.array([np.mean(each.wavenumbers[each.surface & each.right]) for each in poles])
@@ -149,10 +150,13 @@ class CutSource:
     def branches(
         self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
     ) -> Iterator[Branch]:
-        """Waves to both sides: as of `ModeSource`; all modes are kept, whatever the length ``resolved``."""
+        """Waves to both sides, as `ModeSource.branches`, for points at least ``distance`` from the load.
+
+        ``resolved`` has no effect: the modes that are left out are always those of `select_poles`.
+        """
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
-        options: dict = {"cusp": True} if floats else {"max_tilt": TILT_GROUNDED}
+        options: dict = {"cusp": True} if floats else {"max_tilt": CONTOUR_TILT_GROUNDED}
         options["coarser"] = spacing * (SPACING_FLOATING if floats else SPACING_GROUNDED)
         narrow = NARROWER * low, NARROWER * high
         rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
@@ -356,7 +360,7 @@ def _reduced(section: Section, frequency: float, wavenumber: float, singular: fl
     whole, surface, snapshots = LateralPolynomials.of(section, frequency, wavenumber), surface_unknowns(section), []
     loads, odd = np.eye(section.size)[:, surface], section.lateral_odd
     groups = [np.ones(section.size, dtype=bool)] if odd is None else [odd, ~odd]
-    scale = wavenumber * np.exp(1j * TILT)
+    scale = wavenumber * np.exp(1j * BASIS_ANGLE)
 
     def vector(size: float, angle: float) -> tuple[complex, complex]:
         return size * scale * np.cos(angle) * section.length_unit, size * scale * np.sin(angle)

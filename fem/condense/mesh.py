@@ -1,8 +1,9 @@
 """Meshed piece of the stator: condensation to its interfaces and electrodes, and the field inside.
 
 The unknowns inside every element are eliminated first, in batches (static condensation), and then those on edges and
-vertices, front by front (`fem.condense.fronts`).  On an interface the unknowns of the mesh are P times those of the
-section's line (`fem.condense.mesh_assembly`), so that the condensed matrix is P^T A P, which is complex symmetric.
+vertices (the skeleton; of one element: its rim), front by front (`fem.condense.fronts`).  On an interface the unknowns
+of the mesh are P times those of the section's line (`fem.condense.mesh_assembly`), so that the condensed matrix is
+P^T A P, which is complex symmetric.
 
 A piece with one interface is an end of the stator, and a piece without interfaces is the whole stator.  A piece whose
 far side meets the line of another section is a step, which the radiation impedance of that section terminates.
@@ -186,7 +187,7 @@ class MeshedPiece:
         total = np.zeros((sides.shape[1],) * 2, dtype=self.matrix.dtype)
         skeleton = self.skeleton(sides)
         for own, elements, values in self.elements(skeleton):
-            mass = self.assembly.space.scalar_matrices(elements)[:, 4]
+            mass = self.assembly.space.scalar_matrices(elements)[:, 4]  # integrals of v u
             for column in np.flatnonzero(own.inertia):
                 nodal = np.ascontiguousarray(values[:, :, column])
                 moved = (mass @ nodal.view(float)).view(nodal.dtype)  # real times complex: half the products

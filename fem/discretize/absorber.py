@@ -5,8 +5,9 @@ matched
     1994).  It is used if phase and energy of every bulk wave travel in the same direction of depth.  In other cuts it
     makes some waves grow (Becache, Fauqueux and Joly 2003).
 selective
-    Matched layer with an additional loss for the motion along x of those waves whose slowness curve is concave at the
-    axis.  This loss causes reflections, so that it begins only at a depth where the layer has absorbed all other waves.
+    Matched layer with an additional loss.  It acts on the x derivative of displacements that are polarised like a
+    sheet whose slowness curve is concave at the x axis (`backwardness`).  This loss causes reflections, so that it
+    begins only at a depth where the layer has absorbed all other waves.
 viscous
     Layer of a lossy solid, which is passive in every cut but converges slowly.  It is used if no selective layer keeps
     the guided modes from growing.

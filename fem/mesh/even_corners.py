@@ -14,7 +14,7 @@ import numpy as np
 from fem.mesh.section_mesh import Cells, SectionMesh
 from fem.mesh.shapes import CORNERS, shape_functions
 
-EVEN = 6.0  # ratio of the lengths; meshes of grooves at 16 and 40 then converge by 8 a level, as even ones do
+EVEN = 6.0  # ratio of the lengths; grooves meshed with ratios of 16 and 40 then converge by 8 a level, as even meshes
 
 
 def with_even_corners(mesh: SectionMesh, singular: set[int]) -> SectionMesh:
@@ -29,7 +29,10 @@ def with_even_corners(mesh: SectionMesh, singular: set[int]) -> SectionMesh:
 
 
 def _long_edges(points, edges: list[tuple[int, int]], singular: set[int]) -> list[tuple[int, int]]:
-    """Edges at a singular vertex longer than `EVEN` of its shortest, and at others than `EVEN` of their distance."""
+    """Edges longer than `EVEN` times the length allowed at one of their ends.
+
+    It is the shortest edge at a singular vertex, and elsewhere the distance to the nearest singular vertex.
+    """
     from scipy.spatial import cKDTree
 
     if not singular:

@@ -132,7 +132,8 @@ def end_line(solution: Solution, side: int) -> np.ndarray:
     part = solution.fields.segments[-side][-side]
     position = part.stop if side else part.start
     right, left = (each(modes, position) @ solution.weights for each in (part.right_at, part.left_at))
-    (left if side else right)[modes.wavenumbers == 0] = 0.0  # a matter of gauge: the potential refers to the transducer
+    # the mode k = 0 is the constant potential: without the part that leaves the end it refers to the transducer
+    (left if side else right)[modes.wavenumbers == 0] = 0.0
     return modes.right @ right + modes.left @ left
 
 

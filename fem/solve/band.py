@@ -36,7 +36,7 @@ FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
 MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
 REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
 WHOLE_SHARE = 0.1  # of the tolerance, for the interpolation of a stator of one mesh
-REDUCTION_SAFETY = 2.0  # the reduction may err more by this factor elsewhere in the band than where it is checked
+REDUCTION_SAFETY = 2.0  # a difference at a check counts so many times: between the checks the reduction may err more
 # The estimate from two levels exceeds the true error by at least this factor: a level divides the error by 11 to 25,
 # and the estimate counts on GAIN = 8 only.
 ESTIMATE_EXCESS = 2.0
@@ -353,7 +353,7 @@ def reduction_errors(
     """Relative errors of a reduced model's motion and admittance at the worst frequency of the band.
 
     Each check compares the model with a full solution at its frequency, where resonances amplify by ``check.here``; at
-    the worst frequency they amplify by ``worst``.
+    the worst frequency they amplify by ``worst``.  A difference counts at least `REDUCTION_SAFETY` times.
     """
     unamplified = []
     for check in checks:

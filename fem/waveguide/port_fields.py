@@ -121,7 +121,11 @@ class PortFields(StatorCascade, PortSolution):
 
     @property
     def displacements(self) -> np.ndarray:
-        """Displacement in m under each force, along it, shape (forces, excitations); empty with own apertures."""
+        """Displacement in m under each force, along it, shape (forces, excitations).
+
+        It is empty if the charges are those of each transducer's own aperture (`own_apertures`), whose solution has no
+        reactions at the forces.
+        """
         return self.reactions[sum(port.kind != "force" for port in self.network.ports) :]
 
     @property

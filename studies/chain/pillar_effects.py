@@ -32,7 +32,8 @@ TRAVELLING = 1.62
 # Relative decrease of the velocity divided by (dent of the mean plane / wave amplitude): for a free slider, and for a
 # slider loaded with half of its stall force
 DENT_FREE, DENT_HALF_STALL = 0.24, 0.65
-RAYLEIGH_OVER_SHEAR, ISOTROPIC = 0.919402, 0.183486  # isotropic half-space, nu = 1/4
+# Isotropic half-space, nu = 1/4: Rayleigh over shear velocity, and shear modulus times the wave compliance Gamma
+RAYLEIGH_OVER_SHEAR, SHEAR_TIMES_COMPLIANCE = 0.919402, 0.183486
 SAMPLE = 0.18  # rms relative change of the velocity between random seeds, times sqrt(number of pillars)
 ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
@@ -96,7 +97,7 @@ def _compliance(body, motion, slider, level) -> Effects:
 def _scattering(motion) -> Effects:
     """Yield the effect of the power scattered by unequal pillar forces, taken as independent point sources."""
     wave, forces = motion.wave, np.abs(motion.first_normal)
-    shear, speed = ISOTROPIC / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
+    shear, speed = SHEAR_TIMES_COMPLIANCE / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
     power = 0.5 * point_admittance(wave.omega, shear, speed) * float(np.sum((forces - forces.mean()) ** 2))
     if motion.wave_power_in > 0.0:
         how = f"{power:.2g} W, point loads on an isotropic half-space; a quarter of it over the incident power"

@@ -76,6 +76,7 @@ def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
     record, center = driven.record, driven.scene.slider.center
     if record.surface_motion.covered(center):
         return None, "the slider stands over a transducer or a meshed piece"
+    # of a burst of one cycle: that of any other burst follows from the same response (`RingUp.lasting`)
     ringing = ring_up(record.scene.with_source(burst=1.0 / record.scene.frequency), center)
     return (None, ringing.sentence) if ringing.response is None else (ringing, "")
 

@@ -5,7 +5,7 @@ options ``--over KEY=START:STOP:N``. Each point gives the steady velocity, the b
 half of this thrust. The closed forms of threshold and release give the factor by which the drive must change to reach
 them; their lines are drawn where this factor is 1. A star marks the operating point of the scene. Expected: the slider
 moves exactly where the drive exceeds the threshold, and leaves the surface in every cycle exactly where it exceeds the
-release; the thrust is at most mu times the preload. Run time: about 5 s.
+release; the thrust is at most mu times the preload. Run time: about 8 s.
 """
 
 import logging

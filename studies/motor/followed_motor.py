@@ -26,7 +26,7 @@ STEPS = 1600
 REST_STEPS = 1000  # steps per period of the ring; differs by 1e-3 nm from 4000 steps
 NODES = 8  # nodes of the envelopes per cycle, with linear interpolation
 # indices of z_s, z_s', V, position along x, and of the first contact deformation
-HEIGHT, NORMAL_VELOCITY, VELOCITY, POSITION, STRAIN = range(5)
+HEIGHT, NORMAL_VELOCITY, VELOCITY, POSITION, DEFORMATION = range(5)
 
 
 class FollowedMotor:
@@ -50,13 +50,14 @@ class FollowedMotor:
 
     position = property(lambda self: float(self.state[POSITION]))
     velocity = property(lambda self: float(self.state[VELOCITY]))
-    deformation = property(lambda self: float(np.mean(self.state[STRAIN:])))
+    deformation = property(lambda self: float(np.mean(self.state[DEFORMATION:])))
 
     def advance(self, duration: float, level: float, *, force: float = 0.0, preload: float | None = None) -> None:
         """Integrate over a duration in s with constant inputs, as `MotorState.advance`."""
         if duration <= 0.0:
             return
         motor, p = self.motor, self.motor.parameters
+        # a positive level drives the first drive, a negative one the second
         for drive, new in enumerate((level, -level)[: len(motor.drives)]):
             change = max(new, 0.0) - self.levels[drive]
             if change:
@@ -68,6 +69,7 @@ class FollowedMotor:
         waves = np.any(envelopes, axis=1)
         longest = 2.0 * np.pi / (self.omega * self.steps) if np.any(waves) else self.rest_step
         preload = motor.preload if preload is None else preload
+        # the integrated slider is `motor.slider`; forces on the real one are `motor.share` times as large
         follow(
             p, self.state, self.normal[waves], self.tangential[waves], envelopes[waves], self.omega, self.time,
             np.array([duration, longest, force / motor.share, preload / motor.share]),
@@ -75,7 +77,7 @@ class FollowedMotor:
         self.time += duration
 
     def _envelope(self, drive: int, at: np.ndarray) -> np.ndarray:
-        """Return the complex factors on the orbits of a drive at times in s, none before the present time."""
+        """Return the complex factors on the orbits of a drive at times in s, the present one or later."""
         response, step = self.motor.drives[drive].response, self.motor.drives[drive].response_step
         if response is None:
             return np.full(at.size, self.levels[drive], complex)
@@ -126,7 +128,7 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
                 rate_z -= omega * z_part.imag
                 rate_x -= omega * x_part.imag
             z, z_old = u_z - state[HEIGHT], before[0, i]
-            x = state[STRAIN + i]
+            x = state[DEFORMATION + i]
             if k > 0:
                 moved = u_x - before[1, i] - h * state[VELOCITY]
                 if z_old <= 0.0:  # contact begins within the step
@@ -146,7 +148,7 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
                 total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z)
                 if x != 0.0:
                     drag += friction * load * model.spring_share(x / (c * z), exponent)
-            state[STRAIN + i] = x
+            state[DEFORMATION + i] = x
             before[0, i], before[1, i], before[2, i], before[3, i] = z, u_x, rate_z, rate_x
         normal_acceleration = (total - preload - p[index.NORMAL_DAMPING] * state[NORMAL_VELOCITY]) / mass
         acceleration = (drag + force - p[index.TANGENTIAL_DAMPING] * state[VELOCITY]) / mass

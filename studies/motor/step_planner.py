@@ -32,7 +32,9 @@ QUICK = {"cycles": (64, 512), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
 WANTED = (2e-9, 1e-8, 1e-7)  # planned steps, m
 FAR = 0.1  # fraction of the steady speed below which the acceleration counts as uniform
-RING = 0.05  # largest ring over the step of a judged step: 0.03 changes the exponent by 0.03, 0.13 by 0.12
+# A step is judged if the ring after it is below this share of it; a share of 0.03 changes the exponent by 0.03, one of
+# 0.13 by 0.12.
+RING = 0.05
 TRAVEL = 0.01  # relative error of the integral over a trajectory of 4000 samples
 # least burst length in settling times of the wave: a delay of 1/20 changes the exponent by 0.1
 SETTLINGS = 20.0

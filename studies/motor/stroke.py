@@ -5,7 +5,7 @@ next transducer or the end of the stator. Around each position, four points cove
 standing wave. At each point, the surface motion under each ball (of the finite aperture if it is known) gives the
 steady velocity at up to three voltages of the scene. The figure shows the mean and the range over half a wavelength. A
 dashed line shows a slider that starts at the position of the scene and travels through the field; because of its mass
-it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 30 s.
+it follows the mean. Expected: Fresnel fringes of the aperture. Run time: about 7 s.
 """
 
 import logging

@@ -139,7 +139,8 @@ def p_matrix_of(electrodes: str | None, scale: float, pairs: int, tolerance: flo
 
 def one_sided(fingers, strips) -> list[dict]:
     """Return the predictions for fingers with strips on the left, at the distances of largest share and power."""
-    far = len(fingers.wavenumbers)  # of the amplitudes at the left edge, the first is the upper face's wave
+    # S and p hold the waves at the left edge, then from `far` on those at the right; the upper face's is the first
+    far = len(fingers.wavenumbers)
     s, p = fingers.scattering[np.ix_([0, far], [0, far])], fingers.excitation[[0, far]]
     distance = np.linspace(0, PERIOD / 2, DISTANCES, endpoint=False)
     back = np.exp(-2j * fingers.wavenumbers[0] * distance) * strips.scattering[far, far]

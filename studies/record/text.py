@@ -112,7 +112,7 @@ def table(rows: list[list[str]]) -> list[str]:
 def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
     """Return the heads and the rows of a run's points; a quantity that no point has is left out."""
     shown = [quantity(key) for key in COLUMNS if any(key in point for point in record.points)]
-    keys = [each.key.rpartition(".")[2] for each in shown]
+    keys = [each.column for each in shown]
     rows = [
         [each.text(point[key]) if key in point else missing for each, key in zip(shown, keys, strict=True)]
         for point in record.points

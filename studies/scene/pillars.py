@@ -84,7 +84,7 @@ class Pillars(Block):
     def check_layout(self):
         if self.file is not None:
             for key in GRID:
-                if getattr(self, key) not in (None, 0.0):
+                if getattr(self, key) != getattr(Pillars, key):
                     yield key, "must be absent with slider.pillars.file, which gives every pillar"
             return
         if self.pitch is None:

@@ -4,7 +4,7 @@ Method: the admittance of the driven transducer of the scene (``twente`` by defa
 transducers as in the scene, at 81 frequencies of a band, or at as many as resolve the ripple of returning waves. It is
 compared with the quasi-static estimate of a transducer without reflections. Expected: the conductance is never
 negative, and its maximum is within a factor of 2 of the estimate; at the edges of the band, where hardly any wave is
-sent, the susceptance is that of the static capacitance within 25 %. Run time: about 15 s for two transducers.
+sent, the susceptance is that of the static capacitance within 25 %. Run time: about 25 s for two transducers.
 """
 
 import numpy as np

@@ -6,7 +6,7 @@ impedance (`--z0 50`). The ports are in the order of the scene, independent of h
 The result is written as ``network.sNp`` (Touchstone 1.1). A measured file (`--measured FILE.s2p`) is drawn over it;
 nothing is fitted. Each transducer, with the others terminated as in the scene, is also written as a SPICE subcircuit of
 a static capacitance with one motional branch (Butterworth and Van Dyke) and with several branches. Expected: passive
-and reciprocal; the circuit with several branches is within a tenth of the largest admittance. Run time: about 15 s.
+and reciprocal; the circuit with several branches is within a tenth of the largest admittance. Run time: about 25 s.
 """
 
 from pathlib import Path

@@ -5,7 +5,7 @@ meshed piece (`fem.reflector`), for the surface wave only, at frequencies of the
 stator is compared with the admittances of the whole stator, which also include bulk waves, decaying fields and ends.
 Both describe the plane section with short-circuited terminations. Expected: reciprocity to rounding; the surface wave
 takes at most the whole conductance if the solid is lossless; the cascade agrees with the stator within 30 % in the
-maximum of the transfer admittance. Run time: about 15 s.
+maximum of the transfer admittance. Run time: about 8 s.
 """
 
 import logging

@@ -244,6 +244,13 @@ def test_a_bad_file_is_refused(tmp_path, text, sentence):
         run(scene(pillars={**dict.fromkeys(("pitch", "rows", "columns")), "file": file}))
 
 
+@pytest.mark.parametrize(("key", "value"), [("pitch", 20e-6), ("height_scatter", 1e-9), ("seed", 0), ("seed", 3)])
+def test_a_key_of_the_grid_beside_a_file_is_refused(tmp_path, key, value):
+    file = written(tmp_path / "pillars.csv", "x_m,y_m,height_m\n0,0,0\n")
+    with pytest.raises(SceneError, match=f"{key} must be absent with slider.pillars.file"):
+        scene(pillars={**dict.fromkeys(("pitch", "rows", "columns")), "file": file, key: value})
+
+
 @pytest.fixture(scope="module")
 def driven():
     """Return the run of a driven 128YX stator with a small slider of pillars."""

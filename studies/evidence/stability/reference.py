@@ -21,8 +21,11 @@ from fem import (
 from studies.evidence.stability.verdict import Comparison, NoReference
 
 
-def against(motor, kind: str, tolerance: float, balance: float) -> Comparison:
-    """Solve a motor and compare motion or admittance with a reference, whichever has the larger error over estimate.
+def compared_with_reference(motor, kind: str, tolerance: float, balance: float) -> Comparison:
+    """Solve a motor and compare it with a reference; return (error, estimate, True), or a text where it flags itself.
+
+    Of motion and admittance the one with the larger error over its estimate is returned; an estimate below a hundredth
+    of the tolerance counts as that.  If the power balance does not close, a text in place of True says so.
 
     Parameters
     ----------
@@ -58,7 +61,7 @@ def _difference(motion: np.ndarray, reference: np.ndarray) -> float:
 
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
-    """Solve the whole section as one sparse matrix, one level finer than the answer."""
+    """Solve the whole section as one sparse matrix, at a fixed resolution with short elements."""
     solution = direct_solution(
         motor.stator,
         motor.transducers,
@@ -83,7 +86,10 @@ def _finer(motor, answer) -> tuple[complex, np.ndarray]:
 
 
 def _size(motor, _) -> tuple[complex, np.ndarray]:
-    """Solve the motor scaled to 2.2 MHz as one sparse matrix; charge per aperture and strain do not change."""
+    """Solve the motor scaled to 2.2 MHz as one sparse matrix; motion per volt and admittance do not change.
+
+    At the same voltage the charge per aperture is the same, and so is the frequency times the aperture.
+    """
     factor = 2.2e6 / motor.frequency
     (transducer,) = motor.transducers
 

@@ -22,7 +22,7 @@ def cut_off(motor) -> float:
     """Return the first cut-off frequency in Hz of a lossless section above the frequency of the motor."""
     section = _section(motor)
     first, second = motor.frequency, 2 * motor.frequency
-    low, high = (section.matrices(each)[2] for each in (first, second))
+    low, high = (section.matrices(each)[2] for each in (first, second))  # K - omega^2 M at k = 0
     mass = (low - high) / (second**2 - first**2)
     squares = eig(low + first**2 * mass, mass, right=False)
     squares = squares[np.isfinite(squares)]
@@ -54,7 +54,10 @@ def _section(motor):
 
 
 def _negatives(motor, frequency: float) -> int:
-    """Return the number of negative eigenvalues on the line in mid-finger with clamped sides of the cell."""
+    """Return the number of negative eigenvalues of the cell condensed to the line in mid-finger.
+
+    The outer lines of the cell are clamped, and its electrode is at zero potential.
+    """
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]
     shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2)

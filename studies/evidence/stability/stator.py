@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import fem
-from studies.evidence.stability.reference import against
+from studies.evidence.stability.reference import compared_with_reference
 from studies.evidence.stability.resonance import cut_off, piece_resonance
 from studies.evidence.stability.verdict import Case, Comparison
 
@@ -199,4 +199,4 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
 def compared(case: Case, tolerance: float) -> Comparison:
     """Return error, estimate and status of a case."""
     _, _, motor, reference = VARIED[case.varied]
-    return against(motor(case.value), reference, tolerance, BALANCE)
+    return compared_with_reference(motor(case.value), reference, tolerance, BALANCE)

@@ -8,7 +8,7 @@ import pytest
 from scipy.special import fresnel
 
 from fem.beam.beam_of_section import surface_beam
-from fem.beam.cut_source import TILT, LateralPolynomials, LateralSection, cut_source, surface_unknowns
+from fem.beam.cut_source import BASIS_ANGLE, LateralPolynomials, LateralSection, cut_source, surface_unknowns
 from tests.fem.stators import comb, constants, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 
@@ -147,7 +147,7 @@ def test_stated_error_of_the_basis():
     )
     loads, errors = np.eye(source.section.size)[:, surface], []
     for size, angle in np.random.default_rng(1).uniform([0.35, 0], [1.2, np.pi], (60, 2)):
-        k = size * source.wavenumber * np.exp(1j * TILT) * np.array([np.cos(angle), np.sin(angle)])
+        k = size * source.wavenumber * np.exp(1j * BASIS_ANGLE) * np.array([np.cos(angle), np.sin(angle)])
         k[0] *= source.section.length_unit
         expected = np.linalg.solve(whole.operator(*k), loads)[surface]
         off = abs(source.reduced.response(*k) - expected).max(axis=0) / abs(expected).max(axis=0)
@@ -159,7 +159,7 @@ def test_basis_of_the_skimming_waves():
     """Waves of 111 fingers on a half-space, 14 mm behind them, by the reduced and by the whole section.
 
     At the smallest k_y u_y is 1.8e-4 off with 10 directions and SINGULAR[0] = 1e-4, 4e-5 with 10 directions alone, and
-    7e-4 or more with TILT = 0.05.
+    7e-4 or more with BASIS_ANGLE = 0.05.
     """
     beam = half_space("YZ")
     section, wavenumber = beam.source.section, beam.source.wavenumber
