@@ -4,7 +4,9 @@ The errors are estimated in `error_estimate`. The methods of a burst are the tab
 `answers/burst_methods.py`, with the rule of "auto" in `run` below it; those of a steady state are the table
 STEADY_METHODS of `answers/steady.py`, with their rule above it. `answers.load_line.stall` takes the averaged load where
 its error is within the tolerance, and `answers.thresholds` the averaged factor of a slider whose full motion it does
-not search (a law or heights other than the simplest). The other answers have one method each.
+not search (a law or heights other than the simplest). `answers.steps` follows the drive of a step by events if it is
+short, otherwise with fixed steps, and `answers.waveforms` takes shooting or a long run. The other answers have one
+method each.
 
 `choose` returns the result of the first method, the cheapest, that applies and whose estimated error is within the
 tolerance. If a method that the user named misses the tolerance, the exact method replaces it, provided that it is cheap

@@ -5,9 +5,11 @@ error that is stated with it (`choice.Answer`). Velocity errors are compared wit
 max(|v|, omega |u_x|/10). The true error is at most twice the stated one in 98 of 100 cases, as
 `tests/contact/test_calibration.py` and `tests/contact/test_burst_errors.py` measure.
 
-Three errors are computed elsewhere: the effect of an undamped bounce and of a motion that is not reached from rest is
-added in `answers.steady`, the parts of the error of an averaged burst are added up in `averaged.burst`, and that of
-pillars is the residual of their equations (`averaged.pillar_slider`) and `richardson` of the number of harmonics
+Some errors are completed elsewhere: the effect of an undamped bounce, of a motion that is not reached from rest and of
+a slider that is just held is added in `answers.steady` and `averaged.sweep_kernel`, that of an irregular long run in
+`periodic.settling`, that of a burst compared with its exact solution in `answers.burst_methods`, the search of a load
+line in `answers.load_line`. The parts of an averaged burst are added up in `averaged.burst`; the error of pillars is
+the residual of their equations (`averaged.pillar_slider`) and `richardson` of the number of harmonics
 (`averaged.pillar_motion`).
 
 The functions stand in the order burst, step, steady state (shooting, long run, averaged), threshold and release, stall,

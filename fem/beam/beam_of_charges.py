@@ -13,6 +13,7 @@ contribute at x, for a sheet of length W,
 and those to the right of x contribute a similar sum over the modes that run to the left.
 
 `Emitter.spectra` sums over the charges and modes at the k_y of a quadrature rule, `EmittedBeam.by_rules` integrates.
+`surface_beam.SurfaceBeam` adds what the ends of the stator reflect (`faces.py`) and the near field beyond the modes.
 """
 
 from dataclasses import dataclass
