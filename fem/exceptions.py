@@ -55,10 +55,10 @@ class ActivePortError(ConvergenceError):
     """Raised if the computed admittances of passive transducers give out power: the discretisation is too coarse."""
 
 
-def refuse_unless_positive(key: str, value: float, unit: str = "") -> None:
+def refuse_unless_positive(key: str, value: float, unit: str = "", owner: str = "") -> None:
     """Raise an InputError for a value that is not positive and finite."""
     if not 0 < value < float("inf"):
-        raise InputError(key, "must be positive and finite", value, unit)
+        raise InputError(key, "must be positive and finite", value, unit, owner=owner)
 
 
 def refuse_above(

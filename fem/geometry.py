@@ -151,8 +151,7 @@ class Transducer:
             raise InputError(f"transducer.{name}", rule, getattr(self, name), unit, owner=self.name)
 
         for name in ("period", "aperture"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                refuse(name, "must be positive and finite", "m")
+            refuse_unless_positive(f"transducer.{name}", getattr(self, name), "m", owner=self.name)
         for name, unit in (("center", "m"), ("center_y", "m"), ("angle", "rad")):
             if not np.isfinite(getattr(self, name)):
                 refuse(name, "must be finite", unit)
