@@ -15,29 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.mesh.gmsh_file import ELECTRODE, Cells, MeshError, check_groups, grouped, parsed, where
 from fem.mesh.shapes import CORNERS
 
-LINE_GROUPS = ("left", "right", "bottom", "grounded", "clamped", "surface")
-ELECTRODE = "electrode:"
-LINES = {"line": 2, "line3": 3}
-SOLIDS = ("tetra", "hexahedron", "wedge", "pyramid")
 MIN_AREA = 1e-9  # over the square of the element's longest edge; smaller ones are refused
 MAX_OFF_PLANE = 1e-9  # variation of the third coordinate over the extent of the mesh
 FARTHEST = 1e3  # m: no stator is that long, and squares of lengths stay finite
 SAME = 1e-6  # of the height: points nearer than this are one
-
-
-class MeshError(ValueError):
-    """A file that is no mesh of a section, or one that does not fit; the sentence names the fault."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cells:
-    """Elements of one kind in one solid."""
-
-    kind: str  # of meshio
-    solid: str  # group of the surface
-    nodes: np.ndarray = field(repr=False)  # shape (elements, nodes)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -180,7 +164,7 @@ def _read(path: Path, unit: float) -> SectionMesh:
         content = path.read_bytes()
     except OSError as error:
         raise MeshError(f"the file cannot be read from {path.parent}: {error.strerror}") from None
-    file = _parsed(path)
+    file = parsed(path, content)
     points = np.asarray(file.points, dtype=float)
     if not np.isfinite(points).all():
         raise MeshError("the file has a coordinate that is no finite number")
@@ -190,7 +174,13 @@ def _read(path: Path, unit: float) -> SectionMesh:
         )
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > MAX_OFF_PLANE * max(np.ptp(points, axis=0).max(), 1e-300):
         raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
-    surfaces, lines = _grouped(file)
+    surfaces, lines = grouped(file)
+    names, corners = list(file.field_data), [each.nodes[:, : CORNERS[each.kind]] for each in surfaces]
+    for what, groups in (
+        ("surface", [(each.solid, nodes) for each, nodes in zip(surfaces, corners, strict=True)]),
+        ("line", list(lines.items())),
+    ):
+        check_groups(what, groups, names, points * unit)
     used = np.unique(np.concatenate([cells.nodes.ravel() for cells in surfaces]))
     for name, nodes in lines.items():
         bare = nodes[~np.isin(nodes, used).all(axis=1)]
@@ -215,95 +205,6 @@ def _read(path: Path, unit: float) -> SectionMesh:
     return mesh
 
 
-def _parsed(path: Path):
-    """The file as meshio reads it."""
-    import contextlib
-    import io
-
-    import meshio
-
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            return meshio.read(path, file_format="gmsh")
-    except (Exception, SystemExit) as error:
-        why = " ".join(str(error).split())[:120]
-        reason = f" ({why})" if any(map(str.isalpha, why)) else ""  # an exit of meshio is a number
-        raise MeshError(f"the file is no mesh of gmsh, format 2.2 or 4.1{reason}") from None
-
-
-def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
-    """Elements by solid, and the corners of the lines by group, in the file's numbers of nodes."""
-    names = {(int(dim), int(tag)): name for name, (tag, dim) in file.field_data.items()}
-    tags = file.cell_data.get("gmsh:physical", [None] * len(file.cells))
-    surfaces: list[Cells] = []
-    lines: dict[str, list[np.ndarray]] = {}
-    for index, block in enumerate(file.cells):
-        kind = block.type
-        if kind == "vertex":
-            continue
-        if kind.startswith(SOLIDS):
-            raise MeshError(f"the file has {len(block.data)} {kind} elements in space: a section is a surface")
-        if kind not in CORNERS and kind not in LINES:
-            order = {"line4": 3, "triangle10": 3, "quad16": 3, "line5": 4, "triangle15": 4, "quad25": 4}.get(kind)
-            what = f"elements of order {order}" if order else f"elements of kind {kind}"
-            raise MeshError(f"{what} are not read: gmsh -order 2")
-        dim = 1 if kind in LINES else 2
-        for name, members in _members(file, index, tags[index], names, dim):
-            nodes = np.asarray(block.data)[members].astype(int)
-            if dim == 1:
-                lines.setdefault(name, []).append(nodes[:, :2])
-            else:
-                surfaces.append(Cells(kind=kind, solid=name, nodes=nodes))
-    for name in lines:
-        if name not in LINE_GROUPS and not name.startswith(ELECTRODE):
-            raise MeshError(f'unknown line group "{name}": {", ".join(LINE_GROUPS)} or electrode:NAME')
-    if not any(each.solid == "stator" for each in surfaces):
-        groups = ", ".join(dict.fromkeys(each.solid for each in surfaces)) or "none"
-        raise MeshError(
-            f"the file has no surface group stator, which is the stator's own material: its surface groups are {groups}"
-        )
-    return surfaces, {name: np.concatenate(parts) for name, parts in lines.items()}
-
-
-def _members(file, index: int, tags, names: dict, dim: int):
-    """Yield the groups of a block's elements and which they are; an element in two groups is refused."""
-    if file.cell_sets and any(name in file.cell_sets for name in file.field_data):
-        return _members_41(file, index, tags, dim)
-    return _members_22(tags, names, dim)
-
-
-def _members_41(file, index: int, tags, dim: int):
-    """`_members` of a file in format 4.1, where the groups are sets of elements and a block lies in one group."""
-    owners = [
-        name
-        for name, (_, own_dim) in file.field_data.items()
-        if int(own_dim) == dim and name in file.cell_sets and len(_set(file.cell_sets[name][index]))
-    ]
-    if len(owners) > 1:
-        raise MeshError(f"{'a line' if dim == 1 else 'a surface'} is in two groups, {' and '.join(owners)}")
-    if owners:
-        yield owners[0], slice(None)
-    elif tags is not None and len(tags):
-        raise _nameless(dim, tags[0])
-
-
-def _members_22(tags, names: dict, dim: int):
-    """`_members` of a file in format 2.2, where every element has the number of its group; 0 is none."""
-    tags = np.asarray([] if tags is None else tags)
-    for tag in np.unique(tags[tags != 0]):
-        if (dim, int(tag)) not in names:
-            raise _nameless(dim, tag)
-        yield names[dim, int(tag)], tags == tag
-
-
-def _nameless(dim: int, number) -> MeshError:
-    return MeshError(f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {number}")
-
-
-def _set(members) -> np.ndarray:
-    return np.empty(0) if members is None else np.asarray(members)
-
-
 def _anticlockwise(cells: Cells, number: np.ndarray, points: np.ndarray) -> Cells:
     """Elements in the mesh's own numbers with their corners anticlockwise; those without an area are refused."""
     nodes = number[cells.nodes]
@@ -313,14 +214,14 @@ def _anticlockwise(cells: Cells, number: np.ndarray, points: np.ndarray) -> Cell
     size = np.hypot(x - np.roll(x, 1, axis=1), z - np.roll(z, 1, axis=1)).max(axis=1)
     flat = np.flatnonzero(abs(area) <= MIN_AREA * size**2)
     if len(flat):
-        raise MeshError(f"{_many(len(flat), cells)} no area, the first at {_at(points, nodes[flat[0]])}")
+        raise MeshError(f"{_many(len(flat), cells)} no area, the first at {where(points, nodes[flat[0]])}")
     nodes = np.where((area < 0)[:, None], nodes[:, _mirror(cells.kind)], nodes)
     turns = _corner_turns(points[nodes[:, :count]])
     bent = np.flatnonzero((turns <= 0).any(axis=1))
     if len(bent):
         raise MeshError(
             f"{len(bent)} quadrilaterals are inverted (a corner points inwards), the first at "
-            f"{_at(points, nodes[bent[0]])}"
+            f"{where(points, nodes[bent[0]])}"
         )
     return Cells(kind=cells.kind, solid=cells.solid, nodes=nodes)
 
@@ -330,17 +231,11 @@ def _many(count: int, cells: Cells) -> str:
     return f"1 {what} has" if count == 1 else f"{count} {what}s have"
 
 
-def _at(points: np.ndarray, nodes) -> str:
-    """Mean position of some nodes (points in m), as text in mm."""
-    x, z = points[np.atleast_1d(nodes)].mean(axis=0) * 1e3
-    return f"({x:.2f}, {z:.2f}) mm"
-
-
 def _no_element(name: str, points: np.ndarray, nodes) -> str:
     """Message about a line of a group that is no edge of an element: mostly the border of a hole."""
     return (
-        f"no element has the line at {_at(points[:, :2], nodes)} of the group {name} as an edge: either the mesh has a "
-        "hole there (gmsh writes only surfaces that are in a physical group), or the line is none of the body's"
+        f"no element has the line at {where(points[:, :2], nodes)} of the group {name} as an edge: either the mesh has "
+        "a hole there (gmsh writes only surfaces that are in a physical group), or the line is none of the body's"
     )
 
 
@@ -362,28 +257,22 @@ def _mirror(kind: str) -> list[int]:
 
 
 def _check_topology(mesh: SectionMesh) -> None:
-    """Refuse folded meshes, parts that do not touch, holes, and lines that are no edges or stand twice."""
+    """Refuse folded meshes, parts that do not touch, holes, and lines that are no edges."""
     for edge, owners in mesh.edges.items():
         if len(owners) > 1:
-            where = _at(mesh.points, list(edge))
-            raise MeshError(f"elements overlap or are inverted: two lie on the same side of the edge at {where}")
-    seen: dict[tuple[int, int], str] = {}
+            place = where(mesh.points, list(edge))
+            raise MeshError(f"elements overlap or are inverted: two lie on the same side of the edge at {place}")
     for name, nodes in mesh.lines.items():
         for one, other in nodes.tolist():
             if (one, other) not in mesh.edges and (other, one) not in mesh.edges:
                 raise MeshError(_no_element(name, mesh.points, [one, other]))
-            key = min(one, other), max(one, other)
-            if key in seen and seen[key] != name:
-                where = _at(mesh.points, [one, other])
-                raise MeshError(f"the line at {where} is in two groups, {seen[key]} and {name}")
-            seen[key] = name
     corners = np.unique(list(mesh.edges))
     parts = _components(list(mesh.edges), len(mesh.points))
     others = corners[parts[corners] != parts[corners[0]]]
     if len(others):
         count = len(np.unique(parts[corners]))
         raise MeshError(
-            f"the mesh has {count} parts that share no nodes, the second at {_at(mesh.points, others[0])}: "
+            f"the mesh has {count} parts that share no nodes, the second at {where(mesh.points, others[0])}: "
             "gmsh joins touching surfaces by BooleanFragments or Coherence"
         )
     on_boundary = np.unique(mesh.boundary)
@@ -394,7 +283,7 @@ def _check_topology(mesh: SectionMesh) -> None:
         inside = on_boundary[loops[on_boundary] == loop]
         if loop != outer and not named.intersection(inside.tolist()):
             raise MeshError(
-                f"the mesh has a hole at {_at(mesh.points, inside)}: gmsh writes only surfaces that are in a "
+                f"the mesh has a hole at {where(mesh.points, inside)}: gmsh writes only surfaces that are in a "
                 "physical group; put the lines of an intended hole into the group surface"
             )
 
