@@ -11,6 +11,7 @@ from importlib import import_module
 _PUBLIC = {
     "answers.derivatives": "velocity_derivative",
     "answers.load_line": "blocked_thrust load_line LoadLine mean_traction stall",
+    "answers.pull": "damper_pull",
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",

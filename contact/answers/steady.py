@@ -22,6 +22,7 @@ import numpy as np
 
 from contact import parameter_check
 from contact.answers.ledger import Ledger, ledger
+from contact.answers.pull import damper_pull
 from contact.averaged.bounce import speed_lost
 from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
@@ -142,7 +143,7 @@ def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: floa
     reference = reference_speed(solution.velocity, listed) or 1.0
     near = solution.method == "averaged" and solution.velocity == 0.0
     error = solution.relative_error * reference
-    answer = Answer(value=solution.velocity, error=error, reasons=(solution.message,)).judged(
+    answer = Answer(value=solution.velocity, error=error, reasons=(solution.message, *_pull(slider, listed))).judged(
         tolerance, reference, "so near the threshold the slider may move" if near else ""
     )
     return SteadyState(
@@ -150,6 +151,14 @@ def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: floa
         method=solution.method, ledger=solution.ledger, other_velocity=solution.other_velocity,
         statistics=solution.statistics, seconds=time.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _pull(slider, orbits):
+    """Return the remark that the contact damper pulls the slider down, in a tuple; an empty tuple if it does not."""
+    force, share = damper_pull(slider, orbits)
+    if force == 0.0:
+        return ()
+    return (f"the contact damper pulls the slider down, with up to {-force:.3g} N during {share:.0%} of a cycle",)
 
 
 class _Solution(NamedTuple):

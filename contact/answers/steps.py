@@ -231,8 +231,10 @@ def cycles_for(
         return known[number]
 
     def with_error(number):
+        if number == 0:  # a burst of no cycles has no envelope
+            return at(0)
         envelope, after = shape(number)
-        return step(slider, listed, cycles=number, envelope=envelope, after=after) if number else at(0)
+        return step(slider, listed, cycles=number, envelope=envelope, after=after)
 
     # Take the direction of motion from many cycles: a few cycles may end on either side of the start, and an envelope
     # may be small at first.

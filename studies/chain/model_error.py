@@ -19,7 +19,7 @@ NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
-    """Return the neglected effects of a run with a driven stator, as in run.json.
+    """Return the neglected effects of a run with a driven stator or a prescribed wave, as in run.json.
 
     An effect that depends on the level has its largest size over the points, or for a slider on pillars its size at the
     largest level.
@@ -43,6 +43,9 @@ def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...
         always = [*stator_effects(record), *radiation(record), *heating(record)]
         for own, point, loads in zip(at_points, record.points, loads_on_wave(record), strict=True):
             own += [*loads, *travel_over_ripple(record, point), *large_strain(record, point[record.level])]
+    elif record.scene.wave is not None:
+        for own, point in zip(at_points, record.points, strict=True):
+            own += large_strain(record, point[record.level])
     return _finite(always), [_finite(own) for own in at_points]
 
 

@@ -15,6 +15,9 @@ from studies.record.status import Status
 
 LOGGER = logging.getLogger(__name__)
 
+# Velocity of a slider from which on it has no answer, m/s: that of surface waves on soft polymers, the slowest
+# (`scene_warnings.USUAL_VELOCITIES`).  The contact's forces are those of bodies at rest.
+RUNAWAY = 200.0
 SHARE = 0.25  # fraction of the tolerance for the contact and, in the first attempt, for the stator
 
 
@@ -102,12 +105,25 @@ def point_answer(driven: DrivenContact, level: float, tolerance: float, *, burst
     """
     try:
         if driven.scene.slider.pillars is None:
-            return _point_on_balls(driven, level, tolerance, bursting)
-        from studies.chain.pillar_points import pillar_point
+            answer = _point_on_balls(driven, level, tolerance, bursting)
+        else:
+            from studies.chain.pillar_points import pillar_point
 
-        return PointAnswer(*pillar_point(driven, level, tolerance, bursting=bursting))
+            answer = PointAnswer(*pillar_point(driven, level, tolerance, bursting=bursting))
+        _refuse_runaway(answer.values["velocity_m_per_s"])
+        return answer
     except contact.ConvergenceError as error:
         return PointAnswer({"status": " ".join(str(error).split())})
+
+
+def _refuse_runaway(velocity: float) -> None:
+    """Raise if a slider in its steady state runs at `RUNAWAY` m/s or faster."""
+    if abs(velocity) >= RUNAWAY:
+        raise contact.ConvergenceError(
+            "runaway",
+            f"the slider would run at {velocity:.4g} m/s, and from {RUNAWAY:g} m/s on, the velocity of the slowest "
+            "surface waves, the contact is not quasi-static: lower slider.load or the wave's amplitude",
+        )
 
 
 def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, bursting: bool) -> PointAnswer:

@@ -35,6 +35,9 @@ VACUUM_FACTOR = 4.0
 # Relative change of a solid's stiffness over its strain, 3 + C111/C11 in size: 2 to 15 (M. A. Breazeale and J. Philip,
 # Physical Acoustics 17 (1984) 1). From LISTED on the effect is stated; hard PZT breaks at a third of that strain.
 NONLINEARITY, LISTED = 5.0, 0.01
+# Velocity of a prescribed wave without a wavelength, m/s: 2100 to 2300 in PZT, 3100 to 4000 in quartz and lithium
+# niobate (the free waves of the scenes rayleigh and lithium-niobate-*)
+USUAL_VELOCITY = 3000.0
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
 Effects = Iterator[tuple]  # fields of `Effect`
@@ -197,7 +200,14 @@ def _electrode_mass(record: Record) -> Effects:
 
 
 def surface_strain(record: Record, level: float) -> float:
-    """Return the largest strain of the wave along the surface, k |u_x|, at a level in V."""
+    """Return the largest strain of the wave along the surface, k |u_x|, at a level in V, or m of a prescribed wave.
+
+    Of a prescribed wave it is the larger of strain and slope, k |u_z|, because its ratio may be any number.
+    """
+    wave = record.scene.wave
+    if wave is not None:
+        velocity = USUAL_VELOCITY if wave.wavelength is None else wave.wavelength * wave.frequency
+        return 2 * math.pi * wave.frequency / velocity * level * max(1.0, wave.tangential_ratio)
     return 2 * math.pi / wavelength(record) * level * float(abs(record.surface["u_x_m_per_V"]).max())
 
 
@@ -205,7 +215,8 @@ def large_strain(record: Record, level: float) -> Effects:
     """Yield the effect of a strain beyond linear elasticity, from `LISTED` on."""
     strain = surface_strain(record, level)
     if NONLINEARITY * strain >= LISTED:
-        how = f"the strain k |u_x| = {strain:.2g}, times the nonlinearity parameter of solids, about {NONLINEARITY:g}"
+        name = "k |u_x|" if record.scene.wave is None else "k |u|"
+        how = f"the strain {name} = {strain:.2g}, times the nonlinearity parameter of solids, about {NONLINEARITY:g}"
         yield "nonlinear elasticity", "u_z", NONLINEARITY * strain, how
 
 

@@ -8,7 +8,7 @@ import os
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import SHARE, point_answer
+from studies.chain.points import RUNAWAY, SHARE, point_answer
 from studies.chain.propagation import judged
 from studies.record.status import Status
 
@@ -63,7 +63,7 @@ def averaged_answers(states: list[tuple[DrivenContact, float]], tolerance: float
     some = (states[k] for k in allowed)
     contacts = [(driven.slider, driven.orbits, driven.stator_error, level) for driven, level in some]
     for k, (velocity, regime, of_contact, of_stator, thrust) in zip(allowed, averaged(contacts), strict=True):
-        if regime != "unknown" and of_contact <= SHARE * tolerance:
+        if regime != "unknown" and of_contact <= SHARE * tolerance and abs(velocity) < RUNAWAY:
             state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
             state |= judged(tolerance, of_stator, of_contact)
             answers[k] = rated(state, (of_stator, of_contact), tolerance)

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+import contact
 import fem
 from studies.chain import fem_model
 from studies.chain.ball_effects import NODE
@@ -27,6 +28,7 @@ AIR = 101325.0  # pressure in Pa
 CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
 # Values above which a warning is issued:
 OFF_RESONANCE = 1.15  # largest amplitude over frequency, relative to the present one; the ripple of a plate makes 1.1
+USUAL_SPEED = 10.0  # m/s of a slider; surface-acoustic-wave motors reach 1 to 2 m/s
 SIDEWAYS = 0.1  # |u_y|/|u_x|
 DECIDES = 0.1  # relative change of u_z or of the velocity by a neglected effect
 
@@ -39,12 +41,14 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         warnings += stator.piece_warnings(record.scene.frequency, transducers)
     if record.scene.transducer:
         warnings += [*_drive(record), *_off_resonance(record), *_section(record), *_left_out(record)]
+    elif record.scene.wave is not None:
+        warnings += _left_out(record)
     if record.scene.slider is not None:
         warnings += [*_contact(record), *_points(record), *_other_motion(record)]
     if record.scene.on_pillars:
         from studies.chain.pillar_effects import pillar_warnings
 
-        warnings += [*(() if record.scene.transducer else _left_out(record)), *pillar_warnings(record)]
+        warnings += pillar_warnings(record)
     return tuple(warnings)
 
 
@@ -170,7 +174,7 @@ def _left_out(record: Record) -> Iterator[str]:
 
 
 def _contact(record: Record) -> Iterator[str]:
-    """Yield warnings about lateral motion under a ball and about contact pressures above the strength of a material."""
+    """Yield warnings about lateral motion, load, a damper that pulls, and pressures above a material's strength."""
     normal, tangential = (abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential"))
     # NaN, and therefore false, for a scene with a [wave], which has no motion per volt
     if normal < NODE * tangential and record.scene.slider.pillars is None:
@@ -189,8 +193,23 @@ def _contact(record: Record) -> Iterator[str]:
         )
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(max(record.scene.levels))
+    friction = slider.static_friction(len(orbits))
+    if slider.load > friction:
+        limit, share = "the damper alone" if slider.tangential_damping else "nothing", record.scene.slider.share
+        yield (
+            f"slider.load, {slider.load * share:.4g} N, exceeds the friction that holds the slider, "
+            f"{friction * share:.4g} N: it drags the slider back even without a wave, and {limit} limits the speed: "
+            "lower slider.load"
+        )
     if slider.preload == 0:
         return
+    pull, share = contact.damper_pull(slider, orbits)
+    if pull < 0.0:
+        yield (
+            f"slider.damping.contact, {slider.contact_damping:g} s/m, is so large that a contact pulls the slider "
+            f"down, with up to {-pull * 1e3:.3g} mN during {100 * share:.2g} % of a cycle, which a dry contact cannot: "
+            "choose a smaller one"
+        )
     highest = contact_load(slider, orbits, math.inf)["contact_pressure_Pa"]
     at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
     punch = slider.shape == "punch"
@@ -208,7 +227,7 @@ def _contact(record: Record) -> Iterator[str]:
 
 
 def _points(record: Record) -> Iterator[str]:
-    """Yield warnings about a change of direction between neighbouring points and about a slider that always sticks."""
+    """Yield warnings about a slider that turns between two points, that is too fast, or that always sticks."""
     omega, named = 2 * math.pi * record.wave["frequency_Hz"], record.scene.named
     moving = [
         (point[record.level], velocity)
@@ -221,6 +240,12 @@ def _points(record: Record) -> Iterator[str]:
                 f"the slider reverses its direction between {named(low)} and {named(high)} ({before * 1e3:.3g} and "
                 f"{after * 1e3:.3g} mm/s): give {record.scene.level_key} more values between them"
             )
+    fastest = max((abs(velocity) for _, velocity in moving), default=0.0)
+    if fastest > USUAL_SPEED:
+        yield (
+            f"the slider runs at {fastest:.4g} m/s; surface-acoustic-wave motors reach 1 to 2 m/s: check the units of "
+            f"{record.scene.level_key} and of slider.load"
+        )
     if record.at_rest:  # the only answer is the threshold, whose error is that of the wave
         error, threshold = record.wave.get("relative_error"), record.limit("threshold")
         starts = "" if threshold is None else f"; it starts at {named(threshold)}"

@@ -1,4 +1,4 @@
-"""How far a burst of N cycles moves the slider, the number of cycles for a step of 2 nm, stopping time and ring.
+"""How far a burst of N cycles moves the slider, the number of cycles for a step, stopping time and ring.
 
 Method: the slider of a scene (``twente-contact`` by default) starts from rest at up to four of its levels (amplitudes
 or voltages) above the threshold. Bursts of 8 to 4096 cycles are computed until the slider has slipped for the last time

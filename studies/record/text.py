@@ -43,7 +43,7 @@ def answer(record: "Record") -> str:
         head, points = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
-    entries: list[tuple] = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
+    entries: list[tuple] = [*_wave(record), *_limits(record), *_uncertainty(record.uncertainty)]
     entries += comparison(record.measured)
     bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
@@ -259,11 +259,16 @@ def _stated(block: dict, key: str) -> str:
     return quantity(key).with_unit(block[key])
 
 
-def _limits(summary: dict):
+def _limits(record: "Record"):
     """Yield name and text of threshold and release."""
+    summary, slider = record.summary, record.scene.slider
     for name, motion in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         levels = [_stated(summary, key) for key in LIMITS if key in summary and quantity(key).head == name]
         if name == "threshold" and summary.get("threshold_amplitude_m") == 0.0:
-            yield name, "none: the load exceeds friction and moves the slider without a wave"
+            if slider.load > 0.0:
+                yield name, "none: the load exceeds friction and moves the slider without a wave"
+            else:
+                lacking = "friction" if slider.preload_force > 0.0 else "a preload"
+                yield name, f"none: without {lacking} the wave does not move the slider"
         elif levels:
             yield name, f"{', '.join(levels)}: the slider {motion}"

@@ -1,7 +1,8 @@
 """The datasheet of a motor: the quantities that a motion engineer needs, with unit, condition and error.
 
-All rows hold at the rated level and without a load, unless their condition says otherwise. The rated level is the
-largest voltage (or the largest amplitude of a scene with a [wave]) that moves the slider. Errors are numerical: those
+All rows hold at the rated level and without a load, unless their condition says otherwise: the run behind them has
+``slider.load`` = 0, and the load of the scene has a row of its own. The rated level is the largest voltage (or the
+largest amplitude of a scene with a [wave]) that moves the slider. Errors are numerical: those
 of stator and contact, propagated to each quantity. The inputs of the scene, such as the friction coefficient, are taken
 as exact.
 """
@@ -19,6 +20,7 @@ from studies.chain import resolve, run
 from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_points import burst as pillar_burst
+from studies.chain.predictor import Predictor
 from studies.chain.steps import Steps
 from studies.progress import reported_to
 from studies.record import Record
@@ -88,7 +90,7 @@ class Datasheet:
     balls: float  # number of balls that one computed ball represents
     # Start from rest at the rated level and the stop after it
     start_stop: "Trajectory | PillarBurst"
-    steps: tuple  # contact.Step of the shortest burst for each size in `STEPS`
+    steps: tuple  # contact.Step of the shortest burst for each size in `STEPS`, None where there is none
 
     def __str__(self) -> str:
         """Return the datasheet as a table of text, as `sawmotor datasheet` prints it."""
@@ -145,7 +147,8 @@ def datasheet(
         scene = Scene.load(scene)
         if scene.slider is None:
             scene.refuse("slider", "is missing: a datasheet is of a whole motor")
-        record = run(scene.with_source(burst=None), tolerance=tolerance)
+        load = scene.slider.load
+        record = run(_without_load(scene), tolerance=tolerance)
         if record.shortfall:
             raise RunError(record.shortfall)
         driven = DrivenContact.of_run(record)
@@ -160,14 +163,27 @@ def datasheet(
         except contact.ConvergenceError as error:
             raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
         line = answer["lines"][driven.scene.named(rated)]
+        under_load, remarks = _under_load(record, rated, load)
+        remarks += answer.pop("remarks", ())
         rows = (
-            *_speeds(record, driven, rated),
+            *_speeds(record, driven, rated, under_load),
             *answer.pop("rows"),
             *_powers(record, driven, rated, line, answer["balls"]),
             *answer.pop("powers", ()),
             *_resonances(record, driven),
         )
+        record = replace(record, warnings=(*record.warnings, *remarks))
         return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
+
+
+def _without_load(scene: Scene) -> Scene:
+    """Return the scene whose run the datasheet describes: without a burst, and without a load and its tolerance."""
+    scene = scene.with_source(burst=None)
+    if scene.slider.load == 0.0:
+        return scene
+    pairs = tuple(pair for pair in scene.uncertain or () if pair[0] != "slider.load")
+    uncertain = pairs if any("." in key for key, _ in pairs) else None
+    return replace(scene, slider=replace(scene.slider, load=0.0), uncertain=uncertain)
 
 
 def _of_balls(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
@@ -179,10 +195,23 @@ def _of_balls(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
     start_stop = _start_and_stop_motion(driven, rated)
     LOGGER.info("steps")
     bursts = Steps.of(driven)
-    steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
+    steps, remarks = _steps(bursts, rated)
     balls = driven.scene.slider.share
     rows = (*_forces(driven, rated, lines[named(rated)], balls), *_positioning(bursts, rated, steps, start_stop))
-    return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows}
+    return {"lines": lines, "start_stop": start_stop, "steps": steps, "balls": balls, "rows": rows, "remarks": remarks}
+
+
+def _steps(bursts: Steps, rated: float) -> tuple[tuple, tuple[str, ...]]:
+    """Return the shortest step of each size in `STEPS`, None where there is none, and the remarks why."""
+    steps: list = []
+    remarks = []
+    for size in STEPS:
+        try:
+            steps.append(bursts.reaching(rated, size)[1])
+        except contact.ConvergenceError as error:
+            steps.append(None)
+            remarks.append(f"the datasheet has no step of {si(size, 'm')}: {' '.join(str(error).split())}")
+    return tuple(steps), tuple(remarks)
 
 
 def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
@@ -211,14 +240,13 @@ def _start_and_stop_motion(driven: DrivenContact, rated: float) -> Any:
     return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
 
 
-def _speeds(record: Record, driven: DrivenContact, rated: float) -> Iterator[Row]:
-    """Yield the rows on the velocity, the threshold and the release."""
+def _speeds(record: Record, driven: DrivenContact, rated: float, under_load: tuple[Row, ...]) -> Iterator[Row]:
+    """Yield the rows on the velocity, without and with the load of the scene, the threshold and the release."""
     point = next(each for each in record.points if each[record.level] == rated)
-    # relative_error of a point refers to max(|v|, omega |u_x| / 10); convert it to |v|
-    speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
-    error = point["relative_error"] * contact.speed_scale(speed, omega * point["tangential_amplitude_m"]) / speed
+    speed, error = abs(point["velocity_m_per_s"]), _velocity_error(record, point)
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
     yield Row("speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model)
+    yield from under_load
     unit = quantity(record.level).unit
     for name, event, factor_of in (
         ("threshold", "starts to move", contact.threshold),
@@ -229,6 +257,33 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Iterator[Row
             factor = factor_of(driven.slider, driven.orbits)
             error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
             yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
+
+
+def _under_load(record: Record, rated: float, load: float) -> tuple[tuple[Row, ...], tuple[str, ...]]:
+    """Return the row on the velocity under the load of the scene in N, or the remark why there is none.
+
+    The velocity is positive in the direction of the motion without a load.
+    """
+    if load == 0.0:
+        return (), ()
+    (answer,) = Predictor.of_record(record).answers([{record.scene.level_key: rated, "slider.load": load}])
+    name, stated = "speed under load", f"slider.load = {si(load, 'N')}"
+    if "velocity_m_per_s" not in answer:
+        return (), (f"the datasheet has no {name}, {stated}: {answer['status']}",)
+    free = next(each for each in record.points if each[record.level] == rated)
+    velocity = answer["velocity_m_per_s"] * float(np.sign(free["velocity_m_per_s"])) + 0.0
+    condition = f"under {stated}, steady"
+    if velocity <= 0.0:
+        condition += ": held" if velocity == 0.0 else ": dragged back"
+    return (Row("speed", name, velocity, "m/s", _velocity_error(record, answer) or None, condition),), ()
+
+
+def _velocity_error(record: Record, point: dict) -> float:
+    """Return the error of a point's velocity over |v|; that of a point refers to max(|v|, omega |u_x| / 10)."""
+    speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
+    if speed == 0.0:
+        return 0.0
+    return point["relative_error"] * contact.speed_scale(speed, omega * point["tangential_amplitude_m"]) / speed
 
 
 def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Iterator[Row]:
@@ -260,6 +315,8 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> It
     """Yield the rows on the steps of `STEPS`, the start and the stop."""
     frequency = bursts.driven.scene.frequency
     for size, step in zip(STEPS, steps, strict=True):
+        if step is None:
+            continue
         error = bursts.error(rated, step) + step.error / abs(step.displacement) or None
         name = f"{'smallest step' if size == STEPS[0] else 'step'} of {size * 1e9:g} nm or more"
         cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"

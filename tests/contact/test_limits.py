@@ -6,13 +6,22 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
+from contact import (
+    Orbit,
+    contact_history,
+    damper_pull,
+    release_amplitude,
+    release_factor,
+    riding_height,
+    steady,
+    threshold_amplitude,
+)
 from contact import threshold_factor as threshold
 from contact.averaged.riding import mean_normal_force, quadrature
 from contact.codes import Shape
 from contact.law.normal import SHAPES, load
 from contact.problem import scaled
-from tests.contact.motors import HEAVY, orbit, slider
+from tests.contact.motors import FREQUENCY, HEAVY, orbit, slider
 
 
 def mean_load(h, A, shape=Shape.SPHERE):
@@ -114,3 +123,28 @@ def test_simulated_release_is_the_closed_form():
     s = slider()
     edge = _edge(4.0e-9, 4.4e-9, lambda A: steady(s, orbit(A), tolerance=1e-6).regime == "slip", 1e-6)
     assert edge == pytest.approx(release_amplitude(s, orbit(1e-9)), rel=3e-5)  # (f_n/f)^2 = 1.6e-5
+
+
+@pytest.mark.parametrize("chi", [0.0, 5.0, 7.0, 20.0, 100.0])
+def test_a_damper_pulls_as_the_full_motion_does(chi):
+    """P (1 + chi z') along the steady motion itself; the slider moves by 1e-5 of the wave within a cycle."""
+    body, wave = slider(contact_damping=chi), orbit(10e-9)
+    motion = contact_history(body, wave, stage="steady", skip=0.0, cycles=1.0, points_per_cycle=8000.0)
+    rate = np.gradient(motion.approach[:, 0], motion.time)
+    force = motion.normal_force[:, 0] * (1.0 + chi * rate)
+    least, share = damper_pull(body, wave)
+    assert least == pytest.approx(min(float(force.min()), 0.0), rel=1e-3, abs=1e-9)
+    assert share == pytest.approx(float(np.mean(force < -1e-12)), abs=2e-3)
+    remarked = "pulls the slider down" in steady(body, wave, tolerance=1e-3).message
+    assert remarked == (chi in (20.0, 100.0)) == (least < 0.0)
+
+
+def test_of_several_contacts_the_one_that_pulls_most_counts_in_any_order_and_mirrored():
+    body, waves = (
+        slider(contact_damping=20.0),
+        (orbit(3e-9), orbit(10e-9), Orbit(frequency=FREQUENCY, normal=6e-9j, tangential=2e-9)),
+    )
+    alone = damper_pull(body, waves)
+    assert alone[0] < 0.0 < alone[1]
+    assert damper_pull(body, waves[::-1]) == pytest.approx(alone, rel=1e-12)
+    assert damper_pull(body, tuple(each.mirrored() for each in waves)) == pytest.approx(alone, rel=1e-12)

@@ -158,7 +158,14 @@ def test_cycles_for_a_step_know_how_the_wave_grows():
 
 
 def test_where_one_cycle_is_enough_none_falls_short():
-    before, enough = cycles_for(slider(), orbit(10e-9), displacement=1e-10, envelopes=lambda _: (flat(1.0, 1.57), None))
+    asked = []
+
+    def envelopes(cycles):
+        asked.append(cycles)
+        return flat(1.0, 1.57), None
+
+    before, enough = cycles_for(slider(), orbit(10e-9), displacement=1e-10, envelopes=envelopes)
+    assert min(asked) == 1  # a burst of no cycles has no envelope
     assert (before.cycles, before.displacement, enough.cycles) == (0, 0.0, 1)
     assert enough.displacement > 1e-10
 

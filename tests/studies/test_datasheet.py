@@ -193,3 +193,42 @@ def test_a_given_wave_has_a_datasheet_without_electrical_rows(tmp_path, monkeypa
     assert "electrical power" not in names
     assert "frequency of the largest wave" not in names
     assert (tmp_path / "a" / "datasheet.html").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_rows_without_a_load_are_those_of_the_unloaded_motor():
+    """Speed, start time and smallest step were those under slider.load: 139.6 mm/s for 152.9 mm/s under 20 uN."""
+    free = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["20 nm"]}, title="one level")
+    loaded = free.replace(slider={"load": "60 uN"}, uncertain={"slider": {"load": "+- 5 %", "mass": "+- 1 %"}})
+    ours, theirs = (datasheet(each) for each in (loaded, free))
+    (under_load,) = (each for each in ours.rows if each.name == "speed under load")
+    assert [each for each in ours.rows if each is not under_load] == list(theirs.rows)
+    assert under_load.value == pytest.approx(float(run(loaded.replace(uncertain=None)).velocity[0]), rel=1e-6)
+    assert under_load.condition == "under slider.load = 60 \u00b5N, steady"
+    assert ours.rows[1] is under_load
+
+
+@pytest.mark.parametrize(("load", "kind"), [(6.0e-5, "dragged back"), (1.0, "")])
+def test_a_load_that_the_motor_cannot_drive_and_a_step_that_fails_leave_the_other_rows(monkeypatch, load, kind):
+    reaching = Steps.reaching
+
+    def short(self, level, size):
+        if size > 1e-9:
+            raise contact.ConvergenceError("out of reach", "2097152 cycles move the slider by 1e-09 m")
+        return reaching(self, level, size)
+
+    monkeypatch.setattr(Steps, "reaching", short)
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["1.5 nm"]}, slider={"load": load})
+    sheet = datasheet(scene)
+    names, warnings = [each.name for each in sheet.rows], sheet.record.warnings
+    assert names[0] == "speed"
+    assert "smallest step of 1 nm or more" in names
+    assert not {"step of 10 nm or more", "step of 100 nm or more"} & set(names)
+    missing = "the datasheet has no step of 100 nm: out of reach: 2097152 cycles move the slider by 1e-09 m"
+    assert warnings[-1] == missing
+    assert ("speed under load" in names) == bool(kind)
+    if kind:
+        under_load = row(sheet, "speed under load")
+        assert under_load.value == pytest.approx(float(run(scene).velocity[0]), rel=1e-6, abs=0.0)
+        assert under_load.condition.endswith(kind)
+    else:
+        assert warnings[-3].startswith("the datasheet has no speed under load, slider.load = 1 N: ")

@@ -14,10 +14,11 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
+from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
-from studies.record import Record
+from studies.record import Record, text
 from studies.scene import Scene, read_table
 from tests.contact.motors import slider as slider_of
 from tests.studies.settings import assigned, changed
@@ -296,3 +297,68 @@ def test_no_answer_where_the_wave_has_a_node_under_every_ball():
     assert found.refused
     beside = run(scene("lithium-niobate-128yx", *section, 'slider.position="6.1 mm"'), tolerance=0.05)
     assert "vanishes" not in beside.shortfall
+
+
+def of_the_seed(*settings) -> Record:
+    """The run of twente-contact at 10 nm with some settings changed."""
+    return run(changed("twente-contact", "wave.normal_amplitude=10 nm", *settings))
+
+
+@pytest.mark.parametrize("law", ["elastic", "hysteretic"])
+def test_a_load_above_friction_is_said_and_a_runaway_has_no_answer(law):
+    """V = (load - mu preload)/R_t: 1 N made -10 km/s with an error of 0 and no word; friction holds 69.85 uN."""
+    law = f'slider.law="{law}"'
+    dragged = of_the_seed("slider.load=1 mN", law)
+    assert float(dragged.velocity[0]) == pytest.approx(-(1e-3 - 69.8472e-6) / 1e-4, rel=1e-5)
+    assert dragged.exit_code == 0
+    only(dragged.warnings, "slider.load, 0.001 N, exceeds the friction that holds the slider, 6.985e-05 N")
+    below, above = (of_the_seed(f"slider.load={(69.8472e-6 + 1e-4 * each):.9g}", law) for each in (199.9, 200.1))
+    assert float(below.velocity[0]) == pytest.approx(-199.9, rel=1e-4)
+    assert above.points[0]["status"].startswith("runaway: the slider would run at -200.1 m/s, and from 200 m/s on")
+    assert (above.exit_code, "velocity_m_per_s" in above.points[0]) == (3, False)
+    answer = Predictor(above.scene.to_table(), tolerance=1e-3).answers([{}, {"slider.load": 1.0}])
+    assert all(each["status"].startswith("no answer: runaway") for each in answer)
+
+
+@pytest.mark.parametrize(
+    ("settings", "strain"),
+    [
+        (["wave.normal_amplitude=0.1 mm"], 2 * math.pi * 2.2e6 * 1e-4 / 3000),
+        (["wave.normal_amplitude=1 um", "wave.tangential_ratio=10"], 2 * math.pi * 2.2e6 * 1e-5 / 3000),
+        (["wave.normal_amplitude=10 um", "wave.wavelength=1 mm"], 2 * math.pi * 1e-5 / 1e-3),
+        (["wave.normal_amplitude=0.4 um"], None),  # strain 0.0018, an effect of 0.9 %
+    ],
+)
+def test_a_prescribed_wave_of_absurd_amplitude_is_refused_as_one_of_a_stator(settings, strain):
+    """The strain times 5: listed from 1 %, warned of from 10 %, refused from 100 %."""
+    answer = of_the_seed(*settings)
+    if strain is None:
+        assert (answer.model_error, answer.warnings, answer.shortfall) == ((), (), "")
+        return
+    (effect,) = answer.model_error
+    assert effect["size"] == pytest.approx(5 * strain, rel=1e-12)
+    assert any("nonlinear elasticity" in each for each in answer.warnings) == (5 * strain >= 0.1)
+    refused = 5 * strain >= 1
+    assert ("nonlinear elasticity" in answer.shortfall) == refused == (answer.exit_code != 0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["slider.friction_coefficient=0"], "none: without friction the wave does not move the slider"),
+        (["slider.preload=0"], "none: without a preload the wave does not move the slider"),
+        (["slider.friction_coefficient=0", "slider.load=1 uN"], "none: the load exceeds friction and moves"),
+    ],
+)
+def test_without_friction_no_load_is_blamed_that_is_zero(settings, words):
+    assert f"threshold       {words}" in text.answer(of_the_seed(*settings))
+
+
+@pytest.mark.parametrize(("chi", "pulls"), [(5.0, False), (20.0, True)])
+def test_a_contact_damper_that_pulls_is_remarked_and_no_error(chi, pulls):
+    answer = of_the_seed(f"slider.damping.contact={chi}")
+    assert answer.exit_code == 0
+    if not pulls:
+        assert answer.warnings == ()
+        return
+    only(answer.warnings, "slider.damping.contact, 20 s/m", "up to 1.84 mN during 20 % of a cycle")
