@@ -18,10 +18,15 @@ kink. A file cannot define guards, transitions or a memory of its own; one that 
 `contact` has friction_coefficient, radius, effective_modulus, tangential_modulus (SI units) and punch (0 or 1). Without
 `limit` and `stuck` the spring is that of `law.elastic` with the coefficient sliding(..., 0, ...)/normal_force.
 
+Whole numbers are compiled as floats (`law.whole_numbers`), and when a law is read its compiled functions are compared
+with Python's at approaches, speeds and deformations over their whole range: a law that numba understands otherwise than
+Python is refused.
+
 The solvers' kernels are compiled once for all such laws, and each law's functions by themselves, within a second. The
 text of the file is part of the name under which their machine code is kept: an edited law is compiled anew.
 """
 
+import ctypes
 import hashlib
 import inspect
 import math
@@ -40,6 +45,7 @@ from contact.jit.compiled import callback, formula
 from contact.law import elastic
 from contact.law.normal import load
 from contact.law.protocol import Law, slip_limit
+from contact.law.whole_numbers import with_floats
 
 # the arguments of the functions of a file
 ARGUMENTS = {
@@ -55,6 +61,10 @@ EFFECTIVE_MODULUS, TANGENTIAL_MODULUS, STIFFNESS = 2, 3, 5
 CLOSEST, STEP = 1e-9, 1e-5
 # Approaches in m and slip speeds in m/s at which a law is tried when it is read
 TRIED_APPROACHES, TRIED_SPEEDS = np.logspace(-12, -6, 25), (0.0, 1e-3, 1.0)
+# Approaches in m, slip speeds in m/s and deformations over the slip limit at which compiled functions are compared with
+# Python's. They may differ by rounding, of a law with a cancellation by more.
+COMPARED_APPROACHES, COMPARED_SPEEDS = np.logspace(-13, -4.3, 14), (0.0, *np.logspace(-8, 1.3, 14))
+COMPARED_DEFORMATIONS, ROUNDING = (0.0, 0.01, 0.2, 0.5, 0.9, 1.0), 1e-9
 # Gauss-Legendre points of the energy of a spring of the user's own
 POINT, WEIGHT = (tuple(map(float, each)) for each in np.polynomial.legendre.leggauss(16))
 
@@ -122,6 +132,11 @@ class UserLaw:
         """The functions of the file by name."""
         return _functions(self.name, self.source)
 
+    @property
+    def floats(self) -> "UserLaw":
+        """The law with whole numbers as floats, as it is compiled first."""
+        return UserLaw(self.name, with_floats(self.source))
+
 
 def _plain(function):
     """Return the Python function of one that kernels can call."""
@@ -149,7 +164,7 @@ def _functions(name, source):
 def tried(user: UserLaw, contact: Contact, stiffness: float) -> tuple[float, float, bool, bool]:
     """Return (coefficient at 1 nm, largest rise of the slip limit with the approach, rated, bent) of a law.
 
-    Raises an InputError for forces that are negative or not finite.
+    Raises an InputError for forces that are negative or not finite, or that differ between Python and numba.
     """
     shape, ratio = int(contact.punch), contact.effective_modulus / (4.0 * contact.tangential_modulus)
     normal_forces = stiffness * load(TRIED_APPROACHES, shape)
@@ -161,6 +176,7 @@ def tried(user: UserLaw, contact: Contact, stiffness: float) -> tuple[float, flo
         slopes = np.array([_value(user, "limit", z, p, contact) / z for z, p in trials])
     bent = any(np.ptp(each) > 1e-12 * np.max(each) for each in (slopes, coefficients))
     rated = bool(np.max(np.ptp(forces, axis=1)) > 1e-12 * np.max(forces))
+    _compiled(user, contact, stiffness)
     middle, limits = len(slopes) // 2, slopes * TRIED_APPROACHES
     rises = np.diff(limits, prepend=0.0) / np.diff(TRIED_APPROACHES, prepend=0.0)
     largest = 1.1 * max(np.max(rises), np.max(slopes)) if bent else slopes[middle]
@@ -179,11 +195,82 @@ def _value(user, name, *arguments):
     return value
 
 
+@lru_cache(64)
+def _compiled(user, contact, stiffness) -> "Callbacks":
+    """Return the functions that kernels call, which give what Python gives; an InputError where there are none.
+
+    With whole numbers as floats, or as they stand where that does not serve: a float is no index.
+    """
+    failures = []
+    for text in (user.floats, user):
+        callbacks = _callbacks(text)
+        difference = _difference(user, callbacks, contact, stiffness)
+        if difference is None:
+            return callbacks
+        failures.append(difference)
+    raise InputError("slider.law", failures[-1])
+
+
+def _difference(user, callbacks, contact, stiffness) -> str | None:
+    """Return where a law's compiled functions differ from Python's, None where they agree."""
+    for name, callback_of in callbacks._asdict().items():
+        if callback_of is None:
+            continue
+        try:
+            machine = _called_by_address(callback_of)
+        except Exception as error:  # numba has many kinds
+            why = " ".join(str(error).split())[:200]
+            return f"names {user.name}, whose {name} numba cannot compile: {type(error).__name__}: {why}"
+        for arguments in _compared(user, name, contact, stiffness):
+            try:
+                expected = float(user.functions[name](*arguments, contact))
+            except (ArithmeticError, ValueError, TypeError):  # beyond the law's own domain: 1/0, log(0), (-1)**0.5
+                continue
+            found = machine(*arguments, *contact)
+            if math.isfinite(expected) and not abs(found - expected) <= ROUNDING * abs(expected):
+                where = ", ".join(f"{each:.3g}" for each in arguments)
+                values = f"{name}({where}, contact) is {expected:.6g}, compiled by numba {found:.6g}"
+                return (
+                    f"must be the same in Python and compiled, but in {user.name} {values}: whole numbers are compiled "
+                    "as integers (write 10.0, not 10), and a function must not change what it reads"
+                )
+    return None
+
+
+def _called_by_address(callback_of):
+    """Return a function that calls the machine code of a callback; Python's own without a compiler."""
+    if not hasattr(callback_of, "address"):
+        return callback_of
+    return ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * callback_of.count)(callback_of.address)
+
+
+def _compared(user, name, contact, stiffness):
+    """Yield the arguments before ``contact`` at which a function is compared."""
+    ratio = contact.effective_modulus / (4.0 * contact.tangential_modulus)
+    for approach in COMPARED_APPROACHES.tolist():
+        normal_force = float(stiffness * load(approach, int(contact.punch)))
+        if name == "limit":
+            yield approach, normal_force
+        elif name == "sliding":
+            yield from ((approach, normal_force, float(speed)) for speed in COMPARED_SPEEDS)
+        else:
+            try:
+                if "limit" in user.functions:
+                    limit = float(user.functions["limit"](approach, normal_force, contact))
+                else:
+                    limit = ratio * approach * user.functions["sliding"](approach, normal_force, 0.0, contact)
+                    limit /= normal_force
+            except (ArithmeticError, ValueError, TypeError):
+                continue
+            yield from ((approach, normal_force, share * limit) for share in COMPARED_DEFORMATIONS)
+
+
 def user_law(user: UserLaw, contact: Contact, stiffness: float) -> Law:
     """Return the law of a text for a contact with P = K p(z), K = `stiffness`."""
     _, _, rated, bent = tried(user, contact, stiffness)
+    callbacks = _compiled(user, contact, stiffness)
     return elastic.coulomb(Tangential.ELASTIC)._replace(
-        rated=int(rated), bent=int(bent), numbers=np.array([*contact, stiffness]), callbacks=_callbacks(user),
+        rated=int(rated), bent=int(bent), numbers=np.array([*contact, stiffness]), callbacks=callbacks,
         **_functions_of(user, bent),
     )  # fmt: skip
 

@@ -46,7 +46,7 @@ def parsed(path: Path, content: bytes):
     except (Exception, SystemExit) as error:
         why = " ".join(str(error).split())[:120]
         if "Incompatible cell data 'gmsh:physical'" in why:
-            # meshio 5.3.5 lists the groups of the blocks that have one (_gmsh41.py), fewer than there are blocks
+            # meshio 5.3.5 lists the groups of the blocks that have one, fewer than there are blocks
             raise MeshError(NO_GROUP) from None
         reason = f" ({why})" if any(map(str.isalpha, why)) else ""  # an exit of meshio is a number
         raise MeshError(f"the file is no mesh of gmsh, format 2.2 or 4.1{reason}") from None

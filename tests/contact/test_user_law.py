@@ -10,6 +10,7 @@ import pytest
 
 from contact import UserLaw, burst, mean_motion, steady
 from contact.exceptions import InputError
+from contact.jit import compiled
 from tests.contact.motors import friction_motor, orbit, slider
 from tests.oracles.contact_friction import follow
 
@@ -109,6 +110,60 @@ def test_an_edited_law_is_another_law(tmp_path):
     assert first.callbacks.sliding.name != second.callbacks.sliding.name
     assert first.callbacks.sliding.word == second.callbacks.sliding.word
     assert first._replace(callbacks=None, numbers=None) == second._replace(callbacks=None, numbers=None)
+
+
+# Closed form: dragged along a surface at rest, load = P mu (1 + 0.1 * 5) + R_t v; mu alone with integers of 64 bits
+@pytest.mark.parametrize(
+    "factor",
+    [
+        "1.0 + 10 ** POWER * 5.0",
+        "1 + pow(TEN, -1) * 5",
+        "1 + 5 * WEIGHTS[2 * 1]",
+        "1 + BIG * BIG / 2e20",
+        "1 + halves()",
+    ],
+)
+def test_whole_numbers_are_those_of_python(factor):
+    text = f"""
+    TEN, POWER, BIG, WEIGHTS = 10, -1, 10**10, (0.5, 0.2, 0.1)
+
+    def halves():
+        total = 0.0
+        for k in range(2, 3):
+            total += 2 ** -k * 2
+        return total
+
+    def sliding(approach, normal_force, slip_speed, contact):
+        return 0.08 * normal_force * ({factor})
+    """
+    s = slider(friction=law(text), load=4e-4, tangential_damping=1e-3)
+    v = abs(steady(s, orbit(0.0), tolerance=1e-6).velocity)
+    assert s.preload * 0.12 + 1e-3 * v == pytest.approx(s.load, rel=1e-9)
+
+
+APART = r"must be the same in Python and compiled, but in law\.py sliding\(1e-13, .* compiled by numba"
+
+
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        # an index that only whole numbers make, beside a power of two whole numbers
+        ("i, n = 2 * 1, -1\n        return normal_force * (0.0, 0.2, 0.1)[i] * 2**n", APART),
+        ("return normal_force * float(str(0.1))", "whose sliding numba cannot compile"),
+        ("return normal_force * HEAP['mu']", "whose sliding numba cannot compile: TypingError"),
+        ("COUNT.append(1)\n        return normal_force * 0.1 * len(COUNT)", "whose sliding numba cannot compile"),
+    ],
+)
+def test_a_law_that_is_another_when_compiled_is_refused(body, sentence, monkeypatch):
+    monkeypatch.setattr(compiled, "ORDINARY", {})  # what cannot be native code is tried with numba's own
+    text = f"""
+    HEAP, COUNT = {{"mu": 0.1}}, [1]
+
+    def sliding(approach, normal_force, slip_speed, contact):
+        {body}
+    """
+    with pytest.raises(InputError, match=sentence):
+        slider(friction=law(text))
 
 
 @pytest.mark.parametrize("name", ["guard", "follow", "memory"])

@@ -116,7 +116,7 @@ def test_triangles_and_quadrilaterals(version, tmp_path):
 
 
 def test_groups_on_the_way_to_vtu(tmp_path):
-    """The names are lost in meshio 5.3.5 (vtu/_vtu.py): only .msh is read here."""
+    """The names are lost in meshio 5.3.5: only .msh is read here."""
     entities = [LEFT, Entity(("stator",), "triangle", FIRST), Entity(("strip",), "triangle", SECOND)]
     path = write(tmp_path / "groups.msh", "2.2", CORNERS, entities)
     assert read_mesh(path, 1.0).solids == ("stator", "strip")
