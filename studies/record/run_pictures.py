@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies.record.pillar_pictures import power, pressure, slider_wave
-from studies.record.plots import COLOURS, curve, finished, saved, shaded
+from studies.record.plots import COLOURS, curve, finished, saved, shaded, titled
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
     from studies.record import Record
 
 MAX_WAVELENGTHS = 40  # length of a surface whose ripple a picture of this width resolves
-WINDOW = 12  # width in wavelengths of the inset about the slider
-WINDOW_ROOM = 2.4  # upper limit of the axes over the largest amplitude, so that the inset has room above the curves
+WINDOW = 12  # width in wavelengths of the second axes, about the slider
+WINDOW_DENSITY = 5  # curves in it have so many values for each of surface.csv, which has 12 in a wavelength
+MAX_LABELLED = 2  # points whose velocities are written beside them
 COMPARED = ("predicted", "measured")  # beginnings of columns of a comparison
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
@@ -84,6 +85,8 @@ def velocity(record: "Record", ax):
         points = [point for point in record.points if point.get("regime") == regime]
         if points:
             ax.plot(*_shown(points, *axes), mark, color=COLOURS[regime], label=regime)
+    if len(record.points) <= MAX_LABELLED:
+        _values(ax, record, axes)
     missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
     if missed:
         ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
@@ -112,6 +115,19 @@ def velocity(record: "Record", ax):
     return finished(ax, unit, quantity("velocity_m_per_s").axis, title, columns=0 if alone else 3)
 
 
+def _values(ax, record: "Record", axes: tuple[str, str]) -> None:
+    """Write the velocity beside each of a few points, on axes that begin at zero: so few show no curve."""
+    points = [point for point in record.points if axes[1] in point]
+    largest = max(record.scene.levels) * quantity(axes[0]).scale
+    for point, x, y in zip(points, *_shown(points, *axes), strict=True):
+        left = x > 0.5 * largest
+        place = {"xytext": (-6 if left else 6, 0), "ha": "right" if left else "left", "va": "center"}
+        text = quantity(axes[1]).with_unit(point[axes[1]])
+        ax.annotate(text, (x, y), textcoords="offset points", fontsize="small", **place)
+    ax.set_xlim(0.0, 1.15 * largest or None)
+    ax.plot([0.0], [0.0], linestyle="none")  # the origin lies within the axes
+
+
 def _shown(points, *keys: str) -> list[Any]:
     """Return columns of points in the units in which they are drawn."""
     return [[point[key] * quantity(key).scale for point in points] for key in keys]
@@ -138,7 +154,9 @@ def _measured(record: "Record", ax, scale: float) -> None:
     points = record.measured["points"]
     predicted = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
     predicted |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
-    speed = quantity("velocity_m_per_s").scale
+    speed, threshold = quantity("velocity_m_per_s").scale, record.limit("threshold")
+    if threshold is not None and min(predicted) < threshold < max(predicted):
+        predicted[threshold] = 0.0  # where the curve leaves zero
     at, speeds = zip(*sorted(predicted.items()), strict=True)
     curve(ax, [x * scale for x in at], [v * speed for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * speed for point in points] if "error_m_per_s" in points[0] else None
@@ -148,25 +166,39 @@ def _measured(record: "Record", ax, scale: float) -> None:
 
 
 def trajectories(record: "Record", ax):
-    """Draw v(t) of a burst at each level."""
+    """Draw v(t) of a burst at each level, above it the distance that the slider has travelled, and the burst's end."""
     import matplotlib
+    from scipy.integrate import cumulative_trapezoid
 
     shown, across, up = quantity(record.level), quantity("time_s"), quantity("velocity_m_per_s")
+    along, upper = quantity("travelled_m"), None if ax.get_subplotspec() is None else _upper_half(ax, share=True)
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
         label = shown.with_unit(level) if index in (0, count) else None
         time, velocity = motion.time * across.scale, motion.velocity * up.scale
         ax.plot(time, velocity, color=colours(index / count), linewidth=1, label=label)
-    return finished(ax, across.axis, up.axis, record.scene.title)
+        if upper is not None:
+            travelled = cumulative_trapezoid(motion.velocity, motion.time, initial=0.0) * along.scale
+            upper.plot(time, travelled, color=colours(index / count), linewidth=1)
+    end = record.trajectories[0][1].duration * across.scale
+    for each in (ax,) if upper is None else (upper, ax):
+        each.axvline(end, color=COLOURS["line"], linestyle=":", linewidth=1, label="end of the burst")
+    finished(ax, across.axis, up.axis, record.scene.title if upper is None else "")
+    if upper is not None:
+        upper.set_ylabel(along.axis)
+        upper.grid(alpha=0.3)
+        titled(upper, record.scene.title)
+    return ax
 
 
 def surface(record: "Record", ax, *, curves: bool = False):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider.
 
     The ripple of a standing wave cannot be resolved on a surface longer than MAX_WAVELENGTHS. The range within each
-    wavelength is then shaded, and an inset shows the curves near the slider, or in the middle without a slider. With
-    ``curves`` the curves are drawn along the whole surface whatever its length, for an axis that the caller limits.
+    wavelength is then shaded, and the upper half of the place of ``ax`` shows the curves near the slider, or in the
+    middle without one. With ``curves`` the curves are drawn along the whole surface whatever its length, for an axis
+    that the caller limits.
     """
     columns, scene = record.surface, record.scene
     label, scale, up = quantity("x_m").axis, quantity("x_m").scale, quantity("amplitude_m_per_V")
@@ -174,15 +206,15 @@ def surface(record: "Record", ax, *, curves: bool = False):
     what = "y = 0" if scene.driven_obliquely else "plane section"
     wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
     rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
-    sizes = [abs(columns[f"u_{axis}_m_per_V"]) * up.scale for axis in "zx"]
+    values = [columns[f"u_{axis}_m_per_V"] * up.scale for axis in "zx"]
+    sizes = [abs(each) for each in values]
     for size, colour, name in zip(sizes, ("slip", "intermittent"), (f"|u_z|, {what}", "|u_x|"), strict=True):
         if rippled:
             at, low, high = _ranges(x, size, wavelength)
             ax.fill_between(at, low, high, color=COLOURS[colour], alpha=0.5, linewidth=0.5, label=f"{name}, range")
         else:
             curve(ax, x, size, "-", colour, name)
-    if rippled:
-        _window(record, ax, x, sizes, wavelength)
+    top = _window(record, ax, x, values, wavelength) if rippled and ax.get_subplotspec() is not None else ax
     for each in scene.transducer:
         if each.angle % 180 == 0:  # in the section
             half, center = each.half_length, each.center_xy[0]
@@ -190,16 +222,26 @@ def surface(record: "Record", ax, *, curves: bool = False):
     for number, (start, stop) in enumerate(record.meshed_pieces):
         shaded(ax, start * scale, stop * scale, None if number else "meshed piece", colour="second")
     if scene.slider is not None:
-        top = 1 / WINDOW_ROOM if rippled else 1.0
-        ax.axvline(scene.slider.center[0] * scale, ymax=top, color=COLOURS["line"], linestyle=":", label="slider")
+        ax.axvline(scene.slider.center[0] * scale, color=COLOURS["line"], linestyle=":", label="slider")
     if "section_normal_m_per_V" in record.wave and scene.slider is not None:
         position = [scene.slider.center[0] * scale]
         parts = (("normal", "slip", "finite aperture"), ("tangential", "intermittent", None))
         for part, colour, label_of_part in parts:
             curve(ax, position, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
-    ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
-    title = f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave['frequency_Hz'])}"
-    return finished(ax, label, up.axis, title, columns=3, grid=False)
+    ax.set_ylim(bottom=0)
+    finished(ax, label, up.axis, "", columns=3, grid=False)
+    titled(top, f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave['frequency_Hz'])}")
+    return ax
+
+
+def _upper_half(ax, *, share: bool = False):
+    """Move an Axes into the lower half of its place and return a new one in the upper half."""
+    halves = ax.get_subplotspec().subgridspec(2, 1)
+    ax.set_subplotspec(halves[1])
+    upper = ax.figure.add_subplot(halves[0], sharex=ax if share else None)
+    if share:
+        upper.tick_params(labelbottom=False)
+    return upper
 
 
 def _ranges(x, size, width: float):
@@ -209,22 +251,32 @@ def _ranges(x, size, width: float):
     return x[(starts + ends) // 2], np.minimum.reduceat(size, starts), np.maximum.reduceat(size, starts)
 
 
-def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
-    """Draw the curves within some wavelengths of the slider, or of the middle, above the whole surface."""
+def _window(record: "Record", ax, x, values, wavelength: float):
+    """Draw the curves within some wavelengths of the slider, or of the middle, in the upper half of an Axes' place.
+
+    The complex motion is smooth, its magnitude has a ripple of half a wavelength, for which the samples are few: cubic
+    splines through the motion are drawn, which differ from it by 2e-4 at 12 samples in a wavelength, (2 pi/12)^4/384.
+    """
+    from scipy.interpolate import CubicSpline
+
     scale, slider = quantity("x_m").scale, record.scene.slider
     middle = 0.5 * (x[0] + x[-1]) if slider is None else slider.center[0] * scale
-    near = abs(x - middle) <= 0.5 * WINDOW * wavelength
-    window = ax.inset_axes([0.07, 0.58, 0.9, 0.37])
-    for size, colour in zip(sizes, ("slip", "intermittent"), strict=True):
-        curve(window, x[near], size[near], "-", colour)
+    near = np.flatnonzero(abs(x - middle) <= 0.5 * WINDOW * wavelength)
+    dense = np.linspace(x[near[0]], x[near[-1]], WINDOW_DENSITY * len(near))
+    window = _upper_half(ax)
+    for motion, colour in zip(values, ("slip", "intermittent"), strict=True):
+        smooth = CubicSpline(x, np.stack([motion.real, motion.imag]), axis=1)(dense)
+        curve(window, dense, np.hypot(*smooth), "-", colour)
     if slider is not None:
         window.axvline(middle, color=COLOURS["line"], linestyle=":")
+    window.set_xlim(dense[0], dense[-1])
     window.set_ylim(bottom=0)
-    window.set_in_layout(False)  # it lies within the axes
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
-    window.text(0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small")
-    ax.axvspan(x[near][0], x[near][-1], ymax=1 / WINDOW_ROOM, fill=False, linestyle="--", linewidth=0.8)
+    text = f"{WINDOW} wavelengths about {about}"
+    window.text(0.01, 0.06, text, transform=window.transAxes, fontsize="small")
+    ax.axvspan(dense[0], dense[-1], fill=False, linestyle="--", linewidth=0.8)
+    return window
 
 
 def profile(record: "Record", ax):

@@ -22,7 +22,7 @@ from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
 from studies.view.contact_view import contact_writers
 from studies.view.options import Wanted
-from studies.view.picture import Picture
+from studies.view.picture import Picture, solid_height
 from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, recomputed_motion, run_field, saved_run
 from studies.view.views import limits, near, span_views, views
@@ -93,7 +93,8 @@ def _field_writers(record: Record, wanted: Wanted, show: str, note) -> dict[str,
 
     def still(file) -> None:
         shown = () if show == "solid" else views(field) if span is None else span_views(field, span)
-        Picture(field, shown, size=wanted.size or STILL_SIZE, **options).save(file, whole=bool(wanted.size))
+        size = wanted.size or (STILL_SIZE if shown else (STILL_SIZE[0], solid_height(field, STILL_SIZE[0])))
+        Picture(field, shown, size=size, **options).save(file, whole=bool(wanted.size))
 
     def film(file) -> None:
         picture = Picture(field, span_views(field, span), size=wanted.size or MOVIE_SIZE, **options)

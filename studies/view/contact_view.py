@@ -201,7 +201,7 @@ def strip(table: dict, *, title: str):
         time = table["time_s"][index] * _drawn("time_s").scale
         for each in axes:
             each.axvline(time, color="black", linestyle=":", linewidth=0.8)
-        axes[0].text(time, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small")
+        axes[0].text(time, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small", ha="center")
     top.supxlabel(DRAWN, fontsize="small")
     figure.suptitle(title, fontsize="medium")
     return figure
@@ -229,7 +229,7 @@ def traces(figure, table: dict) -> list:
     ]
     handles += axes[-1].get_legend_handles_labels()[0]
     axes[0].legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(handles), loc="lower right",
-                   bbox_to_anchor=(1.0, 1.12), borderaxespad=0.0)  # fmt: skip
+                   bbox_to_anchor=(1.0, 1.32), borderaxespad=0.0)  # fmt: skip
     return list(axes)
 
 

@@ -39,6 +39,8 @@ LEGEND_MARGIN, LEGEND_LINE = 22, 20  # pixels: above the legend of the fingers, 
 # Pixels per wavelength below which a picture of the solid shows the amplitude instead of the wave, whose stripes would
 # be aliased
 MIN_PIXELS = 12
+AZIMUTH, ELEVATION = 35, 28  # of the camera that looks at the solid, degrees
+SOLID_CAPTIONS = 200  # height of the captions and the coordinate axes of a picture of the solid, pixels
 
 
 class _Moving(NamedTuple):
@@ -105,6 +107,11 @@ class Picture:
         """Select the renderer of a frame for drawing."""
         self.plotter.subplot(number + self.framed, 0)
 
+    @property
+    def _envelope(self) -> bool:
+        """Whether the surface under a beam is coloured by the amplitude, since a wavelength is a few pixels."""
+        return self.spreads and self.size[0] < MIN_PIXELS * self._length / self.run.wavelength
+
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
         self._moving: list = []
@@ -114,8 +121,7 @@ class Picture:
         for number, frame in enumerate(self.frames):
             self._select_renderer(number)
             if self.spreads:
-                waves = self._length / self.run.wavelength
-                self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self.size[0] < MIN_PIXELS * waves)
+                self.shade, sheet, motion = beam_sheet(self.run, name, envelope=self._envelope)
                 self._add_sheet(sheet)
             else:
                 drawn = self._part_of(frame)
@@ -248,7 +254,7 @@ class Picture:
         """Set the camera to look at the whole solid from a corner."""
         camera, (left, low, right, high) = self.plotter.camera, frame.box
         self.plotter.camera_position = "xz"
-        camera.azimuth, camera.elevation = 35, 28
+        camera.azimuth, camera.elevation = AZIMUTH, ELEVATION
         self.plotter.reset_camera()
         view_axes = self.pyvista.array_from_vtkmatrix(camera.GetViewTransformMatrix())[:2, :3]
         width, height = np.ptp(self.pyvista.Box(self.plotter.bounds).points @ view_axes.T, axis=0)
@@ -337,6 +343,7 @@ class Picture:
             extents = self._length, run.scene.stator.width, -run.field.z[0]
             extent = " x ".join(f"{each * MM:.4g}" for each in extents)
             more = validity(run).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
+            more += ["amplitude: mean over half a wavelength"] if self._envelope and run.crossed is None else []
             room = 0.98 * (width - (RIGHT if run.fingers else 0)) / 0.6  # beside the legend; in letters of one pixel
             texts = (f"{run.scene.title}: {extent} mm (x, y, z)", drive, *more)
             lines = [line for text in texts for line in textwrap.wrap(text, int(room / MIN_SOLID_LETTERS))]
@@ -366,6 +373,19 @@ class Picture:
             sphere = self.pyvista.Sphere(radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90)
             options = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
             self.plotter.add_mesh(sphere, color=overlays.BALL_COLOUR, **options)
+
+
+def solid_height(run: RunField, width: int) -> int:
+    """Return the height in pixels at which the solid, seen from its corner, and its captions fill a picture.
+
+    At most the width, so that a block that is as wide as long is not larger than its picture.
+    """
+    length = run.scene.stator.length if run.beam is not None else run.length
+    azimuth, elevation = np.deg2rad([AZIMUTH, ELEVATION])
+    across = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    up = np.array([np.sin(azimuth) * np.sin(elevation), np.cos(azimuth) * np.sin(elevation), np.cos(elevation)])
+    sizes = np.array([length, run.scene.stator.width, -run.field.z[0] + 2.0 * run.radius])
+    return min(int((width - RIGHT) * (up @ sizes) / (across @ sizes)) + SOLID_CAPTIONS, width)
 
 
 def validity(run: RunField) -> str:

@@ -20,6 +20,7 @@ from studies.view.run_field import LINES, RunField
 
 AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn
 MAX_SPACING_RATIO = 4.0  # largest distance of drawn points over the smallest
+PAIRED = 4, 8  # as below, where neighbours along x are averaged
 PER_WAVELENGTH = 12, 8  # lines on the surface under a beam: along x; along x and y where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 
@@ -143,12 +144,18 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
     if name not in MOTIONS:
         rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
         raise SceneError("--quantity", f"{rule}: --show field has it in the section")
-    x, y, motion = surface_map(run.beam, run.scene.stator, PER_WAVELENGTH)
+    paired = envelope and run.crossed is None
+    x, y, motion = surface_map(run.beam, run.scene.stator, PAIRED if paired else PER_WAVELENGTH)
     moved = np.moveaxis(motion, 0, -1)
     size = moved[..., MOTIONS.index(name), None]
     drawn = QUANTITIES[name]
     if envelope:
         drawn = drawn._replace(envelope=True, signed=False)
+    if paired:
+        # a quarter of a wavelength apart a standing wave's ripple has opposite signs: the mean square of two neighbours
+        # is that of the two opposite waves, without stripes that the picture cannot resolve
+        size = np.sqrt(0.5 * (abs(size) ** 2 + np.roll(abs(size) ** 2, -1, axis=0)))
+        size[-1] = size[-2]
     shading = shade_of(drawn, abs(size), free=False)
     rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
     mean = abs(amplitude) if envelope else 0.0 * amplitude.real
