@@ -7,9 +7,10 @@ import numpy as np
 
 from studies.chain import fem_model
 from studies.chain.predictor import Predictor
-from studies.chain.scan_prediction import over_frequency, placed, scan_component
+from studies.chain.scan_prediction import component_and_error, over_frequency, placed
 from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
+from studies.lab.scan import Scan
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
 from studies.record.velocity_comparison import compared, deviations, missing_burst
@@ -34,13 +35,13 @@ def measured_block(record: Record, measured: Measurement) -> dict:
     if measured.scan is None:
         return _trace(record, measured)
     scene = record.scene
-    scan = placed(scene, measured.scan).as_displacement(scene.frequency)
+    scan = placed(scene, measured.scan)
     LOGGER.info("the field at the measured points")
     if scan.kind == "frequency":
-        predicted = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3))
+        predicted, error = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3))
     else:
-        predicted = scan_component(record.surface_motion, scan)
-    return scan_block(scene, scan, predicted)
+        predicted, error = component_and_error(record.surface_motion, scan)
+    return scan_block(scene, scan, predicted, error)
 
 
 def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | None]:
@@ -57,10 +58,11 @@ def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | No
     return [answers[level].get("velocity_m_per_s") for level in levels]
 
 
-def scan_block(scene: Scene, scan, predicted) -> dict:
-    """Return the comparison of a placed scan with its prediction."""
+def scan_block(scene: Scene, scan: Scan, predicted: np.ndarray, error: float) -> dict:
+    """Return the comparison of a placed scan with its prediction and the estimated relative error of that."""
     wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
-    return compared_scan(scan, predicted, wavelength=wavelength, source=scene.driven_transducer.center_xy[0])
+    source = scene.driven_transducer.center_xy[0]
+    return compared_scan(scan, predicted, wavelength=wavelength, source=source) | {"predicted_relative_error": error}
 
 
 def _trace(record: Record, measured: Measurement) -> dict:

@@ -12,18 +12,18 @@ from studies.chain.spectrum import response
 from studies.chain.surface_motion import SurfaceMotion, solved_motion
 from studies.lab.network import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
 
-MAX_APART = 1e-6  # relative difference of the frequencies of scan and drive; beyond it the scan is refused
-
 
 def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
-    """Return a scan with all its positions, on the stator of a resolved scene, and at the drive's frequency.
+    """Return the displacements of a scan at all its positions, on the stator of a resolved scene.
 
-    A coordinate that the file leaves out is the slider's or, without a slider, that of the stator's middle.
+    Of a scan over positions and frequencies the line at the drive's frequency is taken.  A coordinate that the file
+    leaves out is the slider's or, without a slider, that of the stator's middle.
 
     Raises
     ------
@@ -33,31 +33,35 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
     if scene.stator is None or not scene.transducer:
         raise SceneError(option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator")
     x, y = scene.positions[0]
+    scan = scan.at_line(scene.frequency, option)
     complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
     length, half = scene.stator.length, scene.stator.width / 2
     for name, values, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):
         if np.min(values) < low or np.max(values) > high:
-            rule = f"{scan.name!r}: {name} must lie on the stator, {low:g} to {high:g} m"
-            raise SceneError(option, f"{rule}, got {np.min(values):g} to {np.max(values):g} m")
+            here = quantity("x_m")
+            rule = f"{scan.name!r}: {name} must lie on the stator, {here.with_unit(low)} to {here.with_unit(high)}"
+            found = f"{here.with_unit(np.min(values))} to {here.with_unit(np.max(values))}"
+            raise SceneError(option, f"{rule}, got {found}")
     if complete.frequency is not None and complete.kind != "frequency":
         taken = complete.frequency[0]
-        if abs(taken / scene.frequency - 1.0) > MAX_APART:
+        if abs(taken / scene.frequency - 1.0) > scan.resolution:
             rule = f"{scan.name!r} was taken at {taken:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
             raise SceneError(option, f"{rule}: set drive.frequency")
-    return complete
+    return complete.as_displacement(scene.frequency)
 
 
-def scan_component(motion: SurfaceMotion, scan: Scan) -> np.ndarray:
-    """Return the component of a scan at its positions, complex, m per V."""
-    return motion.at(_positions(scan))[COMPONENTS.index(scan.component)]
+def component_and_error(motion: SurfaceMotion, scan: Scan) -> tuple[np.ndarray, float]:
+    """Return the component of a scan at its positions, complex, m per V, and the largest relative error there."""
+    positions = _positions(scan)
+    return motion.at(positions)[COMPONENTS.index(scan.component)], motion.relative_error(positions)
 
 
 def _positions(scan: Scan) -> tuple[tuple[float, float], ...]:
     return tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
 
 
-def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
-    """Return the component of a scan at its frequencies, complex, m per V, of the plane section.
+def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
+    """Return the component of a scan at its frequencies, complex, m per V, of the plane section, and its error.
 
     Raises
     ------
@@ -75,17 +79,23 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
     LOGGER.info(f"stator: {len(at)} frequencies")
     waves = over_band.waves(at, fem_model.drive(alone))
     component = ("u_x", "u_z").index(scan.component)
-    return np.array([wave.motion(x)[component] for wave in waves])[number]
+    motion = np.array([wave.motion(x)[component] for wave in waves])[number]
+    return motion, float(max(wave.relative_error for wave in waves))
 
 
 def predicted_scan(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
     """Return the motion of a resolved scene at the points of a placed scan, complex, m per V."""
+    return scan_and_error(scene, scan, tolerance=tolerance)[0]
+
+
+def scan_and_error(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
+    """Return the motion at the points of a placed scan, m per V, and its estimated relative error."""
     if scan.kind == "frequency":
         return over_frequency(scene, scan, tolerance=tolerance)
     # solved for one position: all others, also off the axis, are evaluated from the same solution
     first = _positions(scan)[:1]
     motion = solved_motion(stator_alone(scene), first, tolerance=tolerance, slider=True, missed=True)
-    return scan_component(motion, scan)
+    return component_and_error(motion, scan)
 
 
 def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:

@@ -23,6 +23,7 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
 from studies.lab.measurement import FIELD, Measurement
+from studies.lab.measurement_csv import measured_scan
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
@@ -118,8 +119,21 @@ def prepared(
     values = {each.key: each.value for each in fixed}
     curves = [replace(each, settings=values | each.settings) for each in curves]
     _refuse(predictor, curves, free)
+    curves = [_as_predicted(predictor, each) for each in curves]
     curves, estimated = _weighted(curves)
     return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
+
+
+def _as_predicted(predictor: MeasurementPredictor, measurement: Measurement) -> Measurement:
+    """Return a scan as the displacements that are predicted: of its line at the drive's frequency, and in m per V."""
+    if measurement.scan is None:
+        return measurement
+    settings = {key: value for key, value in measurement.settings.items() if "." in key}
+    scan = measurement.scan.at_line(frequency := predictor.scene(settings).frequency, "measurements")
+    if scan is measurement.scan and scan.motion == "displacement":
+        return measurement
+    displacements = measured_scan(scan.as_displacement(frequency), "measurements")
+    return replace(displacements, systematic=measurement.systematic, settings=measurement.settings)
 
 
 def fit_about(problem: Problem, minima: list[Minimum], degrees: int, estimated: bool, next_measurements: bool) -> Fit:

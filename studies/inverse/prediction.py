@@ -146,8 +146,7 @@ class MeasurementPredictor(Predictor):
         if not scan.is_complex:
             return np.abs(motion)
         if measurement.values:
-            measured = scan.as_displacement(scene.frequency).values
-            motion = motion * np.exp(1j * np.angle(np.vdot(motion, measured)))
+            motion = motion * np.exp(1j * np.angle(np.vdot(motion, scan.values)))
         return np.concatenate([motion.real, motion.imag])
 
     def _once(self, stator: Scene, data: NetworkData | Scan, predict: Callable[[], Any]) -> Any:

@@ -9,13 +9,15 @@ import numpy as np
 from studies.refusal import SceneError, shown
 
 # factors to SI units, by the unit in a head
-POSITIONS = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
-FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6}
+POSITIONS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9}
 DISPLACEMENTS = {"m": 1.0, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
-VELOCITIES = {"m_per_s": 1.0, "mm_per_s": 1e-3, "um_per_s": 1e-6}
-VOLTAGES = {"V": 1.0}
+VELOCITIES = {"m_per_s": 1.0, "mm_per_s": 1e-3, "um_per_s": 1e-6, "nm_per_s": 1e-9}
+# g: standard gravity (CGPM 1901)
+ACCELERATIONS = {"m_per_s2": 1.0, "mm_per_s2": 1e-3, "km_per_s2": 1e3, "g": 9.80665}
+VOLTAGES = {"V": 1.0, "mV": 1e-3, "kV": 1e3}
 PHASES = {"rad": 1.0, "deg": np.pi / 180.0}
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def file_error(path: Path, option: str, rule: str) -> SceneError:
@@ -49,23 +51,30 @@ class CsvColumns:
     option: str
     names: list[str]
     rows: list[list[str]]
+    lines: list[int]  # number of each row's line in the file
 
     @classmethod
     def read(cls, path: str | Path, option: str) -> "CsvColumns":
         """Read a CSV file; lines that begin with # are ignored."""
         path = Path(path)
-        try:
-            text = path.read_text(encoding="utf-8-sig")
-        except OSError as error:
-            raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
-        except UnicodeDecodeError:
-            raise SceneError(option, f"{str(path)!r} is no CSV file in UTF-8") from None
-        lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-        separator = next((sign for sign in ",;\t" if lines and sign in lines[0]), ",")
-        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+        return cls.of_text(file_text(path, option), path, option)
+
+    @classmethod
+    def of_text(cls, text: str, path: Path, option: str) -> "CsvColumns":
+        """Return the columns of a file's text."""
+        numbered = [
+            (number, line) for number, line in enumerate(text.splitlines(), 1)
+            if line.strip() and not line.lstrip().startswith("#")
+        ]  # fmt: skip
+        separator = next((sign for sign in ",;\t" if numbered and sign in numbered[0][1]), ",")
+        rows = [
+            [cell.strip() for cell in row] for row in csv.reader((line for _, line in numbered), delimiter=separator)
+        ]
         if len(rows) < 2:
-            raise SceneError(option, f"{str(path)!r} must hold a line of names and at least one point")
-        return cls(path=path, option=option, names=rows[0], rows=rows[1:])
+            raise file_error(path, option, "must hold a line of names and at least one point")
+        # a quoted cell may span lines: the numbers are then those of other rows, and none is said
+        numbers = [number for number, _ in numbered] if len(rows) == len(numbered) else [0] * len(rows)
+        return cls(path=path, option=option, names=rows[0], rows=rows[1:], lines=numbers[1:])
 
     def column(self, noun: str, units: dict[str, float]) -> tuple[np.ndarray, str] | None:
         """Return the values of the column ``noun_UNIT`` in SI units and its unit; None where no head begins so.
@@ -95,29 +104,42 @@ class CsvColumns:
         bare = next((name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None)
         if bare is not None:
             heads = " or ".join(f"{nouns[0]}_{unit}" for unit in units)
-            raise SceneError(self.option, f"{str(self.path)!r}: the column {bare} has no unit; name it {heads}")
+            raise self.error(f"must name the unit of the column {bare}, as in {heads}")
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:
             return None
-        values = self.values(noun, units) or ()
-        if min(values) <= 0:
-            rule = f"{noun}_{next(iter(units))} must be positive, got {min(values)!r}"
-            raise SceneError(self.option, f"{str(self.path)!r}: {rule}")
-        return values
+        self.refuse_signs(noun, units, "must be positive", zero=False)
+        return self.values(noun, units)
+
+    def refuse_signs(self, noun: str, units: dict[str, float], rule: str, *, zero: bool) -> None:
+        """Raise a SceneError for the first negative value of the column ``noun_UNIT``, and unless ``zero`` for a zero.
+
+        The value is quoted with the file's line, head and unit.
+        """
+        unit = next((unit for unit in units if f"{noun}_{unit}" in self.names), None)
+        if unit is None:
+            return
+        at = self.names.index(f"{noun}_{unit}")
+        for row in range(len(self.rows)):
+            value = self._number(row, at)
+            if value < 0.0 or (value == 0.0 and not zero):
+                raise self.error(f"{self._line(row)}{noun}_{unit} {rule}, got {value:g} {written(unit)}")
 
     def refuse_uneven(self) -> None:
         """Raise a SceneError for a row with more or fewer values than there are heads."""
-        for number, row in enumerate(self.rows, start=1):
+        for number, row in enumerate(self.rows):
             if len(row) != len(self.names):
-                raise self.error(f"must have {len(self.names)} values at point {number}, got {len(row)}")
+                raise self.error(f"{self._line(number)}must have {len(self.names)} values, got {len(row)}")
 
     def error(self, rule: str) -> SceneError:
         """Return the error that this file breaks a rule."""
         return file_error(self.path, self.option, rule)
 
+    def _line(self, row: int) -> str:
+        return f"line {self.lines[row]}, " if self.lines[row] else f"point {row + 1}, "
+
     def _number(self, row: int, column: int) -> float:
         text = self.rows[row][column] if column < len(self.rows[row]) else ""
-        where = f"{str(self.path)!r}, point {row + 1}, {self.names[column]}"
         try:
             value = float(text)
         except ValueError:
@@ -130,4 +152,26 @@ class CsvColumns:
             hint = ": a complex number goes into two columns, _real_ and _imag_" if "j" in unit else hint
         except ValueError:
             pass
-        raise SceneError(self.option, f"{where} must be a finite number, got {shown(text)}{hint}")
+        where = f"{self._line(row)}{self.names[column]}"
+        raise self.error(f"{where} must be a finite number, got {shown(text)}{hint}")
+
+
+def written(unit: str) -> str:
+    """Return the unit of a head as it is written in a text.
+
+    Examples
+    --------
+    >>> written("mm_per_s_per_V"), written("m_per_s2")
+    ('mm/s/V', 'm/s^2')
+    """
+    return unit.replace("_per_", "/").replace("s2", "s^2")
+
+
+def file_text(path: Path, option: str) -> str:
+    """Return the text of a file in UTF-8; SceneError if it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise file_error(path, option, f"cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise file_error(path, option, "is no CSV file in UTF-8") from None

@@ -35,19 +35,17 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         data = read_network(Path(path), option)
         return Measurement(name=data.name, quantity="network", values=tuple(data.flat()), network=data)
     if Path(path).suffix.lower() in UFF_ENDINGS:
-        if not Path(path).is_file():
-            raise SceneError(option, f"{str(path)!r} cannot be read: no such file")
-        return measured_scan(scan_of_uff(Path(path), option))
+        return measured_scan(scan_of_uff(Path(path), option), option)
     table = CsvColumns.read(path, option)
     if motions(table.names):
-        return measured_scan(scan_of_columns(table))
+        return measured_scan(scan_of_columns(table), option)
     position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
     voltage, amplitude = table.values("voltage", VOLTAGES), table.values("normal_amplitude", DISPLACEMENTS)
     velocity, time = table.values("velocity", VELOCITIES), table.values("time", TIMES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
-    if min(levels, default=0.0) < 0.0:
-        raise SceneError(option, f"{str(path)!r}: voltages and amplitudes must be zero or positive")
+    for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
+        table.refuse_signs(noun, units, "must be zero or positive", zero=True)
     if time is not None and (list(time) != sorted(set(time)) or time[-1] <= 0.0):  # before 0: ahead of the trigger
         raise SceneError(option, f"{str(path)!r}: time must rise from point to point, to a time after 0")
     if velocity is not None and time is not None:
@@ -78,10 +76,15 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     )  # fmt: skip
 
 
-def measured_scan(scan: Scan) -> Measurement:
-    """Return a vibrometer's scan as a measurement: per volt and as displacement if its file allows it."""
-    if scan.frequency is not None or not scan.is_velocity:
-        scan = scan.per_volt_of_source().as_displacement(0.0)
+def measured_scan(scan: Scan, option: str = "--measured") -> Measurement:
+    """Return a vibrometer's scan as a measurement: per volt, and of displacements if the file states frequencies.
+
+    Velocities and accelerations without a frequency are those at the drive's, which `studies.chain.scan_prediction`
+    knows.
+    """
+    scan = scan.per_volt_of_source(option).without_rest(option)
+    if scan.frequency is not None:
+        scan = scan.as_displacement(0.0)
     count = 2 if scan.is_complex else 1
     deviations = None if scan.deviation is None else tuple(scan.deviation) * count
     return Measurement(name=scan.name, quantity="scan", values=tuple(scan.flat()), deviations=deviations, scan=scan)

@@ -1,7 +1,13 @@
-"""Vibrometer scans as Universal File Format (UFF): dataset 58, ASCII or binary, real or complex.
+"""Vibrometer scans as Universal File Format (UFF).
 
-The abscissa is the position along x, or the frequency at one position, which the fourth identification line contains as
-``x = 0.08 m, y = 0 m``.
+A scan is either
+
+- functions over the position along x (dataset 58), one for each line of constant y, which the fourth line of
+  identification contains as ``x = 0.08 m, y = 0 m``; or
+- functions over the frequency, one for each node of a scanning vibrometer, at the nodes' coordinates (dataset 15 or
+  2411); without nodes, one function at the position of the fourth line of identification, or of the slider.
+
+Units are those of the axes' labels or, where these are NONE, of dataset 164 with seconds.  Everything else is refused.
 """
 
 import re
@@ -10,97 +16,202 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.csv_columns import DISPLACEMENTS, FREQUENCIES, POSITIONS, VELOCITIES, file_error
-from studies.lab.scan import COMPONENTS, Scan
-from studies.refusal import SceneError, needed
+from studies.lab.csv_columns import FREQUENCIES, POSITIONS, VOLTAGES, file_error
+from studies.lab.scan import COMPONENTS, MOTIONS, SAME_FREQUENCY, Scan
+from studies.lab.uff import UniversalFile, read_uff
+from studies.lab.uff_function import Function, function_58b
+from studies.refusal import SceneError
 
-UFF_ENDINGS = (".uff", ".unv", ".uf58")
-FREQUENCY, GENERAL, DISPLACEMENT, VELOCITY = 18, 1, 8, 11  # data types of dataset 58
+UFF_ENDINGS = (".uff", ".unv", ".uf58", ".uf58b")
+FREQUENCY, GENERAL, UNKNOWN = 18, 1, 0  # data types of dataset 58
+MOTION_TYPES = {8: "displacement", 11: "velocity", 12: "acceleration"}
+RESPONSE, SPECTRUM = 4, 12  # function types of amplitudes over the frequency; 0 is a general function
+FUNCTION_TYPES = {
+    1: "a time response", 2: "an auto spectrum", 3: "a cross spectrum", 5: "a transmissibility", 6: "a coherence",
+    9: "a power spectral density", 10: "an energy spectral density",
+}  # fmt: skip
 POSITION, VOLTAGE = re.compile(r"x = (\S+) m, y = (\S+) m"), re.compile(r"voltage = (\S+) V")
+SIX_DIGITS = 5e-6  # relative rounding of a number in the format E13.5
 
 
-def scan_uff(scan: Scan, path: Path, remarks: tuple[str, ...] = ()) -> None:
-    """Write a scan into a UFF file, with one dataset 58 (ASCII) per line of positions or for all frequencies."""
-    by_frequency, file = scan.kind == "frequency", needed("pyuff", "a UFF file").UFF(str(path))
+def scan_uff(scan: Scan, remarks: tuple[str, ...] = ()) -> bytes:
+    """Return a scan as a UFF file, with one dataset 58b of doubles per line of positions or for all frequencies."""
+    by_frequency = scan.kind == "frequency"
+    direction = COMPONENTS.index(scan.component) + 1
     lines = [np.arange(len(scan.x))] if by_frequency else [np.flatnonzero(scan.y == y) for y in np.unique(scan.y)]
+    axes = (
+        (FREQUENCY, "frequency", "Hz") if by_frequency else (GENERAL, "x", "m"),
+        ({motion: kind for kind, motion in MOTION_TYPES.items()}[scan.motion], scan.component, _si_unit(scan.motion)),
+        (UNKNOWN, "voltage", "V") if scan.per_volt else (UNKNOWN, "NONE", "NONE"),
+    )
+    datasets = []
     for number, line in enumerate(lines, 1):
         if len(line) < 2:
             raise SceneError("--format", "uff needs at least two points on each line along x: ask for more, or for csv")
         along = scan.coordinate if by_frequency else scan.x
         order = line[np.argsort(along[line])]
-        abscissa, first = along[order], order[0]
-        where = f"x = {float(scan.x[first])!r} m, y = {float(scan.y[first])!r} m"
-        dataset = {
-            "type": 58, "func_type": 4 if by_frequency else 0, "data": scan.values[order], "x": abscissa, "binary": 0,
-            "id1": f"{'velocity' if scan.is_velocity else 'displacement'} {scan.component}"[:80],
-            "id2": (remarks[0] if remarks else "")[:80] or "NONE", "id3": "peak values, exp(+i omega t)", "id4": where,
-            "id5": "NONE" if scan.voltage is None else f"voltage = {scan.voltage!r} V",
-            "rsp_node": number, "rsp_dir": COMPONENTS.index(scan.component) + 1, "ref_node": 0, "ref_dir": 0,
-            "abscissa_spacing": 0, "abscissa_spec_data_type": FREQUENCY if by_frequency else GENERAL,
-            "abscissa_axis_lab": "frequency" if by_frequency else "x",
-            "abscissa_axis_units_lab": "Hz" if by_frequency else "m",
-            "ordinate_spec_data_type": VELOCITY if scan.is_velocity else DISPLACEMENT,
-            "ordinate_axis_lab": scan.component, "ordinate_axis_units_lab": "m/s" if scan.is_velocity else "m",
-            "orddenom_spec_data_type": 0, "orddenom_axis_lab": "voltage" if scan.per_volt else "NONE",
-            "orddenom_axis_units_lab": "V" if scan.per_volt else "NONE",
-        }  # fmt: skip
-        file.write_sets(dataset, "add" if number > 1 else "overwrite")
+        where = f"x = {float(scan.x[order[0]])!r} m, y = {float(scan.y[order[0]])!r} m"
+        title = remarks[0] if remarks else ""
+        voltage = "" if scan.voltage is None else f"voltage = {scan.voltage!r} V"
+        datasets.append(function_58b(
+            scan.values[order], along[order],
+            identification=(f"{scan.motion} {scan.component}", title, "peak values, exp(+i omega t)", where, voltage),
+            kind=RESPONSE if by_frequency else 0, node=number, direction=direction, axes=axes,
+        ))  # fmt: skip
+    return b"".join(datasets)
+
+
+def _si_unit(motion: str) -> str:
+    return {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}[motion]
 
 
 def scan_of_uff(path: Path, option: str) -> Scan:
-    """Return the scan that the datasets 58 of a UFF file contain.
+    """Return the scan that a UFF file contains.
 
     Raises
     ------
     SceneError
-        If the file contains no dataset 58, several motions, or a unit that is not of a displacement or velocity.
+        If the file is damaged, contains no function or several motions, or a unit or position is not stated.
     """
-    try:
-        file = needed("pyuff", "a UFF file").UFF(str(path))
-        kinds = list(file.get_set_types())
-        sets = [file.read_sets(k) for k, kind in enumerate(kinds) if int(kind) == 58]
-    except (OSError, ValueError, IndexError, UnicodeDecodeError, AttributeError) as error:
-        text = " ".join(str(error).split())
-        raise file_error(path, option, f"is no Universal File Format file: {text}") from None
-    if not sets:
-        raise file_error(path, option, f"must hold a dataset 58, got {', '.join(map(str, kinds)) or 'none'}")
-    parts = [_scan_of_dataset(each, path, option) for each in sets]
+    file = read_uff(path, option)
+    functions, remarks = file.functions, []
+    if not functions:
+        kinds = ", ".join(map(str, dict.fromkeys(file.kinds))) or "none"
+        raise file_error(path, option, f"must hold a dataset 58, got {kinds}")
+    responses = tuple(each for each in functions if each.kind == RESPONSE)
+    if responses and len(responses) < len(functions):
+        others = {each.kind for each in functions} - {RESPONSE}
+        left_out = [FUNCTION_TYPES.get(kind, f"a function of type {kind}") for kind in sorted(others)]
+        remarks.append(f"only the frequency responses of the file are taken, not {', '.join(left_out)}")
+        functions = responses
+    over_nodes = any(each.abscissa.kind == FREQUENCY for each in functions) and len({e.node for e in functions}) > 1
+    placed_by_text = all(POSITION.search(each.identification[3]) for each in functions)
+    if over_nodes and not file.nodes and not placed_by_text:
+        rule = f"holds spectra of {len(functions)} nodes, and their positions are missing: dataset 15 or 2411"
+        raise file_error(path, option, rule)
+    _refuse_tall(file, path, option)
+    parts = [_scan_of_function(each, file, path, option) for each in functions]
     first = parts[0]
-    same = ("component", "is_velocity", "per_volt", "voltage", "is_complex")
-    if any(getattr(each, name) != getattr(first, name) for each in parts for name in same):
-        raise file_error(path, option, "must hold one motion in one unit, complex or real, got several")
+    for name, noun in (("component", "directions"), ("motion", "motions"), ("per_volt", "denominators"),
+                       ("voltage", "voltages"), ("is_complex", "forms, complex and real")):  # fmt: skip
+        if any(getattr(each, name) != getattr(first, name) for each in parts):
+            raise file_error(path, option, f"must hold one motion in one unit, got several {noun}")
     if any((each.frequency is None) != (first.frequency is None) for each in parts):
         raise file_error(path, option, "must be a scan over positions or over frequencies, got both")
+    if first.frequency is not None and file.nodes and file.metres is None:
+        remarks.append("the file states no unit of length (dataset 164): coordinates of nodes are taken as m")
+    if any(each.direction == 0 for each in functions):
+        remarks.append("the file states no direction of the motion: it is taken as u_z")
     x, y, values = (np.concatenate([getattr(each, name) for each in parts]) for name in ("x", "y", "values"))
-    whole = replace(first, x=x, y=y, values=values)
-    if first.frequency is None:
-        return whole
-    return replace(whole, frequency=np.concatenate([each.frequency for each in parts]))
+    if not np.iscomplexobj(values) and np.min(values) < 0.0:
+        raise file_error(path, option, "holds real values below 0: magnitudes, or complex values, are needed")
+    frequency = None if first.frequency is None else np.concatenate([each.frequency for each in parts])
+    if not first.per_volt and first.voltage is None:
+        rule = "holds motions at an unknown voltage: the denominator (record 10 of dataset 58) must have the unit V"
+        raise file_error(path, option, f"{rule}, or the fifth line of identification be 'voltage = 15 V'")
+    return replace(first, x=x, y=y, values=values, frequency=frequency, remarks=tuple(remarks))
 
 
-def _scan_of_dataset(dataset: dict, path: Path, option: str) -> Scan:
-    kind, motion = int(dataset["abscissa_spec_data_type"]), int(dataset["ordinate_spec_data_type"])
-    unit, length = dataset["ordinate_axis_units_lab"].strip(), dataset["abscissa_axis_units_lab"].strip()
-    is_velocity = motion == VELOCITY
-    base = VELOCITIES if is_velocity else DISPLACEMENTS
-    unit = unit.replace("/", "_per_")
-    if motion not in (DISPLACEMENT, VELOCITY) or unit not in base:
-        expected = "displacements (data type 8: m, um, nm, pm) or velocities (11: m/s, mm/s, um/s)"
-        raise file_error(path, option, f"must hold {expected}, got data type {motion} in {unit or 'no unit'}")
-    abscissa = {FREQUENCY: FREQUENCIES, GENERAL: POSITIONS, DISPLACEMENT: POSITIONS}.get(kind, {})
-    if length not in abscissa:
-        expected = "frequencies (data type 18, Hz) or positions (1 or 8, m or mm)"
-        raise file_error(path, option, f"must have {expected} as abscissa, got type {kind} in {length or 'no unit'}")
-    points, values = np.array(dataset["x"], float) * abscissa[length], np.array(dataset["data"]) * base[unit]
-    start, volts = POSITION.search(str(dataset["id4"])), VOLTAGE.search(str(dataset["id5"]))
-    x, y = map(float, start.groups()) if start else (np.nan, 0.0)
-    direction = abs(int(dataset["rsp_dir"])) or 3  # 1, 2, 3: along x, y, z of either sign; 0: not stated
-    if direction > len(COMPONENTS):
-        raise file_error(path, option, f"must hold motions along x, y or z (directions 1 to 3), got {direction}")
-    by_frequency = kind == FREQUENCY
+def _refuse_tall(file: UniversalFile, path: Path, option: str) -> None:
+    """Refuse nodes that do not lie in a plane of constant z, as the surface does."""
+    if file.nodes:
+        x, y, z = np.ptp(np.array(list(file.nodes.values())), axis=0)
+        if z > 0.1 * max(x, y):
+            raise file_error(
+                path, option, f"must hold nodes in a plane of constant z, got z over {z:g} and x over {x:g}"
+            )
+
+
+def _scan_of_function(function: Function, file: UniversalFile, path: Path, option: str) -> Scan:
+    """Return a function as a scan over positions, or over frequencies at its node."""
+
+    def refused(rule: str) -> SceneError:
+        return file_error(path, option, f"line {function.line}: the dataset 58 {rule}")
+
+    if function.kind not in (0, RESPONSE, SPECTRUM):
+        rule = FUNCTION_TYPES.get(function.kind, f"a function of type {function.kind}")
+        raise refused(f"must hold a frequency response (function type 4) or a spectrum (12), got {rule}")
+    points, by_frequency = _abscissa(function, file, refused)
+    motion, values, per_volt = _ordinate(function, file, refused)
+    if len(np.unique(points)) < len(points):
+        rule = f"has an abscissa of {len(points)} points with {len(np.unique(points))} values: six digits do not tell"
+        raise refused(f"{rule} them apart, write the file binary or evenly spaced")
+    if abs(function.direction) > len(COMPONENTS):
+        rule = f"must hold motions along x, y or z (directions 1 to 3), got {function.direction}, a rotation"
+        raise refused(rule)
+    volts = VOLTAGE.search(function.identification[4])
+    x, y = _place(function, file, refused) if by_frequency else (np.nan, _line_of(function))
     return Scan(
-        name=path.name, component=COMPONENTS[direction - 1], values=values,
+        name=path.name, component=COMPONENTS[(abs(function.direction) or 3) - 1],
+        values=-values if function.direction < 0 and np.iscomplexobj(values) else values,
         x=np.full(len(points), x) if by_frequency else points, y=np.full(len(points), y),
-        frequency=points if by_frequency else None, per_volt=dataset["orddenom_axis_units_lab"].strip() == "V",
-        voltage=float(volts[1]) if volts else None, is_velocity=is_velocity,
+        frequency=points if by_frequency else None, per_volt=per_volt,
+        voltage=float(volts[1]) if volts else None, motion=motion,
+        resolution=SIX_DIGITS if function.six_digits else SAME_FREQUENCY,
     )  # fmt: skip
+
+
+def _abscissa(function: Function, file: UniversalFile, refused) -> tuple[np.ndarray, bool]:
+    """Return frequencies in Hz and True, or positions in m and False."""
+    kind, unit = function.abscissa.kind, function.abscissa.unit
+    by_frequency = kind == FREQUENCY or (kind == UNKNOWN and unit in FREQUENCIES)
+    if by_frequency:
+        units = FREQUENCIES | {"": 1.0}  # the format's unit of frequency is Hz
+    elif kind in (UNKNOWN, GENERAL, 8):
+        units = POSITIONS | ({} if file.metres is None else {"": file.metres})
+    else:
+        units = {}
+    if unit not in units:
+        expected = "frequencies (data type 18, Hz) or positions (1 or 8, m or mm)"
+        raise refused(f"must have {expected} as abscissa, got type {kind} in {unit or 'no unit'}")
+    return function.x * units[unit], by_frequency
+
+
+def _ordinate(function: Function, file: UniversalFile, refused) -> tuple[str, np.ndarray, bool]:
+    """Return which motion the ordinate is, its values in SI units, and whether they are per volt."""
+    kind, unit = function.ordinate.kind, _head_unit(function.ordinate.unit)
+    in_ratio = unit.endswith("_per_V")
+    unit = unit.removesuffix("_per_V")
+    of_label = next((motion for motion, units in MOTIONS.items() if unit in units), "")
+    motion = MOTION_TYPES.get(kind, of_label if kind in (UNKNOWN, GENERAL) else "")
+    if not motion or (unit and motion != of_label):
+        expected = "displacements (data type 8: m, um, nm, pm), velocities (11: m/s, mm/s, um/s) or accelerations "
+        got = function.ordinate.unit or "no unit"
+        raise refused(f"must hold {expected}(12: m/s^2, g), got data type {kind} in {got}")
+    if not unit and file.metres is None:
+        raise refused(f"states no unit of its {motion}: neither a label of the axis nor dataset 164")
+    factor = MOTIONS[motion][unit] if unit else float(file.metres or np.nan)
+    below = function.denominator
+    if below.unit not in VOLTAGES and (below.unit or below.kind != UNKNOWN):
+        got = below.unit or f"data type {below.kind}"
+        raise refused(f"must hold motions per volt (V, mV), got {got} as denominator")
+    volts = VOLTAGES.get(below.unit, 1.0)
+    return motion, function.values * (factor / volts), in_ratio or bool(below.unit)
+
+
+def _head_unit(unit: str) -> str:
+    """Return the unit of an axis as heads of CSV columns write it.
+
+    Examples
+    --------
+    >>> _head_unit("mm/s"), _head_unit("(m/s²)/V"), _head_unit("µm")
+    ('mm_per_s', 'm_per_s2_per_V', 'um')
+    """
+    plain = unit.strip().strip("[]").replace("(", "").replace(")", "").replace("µ", "u").replace("μ", "u")
+    return plain.replace("^2", "2").replace("²", "2").replace("**2", "2").replace("/", "_per_").replace(" ", "")
+
+
+def _place(function: Function, file: UniversalFile, refused) -> tuple[float, float]:
+    """Return x and y in m of a function over frequency: of its node, of its text, or unknown."""
+    if file.nodes:
+        if function.node not in file.nodes:
+            raise refused(f"is of node {function.node}, which no dataset 15 or 2411 of the file places")
+        metres = 1.0 if file.metres is None else file.metres
+        return file.nodes[function.node][0] * metres, file.nodes[function.node][1] * metres
+    start = POSITION.search(function.identification[3])
+    return (float(start[1]), float(start[2])) if start else (np.nan, 0.0)
+
+
+def _line_of(function: Function) -> float:
+    start = POSITION.search(function.identification[3])
+    return float(start[2]) if start else 0.0

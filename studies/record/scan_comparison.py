@@ -46,6 +46,8 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
     if scan.frequency is not None and scan.kind == "frequency":
         block |= {f"{name}_maximum_at_Hz": float(scan.frequency[np.argmax(np.abs(each))])
                   for name, each in _pair(values, predicted)}  # fmt: skip
+    if scan.remarks:
+        block["remarks"] = list(scan.remarks)
     if scan.deviation is not None:
         ratios = np.abs(values - own) / scan.deviation
         count = 2.0 if scan.is_complex else 1.0
@@ -94,12 +96,16 @@ def scan_comparison(block: dict):
     """Yield name and text of the lines that a run prints of a scan's comparison."""
     points = f"{block['compared']} points of {block['file']}"
     yield "measured", f"{points}, a {block['quantity']}, compared at their positions"
+    yield from (("", each) for each in block.get("remarks", ()))
     phase = block.get("phase_of_measured_rad")
     turned = "" if phase is None else f", phase {np.degrees(phase):+.3g} deg"
     yield "", f"measured / predicted {block['measured_over_predicted']:.4g}{turned}"
     share = quantity("rms_deviation_relative")
     whole, shape = (share.with_unit(block[f"rms_deviation_{kind}"]) for kind in ("relative", "of_shape"))
     yield "", f"deviation {whole} rms; {shape} after a fit of size and phase"
+    if "predicted_relative_error" in block:
+        error = share.with_unit(block["predicted_relative_error"])
+        yield "", f"numerical error of the prediction {error}; an exported scan states its own"
     if "measured_standing_wave_ratio" in block:
         ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
         yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios)

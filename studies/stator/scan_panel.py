@@ -1,7 +1,7 @@
 """A vibrometer's scan drawn over a study's prediction: what `beam` and `frequency_response` share."""
 
 from studies.chain.measured_run import scan_block
-from studies.chain.scan_prediction import placed, predicted_scan
+from studies.chain.scan_prediction import placed, scan_and_error
 from studies.lab.measurement_csv import read_measured
 from studies.lab.scan import Scan
 from studies.record.scan_comparison import scan_comparison
@@ -24,12 +24,12 @@ def scan_file(scene: Scene, path: str, over: str) -> Scan:
     scan = placed(scene, measured)
     if (scan.kind == "frequency") != (over == "frequency"):
         raise SceneError("--measured", f"must be a scan over {over} for this study, got one over {scan.kind}")
-    return scan.as_displacement(scene.frequency)
+    return scan
 
 
 def scan_panel(scene: Scene, scan: Scan, *, tolerance: float) -> Panel:
     """Return the panel of a scan beside the motion computed at its own points, for the study to draw."""
-    block = scan_block(scene, scan, predicted_scan(scene, scan, tolerance=tolerance))
+    block = scan_block(scene, scan, *scan_and_error(scene, scan, tolerance=tolerance))
     return Panel(name="measured", title=f"{scene.title}: measured", data=block)
 
 

@@ -70,7 +70,7 @@ def test_columns_of_a_sweep_have_units():
 def test_an_error_without_a_unit_is_refused(tmp_path):
     file = tmp_path / "measured.csv"
     file.write_text("voltage_V,velocity_mm_per_s,error\n10,3,0.5\n")
-    with pytest.raises(SceneError, match="the column error has no unit; name it error_m_per_s"):
+    with pytest.raises(SceneError, match="must name the unit of the column error, as in error_m_per_s"):
         read_measured(file)
 
 

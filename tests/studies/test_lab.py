@@ -24,7 +24,6 @@ from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_scan, read_measured
 from studies.lab.network import NetworkData, read_network
 from studies.lab.scan import Scan, scan_csv
-from studies.lab.scan_uff import scan_of_uff, scan_uff
 from studies.record import Record
 from studies.record.run_pictures import pictures
 from studies.record.scan_comparison import compared_scan
@@ -74,36 +73,6 @@ def test_csv_round_trip_is_exact(kind, tmp_path):
     assert (found.component, found.per_volt, found.kind) == ("u_z", True, {"xy": "x, y"}.get(kind, kind))
 
 
-@pytest.mark.parametrize("kind", ["xy", "frequency"])
-@pytest.mark.parametrize("form", ["complex", "magnitude of a velocity"])
-def test_uff_round_trip_is_exact_to_the_format_s_twelve_digits(kind, form, tmp_path):
-    pytest.importorskip("pyuff")
-    scan = some_scan(kind)
-    if form != "complex":
-        scan = replace(
-            scan, values=np.abs(scan.values), is_velocity=True, per_volt=False, voltage=12.5, component="u_x"
-        )
-    scan_uff(scan, tmp_path / "lab.uff", ("remark",))
-    found = scan_of_uff(tmp_path / "lab.uff", "--measured")
-    order = np.lexsort((scan.x, scan.y)) if kind == "xy" else np.arange(6)
-    np.testing.assert_allclose(found.values, scan.values[order], rtol=1.1e-11)
-    np.testing.assert_allclose(found.x, scan.x[order], rtol=1e-11)
-    np.testing.assert_allclose(found.y, scan.y[order], rtol=1e-11)
-    if kind == "frequency":
-        np.testing.assert_allclose(found.frequency, scan.frequency, rtol=1e-11)
-    for name in ("component", "is_velocity", "per_volt", "voltage", "kind"):
-        assert getattr(found, name) == getattr(scan, name)
-
-
-def test_a_rotation_in_a_uff_file_is_no_displacement(tmp_path):
-    pyuff = pytest.importorskip("pyuff")
-    scan_uff(some_scan("x"), tmp_path / "lab.uff", ())
-    dataset = pyuff.UFF(str(tmp_path / "lab.uff")).read_sets()
-    pyuff.UFF(str(tmp_path / "turned.uff")).write_sets([{**dataset, "rsp_dir": -5}], "overwrite")
-    with pytest.raises(SceneError, match="directions 1 to 3"):
-        scan_of_uff(tmp_path / "turned.uff", "--measured")
-
-
 @cache
 def network():
     made = touchstone_files(SMALL, "small", Recording(band="2.1:2.3:9"), tolerance=1e-2)
@@ -126,14 +95,14 @@ def test_touchstone_round_trip_is_exact_and_scikit_rf_reads_the_same(tmp_path):
 
 def test_a_velocity_scan_is_the_same_displacement():
     scan, omega = some_scan(), 2 * np.pi * 2.2e6
-    rates = replace(scan, values=1j * omega * scan.values * 30.0, is_velocity=True, per_volt=False, voltage=30.0)
+    rates = replace(scan, values=1j * omega * scan.values * 30.0, motion="velocity", per_volt=False, voltage=30.0)
     # magnitudes too; and the deviation is that of the same quantity
     for one, same in ((rates, scan.values), (replace(rates, values=abs(rates.values)), abs(scan.values))):
         one = replace(one, deviation=0.02 * abs(one.values))
         moved = one.per_volt_of_source().as_displacement(2.2e6)
         np.testing.assert_allclose(moved.values, same, rtol=1e-12)
         np.testing.assert_allclose(moved.deviation, 0.02 * abs(scan.values), rtol=1e-12)
-        assert (moved.per_volt, moved.is_velocity) == (True, False)
+        assert (moved.per_volt, moved.motion) == (True, "displacement")
     unknown = replace(rates, voltage=None)
     with pytest.raises(SceneError, match="at an unknown voltage: add a column voltage_V"):
         unknown.per_volt_of_source()
@@ -450,7 +419,11 @@ X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("a.csv", f"x_inch,u_z_real_nm,u_z_imag_nm\n{ROW}\n", "must have one column x_UNIT with a unit of m, mm, um"),
+        (
+            "a.csv",
+            f"x_inch,u_z_real_nm,u_z_imag_nm\n{ROW}\n",
+            "must have one column x_UNIT with a unit of m, cm, mm, um",
+        ),
         ("a.csv", f"x_mm,u_z_real_nm_per_V,u_z_imag_V\n{ROW}\n", "must have one column u_z_imag_UNIT with a unit of m"),
         ("a.csv", "x_mm,u_z_real_nm_per_V\n40,0.1\n", "must have a column u_z_imag_UNIT beside the other part"),
         ("a.csv", "u_z_magnitude_nm_per_V\n0.1\n", "must have a column x_UNIT, y_UNIT or frequency_UNIT"),
@@ -459,12 +432,13 @@ X_HEAD, ROW = "x_mm,u_z_real_nm_per_V,u_z_imag_nm_per_V", "40,0.1,0.2"
         (
             "a.csv",
             "x_mm,u_z_magnitude_nm_per_V\n40,-0.1\n",
-            "must have a u_z_magnitude that is zero or positive, got -1e-10",
+            "line 2, u_z_magnitude_nm_per_V must be zero or positive, got -0.1 nm/V",
         ),
         ("a.csv", "x_mm,u_z_magnitude_nm\n40,0.1\n", "holds motions at an unknown voltage"),
-        ("a.csv", f"{X_HEAD}\n400,0.1,0.2\n", "x must lie on the stator, 0 to 0.06 m, got 0.4 to 0.4 m"),
+        ("a.csv", f"{X_HEAD}\n400,0.1,0.2\n", "x must lie on the stator, 0 mm to 60 mm, got 400 mm to 400 mm"),
         ("a.csv", f"frequency_MHz,{X_HEAD}\n2.3,{ROW}\n", "was taken at 2300000 Hz, and the scene drives 2200000 Hz"),
-        ("a.uff", "nothing of the kind", "must hold a dataset 58"),
+        ("a.uff", "nothing", "is no Universal File: line 1 must hold -1, got 'nothing'"),
+        ("a.csv", "x_mm,v_z_real_m_per_s,v_z_imag_m_per_s\n40,0.1,0.2\n", "holds motions at an unknown voltage"),
         ("a.s1p", "# MHz S RI R 50\n2.2 0.1 0.2\n", "is a network analyser's: sawmotor study network draws it"),
     ],
 )

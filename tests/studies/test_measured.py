@@ -76,10 +76,10 @@ def test_speeds_without_a_sign_take_the_prediction_s(record, measured):
         ("", "a line of names"),
         ("voltage_V,velocity_m_per_s\n", "a line of names"),
         ("V,v\n1,2\n", "must have the columns voltage_V"),
-        ("voltage_V,velocity_m_per_s\n10,fast\n", "point 1, velocity_m_per_s must be a finite number, got 'fast'"),
+        ("voltage_V,velocity_m_per_s\n10,fast\n", "line 2, velocity_m_per_s must be a finite number, got 'fast'"),
         ("voltage_V;velocity_m_per_s\n10;0,01\n", "write a decimal point"),
-        ("voltage_V,velocity_m_per_s\n10\n", "point 1, velocity_m_per_s"),
-        ("voltage_V,velocity_m_per_s,error_m_per_s\n10,0.01,0\n", "error_m_per_s must be positive"),
+        ("voltage_V,velocity_m_per_s\n10\n", "line 2, velocity_m_per_s"),
+        ("voltage_V,velocity_m_per_s,error_m_per_s\n10,0.01,0\n", "line 2, error_m_per_s must be positive, got 0 m/s"),
     ],
 )
 def test_a_file_that_is_no_measurement_is_refused(measured, text, words):

@@ -230,9 +230,9 @@ def test_a_file_lies_in_the_folder_of_its_scene(tmp_path, monkeypatch):
     ("text", "sentence"),
     [
         ("x_m,y_m\n0,0\n", "must have the columns x_m, y_m, height_m"),
-        ("x_m,y_m,height_m\n0,0,nan\n", "point 1, height_m must be a finite number, got 'nan'"),
-        ("x_m,y_m,height_m\n0,0,\n", "point 1, height_m must be a finite number, got ''"),
-        ("x_m,y_m,height_m\n0,0,0,4\n", "must have 3 values at point 1, got 4"),
+        ("x_m,y_m,height_m\n0,0,nan\n", "line 2, height_m must be a finite number, got 'nan'"),
+        ("x_m,y_m,height_m\n0,0,\n", "line 2, height_m must be a finite number, got ''"),
+        ("x_m,y_m,height_m\n0,0,0,4\n", "line 2, must have 3 values, got 4"),
         ("x_m,y_m,height_m\n0,0,0\n1e-5,0,0\n", "that do not overlap, got 1e-05 m between points 1 and 2"),
         ("x_m,y_m,height_m\n0,0,3e-6\n1e-4,0,0\n", "height must be larger than every deviation .* 3e-06 m"),
         ("", "must hold a line of names and at least one point"),

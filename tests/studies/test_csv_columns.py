@@ -1,0 +1,165 @@
+"""Units of all heads of CSV files, and scans that are velocities or accelerations.  Oracle: the SI prefixes."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studies.chain.resolve import resolved
+from studies.chain.scan_prediction import placed
+from studies.inverse.fitting import prepared
+from studies.lab.measurement_csv import read_measured
+from studies.refusal import SceneError
+from studies.scene import Scene
+
+SCENE = Scene.load("twente-left")
+OMEGA = 2.0 * math.pi * 2.2e6
+SI = {"": 1.0, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "k": 1e3, "M": 1e6, "G": 1e9}
+LENGTHS, RATES = ("m", "um", "nm", "pm"), ("m_per_s", "mm_per_s", "um_per_s", "nm_per_s")
+
+
+def prefixed(unit: str) -> float:
+    """The size of a unit by its SI prefix; of those without one by its definition."""
+    own = {"deg": math.pi / 180.0, "rad": 1.0, "g": 9.80665}
+    base = next((each for each in ("m_per_s2", "m_per_s", "Hz", "V", "s", "m") if unit.endswith(each)), "")
+    return own[unit] if unit in own else SI[unit.removesuffix(base)]
+
+
+TABLE = [
+    # what is read, head but for its unit, units, other columns with their values
+    *(("levels", "voltage", unit, {"velocity_m_per_s": 1.0}) for unit in ("V", "mV", "kV")),
+    *(("levels", "normal_amplitude", unit, {"velocity_m_per_s": 1.0}) for unit in LENGTHS),
+    *(("values", "velocity", unit, {"voltage_V": 1.0}) for unit in RATES),
+    *(("deviations", "error", unit, {"voltage_V": 1.0, "velocity_m_per_s": 1.0}) for unit in RATES),
+    *(("deviations", "velocity_standard_deviation", unit, {"voltage_V": 1.0, "velocity_m_per_s": 1.0})
+      for unit in RATES),
+    *(("time", "time", unit, {"velocity_m_per_s": 1.0}) for unit in ("s", "ms", "us", "ns")),
+    *(("values", "position", unit, {"time_s": 1.0}) for unit in (*LENGTHS, "mm")),
+    *(("deviations", "position_standard_deviation", unit, {"time_s": 1.0, "position_m": 1.0}) for unit in LENGTHS),
+    *(("values", "normal_amplitude", unit, {"voltage_V": 1.0}) for unit in LENGTHS),
+    *(("deviations", "normal_amplitude_standard_deviation", unit, {"voltage_V": 1.0, "normal_amplitude_m": 1.0})
+      for unit in LENGTHS),
+    *(("scan.x", "x", unit, {"u_z_magnitude_m_per_V": 1.0}) for unit in ("m", "cm", "mm", "um")),
+    *(("scan.y", "y", unit, {"u_z_magnitude_m_per_V": 1.0}) for unit in ("m", "cm", "mm", "um")),
+    *(("scan.frequency", "frequency", unit, {"u_z_magnitude_m_per_V": 1.0}) for unit in ("Hz", "kHz", "MHz", "GHz")),
+    *(("scan.values", f"u_{axis}_magnitude", f"{unit}_per_V", {"x_m": 1.0}) for unit in LENGTHS for axis in "xyz"),
+    *(("scan.values", "v_z_magnitude", f"{unit}_per_V", {"x_m": 1.0}) for unit in RATES),
+    *(("scan.values", "a_z_magnitude", f"{unit}_per_V", {"x_m": 1.0})
+      for unit in ("m_per_s2", "mm_per_s2", "km_per_s2", "g")),
+    *(("scan.deviation", "u_z_standard_deviation", f"{unit}_per_V", {"x_m": 1.0, "u_z_magnitude_m_per_V": 1.0})
+      for unit in LENGTHS),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("read", "noun", "unit", "others"), TABLE)
+def test_every_unit_of_every_head_is_its_prefix_in_si(read, noun, unit, others, tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text(f"{noun}_{unit},{','.join(others)}\n2.5,{','.join(map(str, others.values()))}\n")
+    found = read_measured(file)
+    for name in read.split("."):
+        found = getattr(found, name)
+    assert float(found[0]) == pytest.approx(2.5 * prefixed(unit.removesuffix("_per_V")), rel=1e-14)
+
+
+@pytest.mark.parametrize("unit", ["deg", "rad"])
+def test_a_phase_in_degrees_or_radians(unit, tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text(f"x_m,u_z_magnitude_m_per_V,u_z_phase_{unit}\n0.04,2.0,{0.7 / prefixed(unit)!r}\n")
+    assert read_measured(file).scan.values[0] == pytest.approx(2.0 * np.exp(0.7j), rel=1e-14)
+
+
+POSITIONS = np.array([0.041, 0.042, 0.0433])
+DISPLACEMENTS = 1e-9 * np.array([1.0 + 0.5j, -0.3 + 0.2j, 0.7 - 0.9j])  # m per V
+
+
+def scan_file(folder, noun, unit, order, volts, per_volt=False, phase=True):
+    """A scan over positions of these displacements, as derivatives of an order at a voltage."""
+    scale = (1j * OMEGA) ** order * (1.0 if per_volt else volts) / prefixed(unit)
+    unit += "_per_V" if per_volt else ""
+    heads = f"{noun}_real_{unit},{noun}_imag_{unit}" if phase else f"{noun}_magnitude_{unit}"
+    rows = [f"x_m,{heads},{noun}_standard_deviation_{unit}" + ("" if per_volt else ",voltage_V")]
+    for x, value in zip(POSITIONS.tolist(), DISPLACEMENTS * scale, strict=True):
+        parts = [value.real, value.imag] if phase else [abs(value)]
+        numbers = [x, *parts, 1e-11 * abs(scale), *([] if per_volt else [volts])]
+        rows.append(",".join(repr(float(each)) for each in numbers))
+    file = folder / "lab.csv"
+    file.write_text("\n".join(rows))
+    return file
+
+
+@pytest.mark.parametrize("phase", [True, False])
+@pytest.mark.parametrize("per_volt", [True, False])
+@pytest.mark.parametrize(
+    ("noun", "unit", "order"), [("u_z", "nm", 0), ("v_z", "mm_per_s", 1), ("a_z", "km_per_s2", 2), ("a_z", "g", 2)]
+)
+def test_displacements_velocities_and_accelerations_are_one_motion(noun, unit, order, per_volt, phase, tmp_path):
+    measured = read_measured(scan_file(tmp_path, noun, unit, order, 15.0, per_volt, phase))
+    expected = DISPLACEMENTS if phase else abs(DISPLACEMENTS)
+    found = placed(resolved(SCENE), measured.scan)
+    np.testing.assert_allclose(found.values, expected, rtol=1e-12)
+    np.testing.assert_allclose(found.deviation, 1e-11, rtol=1e-12)
+    # what a fit compares with predictions in m per V
+    problem, _, _ = prepared(SCENE, [measured], {"amplitude_factor": (0.5, 2.0)}, tolerance=1e-2)
+    (fitted,) = problem.measurements
+    parts = [*expected.real, *expected.imag] if phase else expected
+    np.testing.assert_allclose(fitted.values, parts, rtol=1e-12)
+    np.testing.assert_allclose(fitted.deviations, 1e-11, rtol=1e-12)
+
+
+def test_a_scan_at_an_unknown_voltage_is_refused_whatever_the_motion(tmp_path):
+    for noun, unit in (("u_z", "nm"), ("v_z", "mm_per_s"), ("a_z", "m_per_s2")):
+        file = tmp_path / "lab.csv"
+        file.write_text(f"x_mm,{noun}_magnitude_{unit}\n40,1\n")
+        with pytest.raises(SceneError, match="holds motions at an unknown voltage: add a column voltage_V"):
+            read_measured(file)
+
+
+def test_a_scan_over_positions_and_frequencies_is_cut_at_the_drive(tmp_path):
+    rows = [f"{x},{f},{k + 10 * n}" for k, x in enumerate((41, 42)) for n, f in enumerate((2.19, 2.2, 2.21))]
+    file = tmp_path / "lab.csv"
+    file.write_text("x_mm,frequency_MHz,u_z_magnitude_nm_per_V\n" + "\n".join(rows))
+    scan = read_measured(file).scan
+    found = placed(resolved(SCENE), scan)
+    np.testing.assert_allclose(found.x, [0.041, 0.042], rtol=1e-14)
+    np.testing.assert_allclose(found.values, [10e-9, 11e-9], rtol=1e-14)
+    between = replace(scan, frequency=scan.frequency + 5e3)
+    with pytest.raises(SceneError, match="no spectral line at the drive's 2200000 Hz; the nearest are at 2195000 and"):
+        placed(resolved(SCENE), between)
+
+
+def test_points_at_rest_are_left_out(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text("frequency_kHz,v_z_magnitude_mm_per_s_per_V\n0,0\n2200,1\n")
+    scan = read_measured(file).scan
+    np.testing.assert_allclose(scan.values, [1e-3 / OMEGA], rtol=1e-14)
+    assert scan.remarks == ("the points at 0 Hz are left out",)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "# made up\n\nx_mm,u_z_magnitude_nm_per_V\n40,1\n# beside\n41,-3\n",
+            "line 6, u_z_magnitude_nm_per_V must be zero or positive, got -3 nm/V",
+        ),
+        (
+            "x_mm,u_z_magnitude_nm_per_V\n40,1\n\n41,x\n",
+            "line 4, u_z_magnitude_nm_per_V must be a finite number, got 'x'",
+        ),
+        (
+            "voltage_V,velocity_mm_per_s,error_mm_per_s\n10,3,-0.5\n",
+            "line 2, error_mm_per_s must be positive, got -0.5 mm/s",
+        ),
+        ("voltage_mV,velocity_mm_per_s\n-10,3\n", "line 2, voltage_mV must be zero or positive, got -10 mV"),
+        ("x_mm,u_z_magnitude_nm,voltage_V\n40,1,0\n", "line 2, voltage_V must be positive, got 0 V"),
+        ("x_mm,a_z_magnitude_m_per_s2,voltage_V\n40,-1,1\n", "got -1 m/s^2"),
+        ("x_mm,u_z_magnitude_nm,voltage_V\n40,1,15\n41,1,30\n", "must hold one voltage, got 15 to 30 V"),
+    ],
+)  # fmt: skip
+def test_a_refusal_names_the_line_of_the_file_and_the_unit(text, said, tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text(text)
+    with pytest.raises(SceneError) as caught:
+        read_measured(file)
+    assert said in str(caught.value)
