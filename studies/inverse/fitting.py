@@ -22,11 +22,13 @@ from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Par
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
+from studies.inverse.ties import Ties, is_of_scene, refuse_names
 from studies.lab.measurement import FIELD, Measurement
 from studies.lab.measurement_csv import measured_scan
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
+from studies.scene.keys import LEVELS
 
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
 MAX_ATTEMPTS = 4  # a profile may reach a lower minimum; the fit is then repeated about that one
@@ -51,7 +53,7 @@ def fit(
         Measured curves, or the CSV files that hold them.
     parameters : list, dict or lmfit.Parameters
         `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``, or a dict of a key's range; one without ``vary``
-        is held at its value.
+        is held at its value, and one of lmfit's with ``expr`` follows the others.
     tolerance : float
         Of the velocity, for the stator.
     next_measurements : bool, optional
@@ -116,12 +118,15 @@ def prepared(
     for each in fixed:
         if each.value is None:
             raise SceneError(f"parameters {each.key}", "is held, and needs a value")
-    values = {each.key: each.value for each in fixed}
+    ties = Ties(parameters)
+    values = {each.key: each.value for each in fixed if is_of_scene(each.key)}
     curves = [replace(each, settings=values | each.settings) for each in curves]
     _refuse(predictor, curves, free)
+    refuse_names(ties, free_and_fixed)
     curves = [_as_predicted(predictor, each) for each in curves]
     curves, estimated = _weighted(curves)
-    return Problem(predictor=predictor, parameters=free, measurements=tuple(curves)), fixed, estimated
+    problem = Problem(predictor=predictor, parameters=free, measurements=tuple(curves), ties=ties)
+    return problem, fixed, estimated
 
 
 def _as_predicted(predictor: MeasurementPredictor, measurement: Measurement) -> Measurement:
@@ -258,6 +263,8 @@ def _refuse(
     def check_parameter(key: str) -> None:
         if sum(each.key == key for each in parameters) > 1:
             raise SceneError(f"parameters {key}", "is given twice")
+        if key in LEVELS:
+            raise SceneError(f"parameters {key}", "follows from each measured point and cannot be free")
         if key == AMPLITUDE_FACTOR and predictor.prescribed_wave:
             raise SceneError(f"parameters {key}", "needs a [stator]; of a scene with a [wave] free amplitude_per_volt")
         if key == AMPLITUDE_PER_VOLT and not predictor.prescribed_wave:

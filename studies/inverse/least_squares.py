@@ -13,6 +13,7 @@ from scipy.stats import qmc
 
 from studies.inverse.parameters import Parameter
 from studies.inverse.prediction import MeasurementPredictor
+from studies.inverse.ties import Ties, is_of_scene
 from studies.lab.measurement import Measurement
 from studies.refusal import RunError
 
@@ -40,6 +41,7 @@ class Problem:
     predictor: MeasurementPredictor = field(repr=False)
     parameters: tuple[Parameter, ...]
     measurements: tuple[Measurement, ...]  # with standard deviations
+    ties: Ties = field(default_factory=Ties, repr=False)  # numbers that follow the parameters
 
     @property
     def systematic(self) -> list[int]:
@@ -68,13 +70,22 @@ class Problem:
         return sum(len(each.values) for each in self.measurements)
 
     def numbers(self, x) -> dict[str, float]:
-        """Return the parameters' values by key."""
-        return {p.key: p.outer(value) for p, value in zip(self.parameters, x, strict=False)}
+        """Return the values of the parameters, and of the numbers that follow them, by key."""
+        free = {p.key: p.outer(value) for p, value in zip(self.parameters, x, strict=False)}
+        return free | self.ties(free)
+
+    def scene_numbers(self, x) -> dict[str, float]:
+        """Return `numbers` without names that stand in expressions only."""
+        return {key: value for key, value in self.numbers(x).items() if is_of_scene(key) or not self.ties.uses(key)}
+
+    def needs_stator(self, parameter: Parameter) -> bool:
+        """Return whether a change of a parameter, or of what follows it, requires a new solution of the stator."""
+        return any(map(self.predictor.needs_stator, [parameter.key, *self.ties.followers(parameter.key)]))
 
     def predictions(self, xs, measurements=None) -> list[list[np.ndarray]]:
         """Return, for each x, the predictions of measurements, by default the problem's; no systematic errors."""
         measurements = measurements or self.measurements
-        flat = self.predictor.predict([(each, self.numbers(x)) for x in xs for each in measurements])
+        flat = self.predictor.predict([(each, self.scene_numbers(x)) for x in xs for each in measurements])
         return [flat[k : k + len(measurements)] for k in range(0, len(flat), len(measurements))]
 
     def residuals(self, xs) -> np.ndarray:
@@ -169,7 +180,7 @@ class Problem:
         own = [p.start(self.predictor.value(p.key) if p.value is None else p.value) for p in self.parameters]
         count, b = len(self.parameters), [0.0] * len(self.systematic)
         starts = [np.array([*own, *b])]
-        slow = any(self.predictor.needs_stator(p.key) for p in self.parameters)
+        slow = any(map(self.needs_stator, self.parameters))
         if slow or any(each.quantity == "burst" for each in self.measurements):
             return starts
         samples = SLOW_SAMPLES if self.predictor.one_by_one else SAMPLES
@@ -181,5 +192,5 @@ class Problem:
         if j >= len(self.parameters):
             return STEP
         parameter = self.parameters[j]
-        step = STATOR_STEP if self.predictor.needs_stator(parameter.key) else STEP
+        step = STATOR_STEP if self.needs_stator(parameter) else STEP
         return step if parameter.logarithmic else step * (parameter.high - parameter.low)

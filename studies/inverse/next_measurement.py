@@ -58,7 +58,7 @@ def candidates(problem: Problem) -> list[Measurement]:
         add("velocity up to twice the level", at=tuple(np.linspace(top, 2 * top, 6)))
         if "burst" not in data and base.quantity != "position":
             start = [p.start(predictor.value(p.key)) for p in problem.parameters]
-            driven = predictor.contact(problem.numbers(start) | base.settings)
+            driven = predictor.contact(problem.scene_numbers(start) | base.settings)
             rise = driven.slider.mass / driven.slider.least_friction(len(driven.orbits))
             length = 3.0 * float(np.max(np.abs(base.values))) * rise
             settings = base.settings | {"wave.burst" if predictor.prescribed_wave else "drive.burst": length}
@@ -67,7 +67,7 @@ def candidates(problem: Problem) -> list[Measurement]:
     if predictor.slider:
         add("frequency of the tangential ring-down", "ring-down frequency", at=(), deviations=(FREQUENCY_ERROR,))
     sizes = (AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT)
-    if any(p.key in sizes or predictor.needs_stator(p.key) for p in problem.parameters):
+    if any(p.key in sizes or problem.needs_stator(p) for p in problem.parameters):
         add("surface amplitude under the slider (vibrometer)", "amplitude", deviations=(AMPLITUDE_ERROR,),
             level_key="voltage_V")  # fmt: skip
     return planned

@@ -70,6 +70,8 @@ class Parameter:
     @property
     def unit(self) -> str:
         """SI unit; empty for a pure number."""
+        if self.key not in OWN and "." not in self.key:
+            return ""  # a name of lmfit's, in expressions
         return unit_of(OWN.get(self.key) or rule_at(self.key)) or ""
 
     @property
@@ -186,7 +188,8 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
     ----------
     parameters : list, dict or lmfit.Parameters
         `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``; a dict of a key's range, (low, high) in SI units or
-        with units, or ``"1 mN:5 mN"``; or lmfit's, in whose names ``__`` stands for a dot.
+        with units, or ``"1 mN:5 mN"``; or lmfit's, in whose names ``__`` stands for a dot. Those with an expression
+        are left out: they are no free numbers (`studies.inverse.ties`).
 
     Examples
     --------
@@ -194,14 +197,21 @@ def as_parameters(parameters: Any) -> tuple[Parameter, ...]:
     [0.005, 0.001]
     """
     if hasattr(parameters, "valuesdict"):
-        return tuple(
+        own = (
             Parameter(
-                key=each.name.replace("__", "."), low=float(each.min), high=float(each.max), value=float(each.value),
+                key=key_of(each.name), low=float(each.min), high=float(each.max), value=float(each.value),
                 vary=bool(each.vary),
             )
             for each in parameters.values()
+            if not each.expr
         )  # fmt: skip
+        return tuple(all_answers(partial(read_parameter, each) for each in own))
     return tuple(all_answers(partial(read_parameter, each) for each in ranges(parameters)))
+
+
+def key_of(name: str) -> str:
+    """Return the key of a name of lmfit's, in which ``__`` stands for a dot."""
+    return name.replace("__", ".")
 
 
 def ranges(parameters: Sequence | Parameter | dict) -> list:
@@ -212,6 +222,10 @@ def ranges(parameters: Sequence | Parameter | dict) -> list:
     >>> ranges({"slider.preload": ("1 mN", "5 mN"), "slider.mass": (1e-5, 1e-3)})
     ['slider.preload=1 mN:5 mN', 'slider.mass=1e-05:0.001']
     """
+    if hasattr(parameters, "valuesdict"):
+        raise SceneError(
+            "variables", "must be KEY=LOW:HIGH or a dict of ranges; lmfit's parameters belong to studies.fit"
+        )
     if not isinstance(parameters, dict):
         return [parameters] if isinstance(parameters, (str, Parameter)) else list(parameters)
     return [

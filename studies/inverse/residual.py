@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from studies.inverse.fitting import prepared
+from studies.inverse.parameters import key_of
 from studies.lab.measurement import Measurement
 from studies.refusal import needed
 from studies.scene import Scene
@@ -76,10 +77,14 @@ class Residual:
         return self._problem.jacobian(x)[:, : len(scale)] / np.array(scale)
 
     def lmfit_parameters(self) -> Any:
-        """Return lmfit.Parameters; a dot of a key is ``__`` in their names.
+        """Return lmfit.Parameters with the free numbers at the start; a dot of a key is ``__`` in their names.
+
+        Those that the residual was made of keep their expressions.
 
         Predictions are computed to some 1e-9: give `lmfit.minimize` ``epsfcn=1e-8``, for steps of 1e-4.
         """
+        if self._problem.ties.expressions:
+            return self._problem.ties.parameters(dict(zip([p.key for p in self.parameters], self.start, strict=True)))
         parameters = needed("lmfit", "lmfit_parameters").Parameters()
         for each, value in zip(self.parameters, self.start, strict=True):
             parameters.add(each.key.replace(".", "__"), value=float(value), min=each.low, max=each.high)
@@ -87,7 +92,7 @@ class Residual:
 
     def _inner(self, values: Any) -> np.ndarray:
         if hasattr(values, "valuesdict"):
-            values = {key.replace("__", "."): value for key, value in values.valuesdict().items()}
+            values = {key_of(key): value for key, value in values.valuesdict().items()}
         if isinstance(values, dict):
             values = [values[each.key] for each in self.parameters]
         own = [each.inner(float(value)) for each, value in zip(self.parameters, values, strict=True)]

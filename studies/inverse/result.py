@@ -105,7 +105,29 @@ class Fit:
             value = self.values[each.key]
             error = deviation * (value if each.logarithmic else 1.0)
             by_key[each.key] = replace(each, value=value, stderr=None if each.key in undetermined else error)
-        return by_key | {each.key: each for each in self.fixed}
+        return by_key | {each.key: each for each in (*self.fixed, *self.tied)}
+
+    @property
+    def tied(self) -> tuple[Parameter, ...]:
+        """The numbers that follow the parameters by an expression, each with the standard error that results."""
+        keys, problem = list(self.problem.ties.expressions), self.problem
+        if not keys:
+            return ()
+
+        def followed(xs):
+            return np.array([[problem.numbers(x)[key] for key in keys] for x in xs])
+
+        slopes = problem.derivatives(followed, self.inner, range(len(self.inner)))
+        errors = np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes)).tolist()
+        undetermined = {key for each in self.directions for key in each.components}
+        open_keys = {each for key in undetermined for each in problem.ties.followers(key)}
+        return tuple(
+            Parameter(
+                key=key, low=-math.inf, high=math.inf, value=self.values[key], vary=False,
+                stderr=None if key in open_keys else error,
+            )
+            for key, error in zip(keys, errors, strict=True)
+        )  # fmt: skip
 
     @property
     def _standard_deviations(self) -> np.ndarray:
@@ -147,6 +169,11 @@ class Fit:
             "chi2": self.chi2,
             "degrees_of_freedom": self.degrees_of_freedom,
             "correlation": self.correlation.tolist(),
+            "tied": {
+                each.key: {"value": each.value, "expression": self.problem.ties.expressions[each.key],
+                           "standard_error": each.stderr}
+                for each in self.tied
+            },
             "informs": [{"measurement": name, "times_narrower": gains} for name, gains in self.informs],
         }  # fmt: skip
         if self.candidates is not None:
@@ -157,11 +184,17 @@ class Fit:
             ]
         more = {"other_minima": list(self.rivals), "probability": self.probability,
                 "estimated_standard_deviation": self.deviation}  # fmt: skip
+        if not whole["tied"]:
+            del whole["tied"]
         return whole | {key: value for key, value in more.items() if value not in (None, [])}
 
     def _notes(self) -> Iterator[tuple[str, str]]:
         """Yield the label and the text of each line below the table of the estimates."""
         yield "goodness of fit", self._goodness()
+        for each in self.tied:
+            spread = "" if each.stderr is None else f", standard error {each.text(each.stderr)}"
+            expression = self.problem.ties.expressions[each.key]
+            yield "tied", f"{each.key} = {each.text(self.values[each.key])}{spread}: {expression}"
         for direction in self.directions:
             yield "undetermined", direction.sentence
         for rival in self.rivals:
@@ -174,7 +207,7 @@ class Fit:
             for side, end in zip(("below", "above"), ends, strict=True):
                 if end and not end.closed:
                     yield "open", f"{key} {side}: {end.because}"
-        for (i, one), (j, other) in combinations(enumerate(self.values), 2):
+        for (i, one), (j, other) in combinations(enumerate(self.intervals), 2):
             if abs(self.correlation[i, j]) > 0.5:
                 yield "correlation", f"{one}, {other}: {self.correlation[i, j]:+.3f}"
         for name, gains in self.informs if len(self.informs) > 1 else ():
@@ -212,6 +245,8 @@ class Fit:
                 beside[key] = text
             else:
                 remarks.append(f"{key} = {self.values[key]:.6g}, {text}; it is no key of a scene")
+        for key, expression in self.problem.ties.expressions.items():
+            beside[key] = f"tied: {expression}"
         remarks += [each.sentence for each in self.directions]
         return document(self.scene().to_table(), remarks=tuple(remarks), beside=beside)
 
@@ -231,7 +266,7 @@ class Fit:
         at = np.array(curve.coordinate)
         best = problem.predictions([self.inner], (curve,))[0][0]
         slow = problem.predictor.one_by_one or measurement.quantity not in ("velocity", "amplitude")
-        if slow or any(problem.predictor.needs_stator(p.key) for p in problem.parameters):
+        if slow or any(map(problem.needs_stator, problem.parameters)):
             steps = np.linalg.cholesky(self.covariance).T
             moved = [np.clip(self.inner + step, problem.low, problem.high) for step in steps]
             shifts = [values - best for (values,) in problem.predictions(moved, (curve,))]

@@ -362,6 +362,52 @@ def test_parameters_are_as_lmfit_s_users_know_them():
     assert ours["slider.friction_coefficient"] == held
 
 
+def test_a_tied_number_follows_the_others():
+    """Preload 0.02 N times friction, by a free name of its own; the truth has both: friction held free gave 0.192."""
+    lmfit = pytest.importorskip("lmfit")
+    truth = MeasurementPredictor(Scene.load("twente-contact"))
+    curve = Measurement(name="m", quantity="velocity", level_key="normal_amplitude_m", levels=(5e-9, 1e-8, 2e-8),
+                        values=(1.0,) * 3, deviations=(1e-5,) * 3)  # fmt: skip
+    (values,) = truth.predict([(curve, {"slider.friction_coefficient": 0.12, "slider.preload": 2.4e-3})])
+    curve = replace(curve, values=tuple(values))
+    parameters = lmfit.Parameters()
+    parameters.add("mu", 0.08, min=0.05, max=0.6)
+    parameters.add("scale", 0.02, vary=False)
+    parameters.add("slider__friction_coefficient", expr="mu")
+    parameters.add("slider__preload", expr="slider__friction_coefficient * scale", min=1e-4, max=1e-1)
+    found = fit("twente-contact", curve, parameters, next_measurements=False)
+    assert found.values["mu"] == pytest.approx(0.12, rel=1e-6)
+    assert found.values["slider.preload"] == pytest.approx(2.4e-3, rel=1e-6)
+    tied = found.params["slider.preload"]
+    assert (tied.vary, tied.stderr) == (False, pytest.approx(0.02 * found.params["mu"].stderr, rel=1e-6))
+    assert found.to_dict()["tied"]["slider.preload"]["expression"] == "slider__friction_coefficient * scale"
+    assert found.scene().slider.preload == pytest.approx(2.4e-3, rel=1e-6)
+    assert "slider.preload = 2.4 mN, standard error" in str(found)
+    residual = Residual("twente-contact", curve, parameters)
+    assert residual.lmfit_parameters()["slider__preload"].expr == "slider__friction_coefficient * scale"
+    theirs = lmfit.minimize(residual, residual.lmfit_parameters(), epsfcn=1e-8)
+    assert theirs.params["slider__preload"].value == pytest.approx(2.4e-3, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("mu", {"value": 0.1, "min": 0.0, "max": 1.0}, "parameters mu is no key of a scene"),
+        ("slider__mas", {"expr": "2 * wave__tangential_ratio"}, r"slider\.mas is no key of a scene; did you mean mass"),
+        ("slider__law", {"expr": "2 * wave__tangential_ratio"}, r"parameters slider\.law must be a number of a scene"),
+        ("wave__normal_amplitude", {"value": 1e-9, "min": 1e-10, "max": 1e-8}, "follows from each measured point"),
+        ("slider__mass", {"value": 1e-4}, r"slider\.mass must have LOW below HIGH, got -inf and inf"),
+    ],
+)
+def test_parameters_of_lmfit_that_are_refused(name, options, sentence):
+    lmfit = pytest.importorskip("lmfit")
+    parameters = lmfit.Parameters()
+    parameters.add("wave__tangential_ratio", 0.7, min=0.3, max=1.5)
+    parameters.add(name, **options)
+    with pytest.raises(SceneError, match=sentence):
+        fit("twente-contact", LAB, parameters)
+
+
 def test_the_residual_s_derivatives_are_differences_of_it():
     residual = Residual("twente-contact", LAB, {RATIO: (0.3, 1.5), "slider.preload": "0.2 mN:4 mN"})
     at = residual.start * [1.05, 0.9]
