@@ -114,7 +114,7 @@ class Fit:
         if not keys:
             return ()
 
-        def followed(xs):
+        def followed(xs: list) -> np.ndarray:
             return np.array([[problem.numbers(x)[key] for key in keys] for x in xs])
 
         slopes = problem.derivatives(followed, self.inner, range(len(self.inner)))
