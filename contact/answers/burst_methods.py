@@ -66,11 +66,13 @@ def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
     """Return the motion at phase 0 of a slider at rest whose contacts are deformed by the load alone.
 
     `factor` is the envelope's value at phase 0. The wave of that size decides which contacts touch at the start: a
-    contact that touches keeps its deformation.
+    contact that touches keeps its deformation. A contact with memory is deformed on the surface at rest, before the
+    wave displaces the surface.
     """
     begun, state = problem._replace(paths=_times(problem.paths, factor)), rest_state(slider, problem)
-    motion = Motion(begun, grid=collocation(nodes), truncation=truncation)
-    motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
+    motion = Motion(without_wave(problem), grid=collocation(nodes), truncation=truncation)
+    for surface in (begun,) if motion.memory is None else (motion.problem, begun):
+        motion.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :], problem=surface)
     motion.problem = problem
     return motion
 

@@ -30,7 +30,7 @@ from contact.events.segment import At, Attempt, Column, Index, Plane
 from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
 from contact.events.warm_start import Pattern, blank, matching, recall, store
 from contact.jit.compiled import compiled, native, per_thread
-from contact.law.hysteretic import is_full, write_curve
+from contact.law.hysteretic import is_full, trim, write_curve
 
 TALLY = len(Event) + len(Count)
 
@@ -195,8 +195,12 @@ def _move_to_end(problem, state, nodes, memory):
     for i in range(state.regime.size):
         state.deformation[i] = own[Plane.X, i, end]
         if memory is not None:
-            if state.regime[i] == Regime.GROW:
-                write_curve(memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], problem.limit_slope)
+            grows, c = state.regime[i] == Regime.GROW, problem.limit_slope
+            if grows:
+                write_curve(memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], c)
+            elif state.regime[i] == Regime.ANNULUS:
+                trim(memory, i, state.sign[i], own[Plane.Z, i, end], own[Plane.X, i, end], c)
+            memory.growing[i] = int(grows)
     _begin_with(nodes, slider[Index.NORMAL_ACCELERATION, end], slider[Index.TANGENTIAL_ACCELERATION, end])
 
 
@@ -337,7 +341,8 @@ def advance(problem, grid, state, work, task, memory, cycle):
         "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
         "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
         "task.at": "s", "task.samples": "s n 6", "task.record": "r 3", "memory.number": "n", "memory.kind": "n p",
-        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n",
+        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.arc": "n p",
+        "memory.growing": "n", "memory.level": "n",
     },
 )  # fmt: skip
 def travel(problem, grid, state, work, task, memory):

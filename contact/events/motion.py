@@ -128,6 +128,8 @@ class Motion:
         return samples
 
     def _travel(self, task):
+        if self.memory is not None:  # the velocities may have been set anew since the last run
+            self.memory.growing[:] = 0
         work = event_driven.work_arrays(self.regime.size, self.grid.sigma.size)
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:

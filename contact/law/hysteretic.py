@@ -28,8 +28,14 @@ deflection. A contact that touches is in one of three regimes:
     slip     Gross slip: the open line covers all springs, and the chain is empty.
 
 If the front comes back to the inner end of a piece, the piece is *wiped out*: it is removed from the chain. When slip
-ends, the open line is *frozen*: it becomes the last piece of the chain. Only curves are discretised, at the nodes
-sigma in [-1, 1] of the segment (time step of the event-driven solver) during which they were written.
+ends, the open line is *frozen*: it becomes the last piece of the chain. If the edge shrinks down to the front, the path
+in the plane of z and x crosses the chain, and slip of the other sign begins.
+
+Only curves are discretised, at the nodes sigma in [-1, 1] of the segment (time step of the event-driven solver) during
+which they were written. Segments follow one another while the edge grows, because they have a largest length and end at
+the events of other contacts. Their curves join smoothly into one *arc*, which is wiped out as a whole: the front passes
+from curve to curve without an event. An event at each joint would end the segments of all contacts, whose curves
+would then have more joints: the events of contacts in opposition would multiply from cycle to cycle.
 
 Worked example, c = 0.1, lengths and forces scaled so that mu K = 1 (`tests/contact/test_memory_example.py`):
 
@@ -77,6 +83,12 @@ class Memory(NamedTuple):
     kind: np.ndarray  # (n, K) int: +1, -1, 0, eqs. (2) to (4)
     corner: np.ndarray  # (n, K, 4): see ETA, U, W, MOMENT
     curve: np.ndarray  # (n, K, 5, nodes): of pieces of kind 0
+    arc: (
+        np.ndarray
+    )  # (n, K) int: the first piece of the arc that a piece of kind 0 belongs to; of a line its own number
+    growing: (
+        np.ndarray
+    )  # (n,) int: 1 if the edge has written the last piece and grows on, so that the next one joins it
     level: np.ndarray  # (n,): M of the whole chain
     grid: tuple  # nodes in sigma of the curves, their barycentric weights and the matrix of derivatives
 
@@ -85,15 +97,16 @@ def blank(contacts: int, grid) -> Memory:
     """Return the memory of open contacts."""
     number, kind = np.zeros(contacts, np.int64), np.zeros((contacts, PIECES), np.int64)
     corner, curve = np.zeros((contacts, PIECES, 4)), np.zeros((contacts, PIECES, 5, grid.sigma.size))
-    return Memory(number, kind, corner, curve, np.zeros(contacts), grid)
+    arc, growing = np.zeros((contacts, PIECES), np.int64), np.zeros(contacts, np.int64)
+    return Memory(number, kind, corner, curve, arc, growing, np.zeros(contacts), grid)
 
 
 def copy(memory: Memory) -> Memory:
     """Return an independent copy; only what is in use is copied."""
     other = blank(memory.number.size, memory.grid)
-    other.number[:], other.level[:] = memory.number, memory.level
+    other.number[:], other.level[:], other.growing[:] = memory.number, memory.level, memory.growing
     used = int(np.max(memory.number))
-    for name in ("kind", "corner", "curve"):
+    for name in ("kind", "corner", "curve", "arc"):
         getattr(other, name)[:, :used] = getattr(memory, name)[:, :used]
     return other
 
@@ -103,30 +116,50 @@ def front(memory, i, s, z, x, c):
     """Return (eta_f, M there): where the open line of slip towards s meets the last piece of the chain.
 
     The open line has one u (s = +1) or w (s = -1), `constant`. It meets a frozen line, which is of the other sign, at
-    eta = (w - u)/2c. It meets a curve where the curve's own u (or w) has this value.
+    eta = (w - u)/2c. It meets a curve where the curve's own u (or w) has this value. Neither is limited to the edge, so
+    that both move smoothly through the event at which they meet it.
     """
     last = memory.number[i] - 1
     if last < 0 or z <= 0.0:
         return 0.0, 0.0
     corner, kind, constant = memory.corner[i, last], memory.kind[i, last], x - s * c * z
     if kind == 0:
-        return _front_on_curve(memory, i, s, z, c, constant)
-    eta = min(max(s * (corner[W if s > 0.0 else U] - constant) / (2.0 * c), 0.0), z)
+        k = _crossed(memory, i, s, constant)
+        return _front_on_curve(memory, i, k, s, c, constant)[:2]
+    eta = max(s * (corner[W if s > 0.0 else U] - constant) / (2.0 * c), 0.0)
     return eta, corner[MOMENT] + kind * (load(eta, Shape.SPHERE) - load(corner[ETA], Shape.SPHERE))
 
 
 @compiled
-def _front_on_curve(memory, i, s, z, c, constant):
-    """Return (eta_f, M there) of an open line that meets the curve at the end of the chain (safeguarded Newton)."""
-    sigma, bary, last = memory.grid.sigma, memory.grid.bary, memory.number[i] - 1
-    corner, curve, n = memory.corner[i, last], memory.curve[i, last], sigma.size
+def _crossed(memory, i, s, constant):
+    """Return the number of the curve that an open line meets, of the arc at the end of the chain."""
+    k, own = memory.number[i] - 1, U if s > 0.0 else W
+    first = memory.arc[i, k]
+    while k > first and s * (memory.corner[i, k, own] - constant) <= 0.0:
+        k -= 1
+    return k
+
+
+@compiled
+def trim(memory, i, s, z, x, c):
+    """Remove the curves which the front has passed, but not the first one of an arc."""
+    last = memory.number[i] - 1
+    if last >= 0 and memory.kind[i, last] == 0:
+        memory.number[i] = _crossed(memory, i, s, x - s * c * z) + 1
+
+
+@compiled
+def _front_on_curve(memory, i, k, s, c, constant):
+    """Return (eta_f, M, sigma) where an open line meets curve k (safeguarded Newton)."""
+    sigma, bary = memory.grid.sigma, memory.grid.bary
+    corner, curve, n = memory.corner[i, k], memory.curve[i, k], sigma.size
     # u and w of the curve for s = +1, w and u for s = -1: the first is constant along the open line
     first, second = (curve[ON_U], curve[ON_W]) if s > 0.0 else (curve[ON_W], curve[ON_U])
     rates = curve[RATE_U] if s > 0.0 else curve[RATE_W]
     if s * (first[0] - constant) <= 0.0:  # the whole curve slips
-        return corner[ETA], corner[MOMENT]
+        return corner[ETA], corner[MOMENT], -1.0
     if s * (first[n - 1] - constant) >= 0.0:  # nothing of it slips
-        return min((curve[ON_W, n - 1] - curve[ON_U, n - 1]) / (2.0 * c), z), curve[ON_MOMENT, n - 1]
+        return (curve[ON_W, n - 1] - curve[ON_U, n - 1]) / (2.0 * c), curve[ON_MOMENT, n - 1], 1.0
     a, b = -1.0, 1.0
     for j in range(1, n):  # s u falls along the curve: two neighbouring nodes bracket the root
         if s * (first[j] - constant) <= 0.0:
@@ -147,7 +180,7 @@ def _front_on_curve(memory, i, s, z, c, constant):
             break
         root = new
     eta = s * (interpolate(root, sigma, bary, second) - constant) / (2.0 * c)
-    return min(max(eta, 0.0), z), interpolate(root, sigma, bary, curve[ON_MOMENT])
+    return max(eta, 0.0), interpolate(root, sigma, bary, curve[ON_MOMENT]), root
 
 
 @compiled
@@ -175,7 +208,10 @@ def annulus_slip(z, eta):
 
 @compiled
 def write_curve(memory, i, z, x, level, c):
-    """Append a curve (4) of z, x and M at the nodes of its segment; False if there is no room."""
+    """Append a curve (4) of z, x and M at the nodes of its segment; False if there is no room.
+
+    It joins the arc of the last piece if the edge has been `growing` since that was written.
+    """
     rates, k, n = memory.grid.rates, memory.number[i], z.size
     if k >= memory.kind.shape[1]:
         return False
@@ -191,6 +227,8 @@ def write_curve(memory, i, z, x, level, c):
     # the approach of a contact that has just closed may be negative by a rounding error
     corner[ETA], corner[U], corner[W] = max(z[0], 0.0), curve[ON_U, 0], curve[ON_W, 0]
     corner[MOMENT] = level[0]
+    joins = k > 0 and memory.growing[i] == 1 and memory.kind[i, k - 1] == 0
+    memory.arc[i, k] = memory.arc[i, k - 1] if joins else k
     memory.kind[i, k] = 0
     memory.number[i] = k + 1
     memory.level[i] = level[n - 1]
@@ -202,16 +240,17 @@ def freeze(memory, i, regime, s, z, x, c):
     """Make the open line of annular or gross slip the last piece of the chain; False if there is no room."""
     if regime != Regime.ANNULUS and regime != Regime.SLIP:
         return True
+    eta, below = 0.0, 0.0
+    if regime == Regime.ANNULUS:
+        trim(memory, i, s, z, x, c)
+        eta, below = front(memory, i, s, z, x, c)
     k = memory.number[i]
     if k >= memory.kind.shape[1]:
         return False
-    eta, below = 0.0, 0.0
-    if regime == Regime.ANNULUS:
-        eta, below = front(memory, i, s, z, x, c)
     y = x - s * c * (z - eta)
     corner = memory.corner[i, k]
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
-    memory.kind[i, k] = 1 if s > 0.0 else -1
+    memory.kind[i, k], memory.arc[i, k] = 1 if s > 0.0 else -1, k
     memory.number[i] = k + 1
     memory.level[i] = below + s * (load(z, Shape.SPHERE) - load(eta, Shape.SPHERE))
     return True
@@ -243,6 +282,8 @@ def follow(problem, memory, i, regime, which, s, point):
         return (Regime.SLIP if s * x_rate > c * z_rate else Regime.GROW), s, 0.0, Event.CONTACT
     if regime == Regime.GROW:
         s = 1.0 if which == Guard.GROW_FORWARD else -1.0
+        if z_rate < 0.0:  # the edge retreats, and the spring at the new edge slips from its anchor to x
+            s = 1.0 if x_rate > _slope_at_edge(memory, i, c) * z_rate else -1.0
         regime = _begin_slip(memory, i, s)
         return regime, s, (s * c * z if regime == Regime.SLIP else x), Event.REVERSAL
     if which == Guard.SLIP_SPEED:  # slip of this sign ends: the contact grows, or slips back from the edge
@@ -254,12 +295,23 @@ def follow(problem, memory, i, regime, which, s, point):
             return Regime.GROW, s, x, kind
         return _begin_slip(memory, i, -s), -s, x, kind
     if which == Guard.ANNULUS_PIECE:  # a piece is wiped out
-        memory.number[i] -= 1
+        memory.number[i] = memory.arc[i, memory.number[i] - 1]
         if _begin_slip(memory, i, s) == Regime.SLIP:
             return Regime.SLIP, s, s * c * z, Event.STICK_TO_SLIP
         return Regime.ANNULUS, s, x, Event.WIPE_OUT
     regime = _begin_slip(memory, i, -s)  # the shrinking edge has met the front
     return regime, -s, (-s * c * z if regime == Regime.SLIP else x), Event.WIPE_OUT
+
+
+@compiled
+def _slope_at_edge(memory, i, c):
+    """Return dy/d eta at the edge of a contact that has grown, of a curve between its last two nodes."""
+    k = memory.number[i] - 1
+    if k < 0 or memory.kind[i, k] != 0:
+        return c * memory.kind[i, k] if k >= 0 else 0.0
+    u, w, n = memory.curve[i, k, ON_U], memory.curve[i, k, ON_W], memory.grid.sigma.size
+    du, dw = u[n - 1] - u[n - 2], w[n - 1] - w[n - 2]
+    return c * (du + dw) / (dw - du) if dw > du else 0.0
 
 
 @compiled
@@ -296,13 +348,13 @@ def guard(problem, memory, i, regime, which, s, point, eta):
         return FAR_SIDE + slip_speed(s, z_rate, x_rate, c)
     k = memory.number[i] - 1
     own, other = (U, W) if s > 0.0 else (W, U)
-    if which == Guard.ANNULUS_PIECE:  # u (or w) of the open line, less that at the inner end of the last piece
-        return FAR_SIDE + s * (memory.corner[i, k, own] - x) + c * z
+    if which == Guard.ANNULUS_PIECE:  # u (or w) of the open line, less that at the inner end of the last arc or line
+        return FAR_SIDE + s * (memory.corner[i, memory.arc[i, k], own] - x) + c * z
     # ANNULUS_EDGE: distance of the edge from the front
-    if memory.kind[i, k] != 0:  # as in `front`, but without its limits, so that it is smooth beyond the event
+    if memory.kind[i, k] != 0:  # as in `front`, but not limited to positive values
         eta = 0.5 * (z + s * (memory.corner[i, k, other] - x) / c)
     else:  # A contact that opens along the curve on which it closed has its front at the edge up to rounding: the
-        # front is moved inwards by more than that, so that this guard does not end the regime.
+        # front is moved inwards by more than that, so that slip does not change its sign again and again.
         eta -= 1e-11
     return FAR_SIDE + z - eta
 
@@ -322,7 +374,19 @@ def guard_rate(problem, memory, i, regime, which, s, point, second):
         return -slip_speed(1.0 if which == Guard.GROW_FORWARD else -1.0, second[0], second[1], c)
     if which == Guard.SLIP_SPEED:
         return slip_speed(s, second[0], second[1], c)
-    return c * z_rate - s * x_rate if which == Guard.ANNULUS_PIECE else 0.5 * (s * x_rate + c * z_rate) / c
+    if which == Guard.ANNULUS_PIECE:
+        return c * z_rate - s * x_rate
+    if on_curve(memory, i):
+        constant = point.deformation - s * c * point.approach
+        k = _crossed(memory, i, s, constant)
+        at = _front_on_curve(memory, i, k, s, c, constant)[2]
+        sigma, bary, curve = memory.grid.sigma, memory.grid.bary, memory.curve[i, k]
+        u_slope = interpolate(at, sigma, bary, curve[RATE_U])
+        w_slope = interpolate(at, sigma, bary, curve[RATE_W])
+        own = u_slope if s > 0.0 else w_slope
+        if s * own < 0.0:
+            return z_rate - (x_rate - s * c * z_rate) * (w_slope - u_slope) / (2.0 * c * own)
+    return 0.5 * (s * x_rate + c * z_rate) / c
 
 
 @compiled
