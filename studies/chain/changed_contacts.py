@@ -49,8 +49,8 @@ class ChangedContacts(ChangedScenes):
 
     Parameters
     ----------
-    table : dict
-        The scene's TOML document.
+    table, numbers
+        As of `ChangedScenes`.
     tolerance : float
         Of the velocity, over its reference speed.
     shared : Shared
@@ -62,9 +62,10 @@ class ChangedContacts(ChangedScenes):
     """
 
     def __init__(
-        self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False, as_run: bool = False
-    ) -> None:
-        super().__init__(table)
+        self, table: dict, *, tolerance: float, shared: Shared = Shared(), coarse: bool = False, as_run: bool = False,
+        numbers: dict | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(table, numbers)
         self.tolerance, self.coarse, self.as_run = tolerance, coarse, as_run
         self.slider = "slider" in table if shared.slider is None else shared.slider
         self.positions, self.limits = shared.positions, shared.limits

@@ -15,20 +15,29 @@ from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Stator
 from studies.scene.drive import Drive
-from studies.scene.override import replaced
+from studies.scene.override import replaced, value_at
 
 MAX_BLOCKS = 10_000  # of each kind, in memory
 
 
 class ChangedScenes:
-    """The scene of a TOML document ``table`` with some of its keys changed."""
+    """The scene of a TOML document with some of its keys changed.
 
-    def __init__(self, table: dict) -> None:
+    Parameters
+    ----------
+    table : dict
+        The TOML document.
+    numbers : dict, optional
+        The document with numbers for its automatic values.  With it, a change of one modulus of a named ball makes
+        numbers of both; without it, such a change is refused.
+    """
+
+    def __init__(self, table: dict, numbers: dict | None = None) -> None:
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
-        self.table = table
+        self.table, self.numbers = table, table if numbers is None else numbers
         # functions, not methods: a cached method would refer to this object, and this cycle would hold the solved
         # stators of a subclass in memory until the next garbage collection
         self._read = partial(_read_block, table, rules)
@@ -39,7 +48,7 @@ class ChangedScenes:
         """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
         own: dict[str, list] = {}
         blocks = {}
-        for key, value in changes.items():
+        for key, value in (self._moduli_for(changes) | changes).items():
             name, dot, _ = key.partition(".")
             if dot:
                 own.setdefault(name, []).append((key, value))
@@ -51,6 +60,14 @@ class ChangedScenes:
             if isinstance(blocks[name], SceneError):
                 raise blocks[name].with_traceback(None)
         return Scene(**blocks)
+
+    def _moduli_for(self, changes: dict) -> dict:
+        """Return the changes that replace a named ball by its moduli, if one of them is changed."""
+        moduli = [f"slider.{key}" for key in resolve.MODULI]
+        numbers = {key: value_at(self.numbers, key) for key in moduli}
+        if not any(key in changes for key in moduli) or None in numbers.values():
+            return {}
+        return ({"slider.ball": None} if value_at(self.table, "slider.ball") is not None else {}) | numbers
 
     def resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
         """Return the scene with numbers for automatic values, and its stator alone at 1 V, None for a [wave]."""

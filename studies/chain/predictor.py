@@ -48,12 +48,17 @@ class Predictor(ChangedContacts):
         self.free = "wave" not in table and not table.get("transducer")
 
     @classmethod
-    def of_record(cls, record: Record) -> "Predictor":
-        """Return the predictor of a run's scene, its stator known, without the scene's burst and [uncertain] block."""
+    def of_record(cls, record: Record, written: Scene | None = None) -> "Predictor":
+        """Return the predictor of a run's scene, its stator known, without the scene's burst and [uncertain] block.
+
+        ``written``: the scene before its automatic values became numbers; with it, the preload and the moduli follow
+        the changed keys (`resolve.following`).
+        """
         scene = replace(record.scene, uncertain=None)
         if scene.burst is not None:
             scene = scene.with_source(burst=None)
-        predictor = cls(scene.to_table(), tolerance=record.tolerance, steps=1)
+        table = resolve.following(scene, written or scene).to_table()
+        predictor = cls(table, tolerance=record.tolerance, steps=1, numbers=scene.to_table())
         resolved, stator = predictor.resolved({})
         if stator is not None:
             positions = resolved.positions

@@ -24,6 +24,7 @@ from studies.scene.slider import Slider
 MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processor
 # Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine.
 CYCLE_SECONDS = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
+MODULI = ("effective_modulus", "tangential_modulus")  # of the slider; they follow from a named ball
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
@@ -62,6 +63,18 @@ def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
 
     normal, tangential = pair_moduli(slider.ball, solid(stator))
     return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
+
+
+def following(scene: Scene, written: Scene) -> Scene:
+    """Return a resolved scene whose preload and moduli follow from other numbers again, where they do as ``written``.
+
+    A preload of "weight" follows the mass and gravity, the moduli of a named ball follow the stator's solid.  A period,
+    a frequency, a match or a load that the program has chosen stays as it is, like that of a motor that has been built.
+    """
+    if scene.slider is None:
+        return scene
+    keys = ("preload", "ball", *MODULI)
+    return replace(scene, slider=replace(scene.slider, **{key: getattr(written.slider, key) for key in keys}))
 
 
 def _with_circuit(scene: Scene, spread: bool | None) -> Scene:

@@ -83,7 +83,7 @@ def run(
 
 
 def _run(scene: Scene, tolerance: float) -> Record:
-    scene = resolve.resolved(scene)
+    written, scene = scene, resolve.resolved(scene)
     if scene.wave is not None:
         record = _prescribed(scene, tolerance)
     elif scene.transducer:
@@ -94,7 +94,10 @@ def _run(scene: Scene, tolerance: float) -> Record:
     if scene.uncertain is not None:
         from studies.chain.uncertainty import with_bands
 
-        record = with_bands(record)
+        record = with_bands(record, written)
+        if record.scene.slider is not None:  # so that the stored scene runs to the same intervals
+            slider = replace(record.scene.slider, preload=written.slider.preload)
+            record = replace(record, scene=replace(record.scene, slider=slider))
     record = with_model_error(record)
     return replace(record, warnings=warnings_of(record))
 

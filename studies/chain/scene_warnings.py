@@ -80,7 +80,7 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
             f"{across:g} m across: a number without a unit is in m"
         )
     waves = [each.period for each in scene.transducer if isinstance(each.period, float)]
-    if waves and isinstance(slider.preload, float) and (area := _area_radius(slider)) > MAX_CONTACT_SHARE * min(waves):
+    if waves and (area := _area_radius(slider)) > MAX_CONTACT_SHARE * min(waves):
         yield (
             f"the area of contact has a radius of {area * 1e6:.3g} um at rest, {area / min(waves):.2g} wavelengths: "
             "the model takes the surface under a contact as flat and in phase: a smaller slider.radius, or less "

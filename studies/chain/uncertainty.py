@@ -12,8 +12,12 @@ There are two methods:
 
 If the scene names no method, ``sampled`` is used for a nonlinear answer without an uncertain number of the stator,
 because the samples then need no further solution of the stator. Otherwise ``linear`` is used.
+
+A preload of "weight" follows an uncertain mass or gravity, as in runs of the changed scene; a tolerance of the preload
+then adds to the weight. Uncertain positions are evaluated on one solution of the stator.
 """
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +26,8 @@ from scipy.stats import norm, qmc, truncnorm
 from studies.chain.predictor import Predictor
 from studies.chain.solved_stator import changes_stator
 from studies.record import Record
+from studies.refusal import SceneError
+from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS, Tolerance
 
@@ -33,15 +39,22 @@ KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name 
 # Largest nonlinearity for which an answer counts as linear: the distance of the nominal answer from the chord between
 # the answers at the ends, over the half-width of the interval. The error of the interval is then a tenth of its width.
 BEND = 0.1
+MAX_POSITIONS = 4096  # at which one solution of the stator is evaluated
 
 
-def with_bands(record: Record) -> Record:
-    """Return the record of a scene with [uncertain], with intervals at its points and the block ``uncertainty``."""
+def with_bands(record: Record, written: Scene) -> Record:
+    """Return the record of a scene with [uncertain], with intervals at its points and the block ``uncertainty``.
+
+    ``written``: the scene of the record before its automatic values became numbers.
+    """
     settings = {key: value for key, value in record.scene.uncertain or () if key in DEFAULTS}
     options, numbers = DEFAULTS | settings, tolerances(record.scene)
-    predictor = Predictor.of_record(record)
+    answers, in_one = _Answers(record, written), options["method"] == "sampled"
+    answers.share_positions(
+        [{}, *_moved(numbers, (1.0, -1.0, 0.5, -0.5)), *(sampled(numbers, options["samples"]) if in_one else ())]
+    )
     # changes of the answers at the upper and the lower end of each tolerance, shape (numbers, 2, answers)
-    middle, *ends = _answers(predictor, record, [{}, *_moved(numbers, (1.0, -1.0))])
+    middle, *ends = answers([{}, *_moved(numbers, (1.0, -1.0))])
     changes = np.reshape(ends, (len(numbers), 2, len(middle))) - middle
     half = 0.5 * np.abs(changes[:, 0] - changes[:, 1])
     centre, width = _centre(record), np.sqrt(np.sum(half**2, axis=0))
@@ -52,14 +65,16 @@ def with_bands(record: Record) -> Record:
     block: dict = {"method": options["method"], "level": LEVEL}
     block["tolerances"] = {each.key: each.half_width for each in numbers}
     if options["method"] == "sampled":
-        samples = _answers(predictor, record, sampled(numbers, options["samples"]))
+        sets = sampled(numbers, options["samples"])
+        answers.share_positions(sets)
+        samples = answers(sets)
         low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
         block["samples"] = options["samples"]
     else:
         low, high = centre - width, centre + width
         bent = np.flatnonzero(bends.any(axis=1))
         if bent.size:
-            halfway = _answers(predictor, record, _moved([numbers[k] for k in bent], (0.5, -0.5))) - middle
+            halfway = answers(_moved([numbers[k] for k in bent], (0.5, -0.5))) - middle
             # the changes at the ends are repeated for the other numbers, so that largest and smallest are unchanged
             trial_changes = np.concatenate([changes, changes], axis=1)
             trial_changes[bent, 2:] = halfway.reshape(bent.size, 2, -1)
@@ -115,20 +130,51 @@ def without_level(changed: dict[str, float]) -> tuple[float, dict[str, float]]:
     return factor**0.5 if "drive.power" in changed else factor, others
 
 
-def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.ndarray:
-    """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
-    key, levels = record.scene.level_key, [point[record.level] for point in record.points]
-    points, tops, factors = [], [], []
-    top = max(levels) or 1.0
-    for changed in changes:
-        factor, other_changes = without_level(changed)
-        factors.append(factor)
-        points += [other_changes | {key: level * factor} for level in levels]
-        tops.append(other_changes | {key: top})
-    answers = predictor.answers(points)
-    velocities = np.reshape([each.get("velocity_m_per_s", np.nan) for each in answers], (len(changes), len(levels)))
-    limits = []
-    for answer, factor in zip(predictor.answers(tops, ("limits",)), factors, strict=True):
-        ratios = np.array([answer.get(f"{name}_factor", np.nan) for name in LIMITS])
-        limits.append([*(ratios * answer.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
-    return np.column_stack([velocities, np.array(limits)])
+class _Answers:
+    """The answers of a run's scene for sets of changed numbers.
+
+    ``written``: the scene before its automatic values became numbers.
+    """
+
+    def __init__(self, record: Record, written: Scene) -> None:
+        self.record, self.predictor = record, Predictor.of_record(record, written)
+        self.weighed = record.scene.slider is not None and written.slider.preload == "weight"
+
+    def __call__(self, changes: list[dict]) -> np.ndarray:
+        """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
+        key, levels = self.record.scene.level_key, [point[self.record.level] for point in self.record.points]
+        points, tops, factors = [], [], []
+        top = max(levels) or 1.0
+        for changed in changes:
+            factor, other_changes = without_level(self._with_weight(changed))
+            factors.append(factor)
+            points += [other_changes | {key: level * factor} for level in levels]
+            tops.append(other_changes | {key: top})
+        answers = self.predictor.answers(points)
+        velocities = np.reshape([each.get("velocity_m_per_s", np.nan) for each in answers], (len(changes), len(levels)))
+        limits = []
+        for answer, factor in zip(self.predictor.answers(tops, ("limits",)), factors, strict=True):
+            ratios = np.array([answer.get(f"{name}_factor", np.nan) for name in LIMITS])
+            limits.append([*(ratios * answer.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
+        return np.column_stack([velocities, np.array(limits)])
+
+    def _with_weight(self, changed: dict[str, float]) -> dict[str, float]:
+        """Return a set of changed numbers in which a changed preload adds to the weight of a changed mass."""
+        weighed = [f"slider.{name}" for name in ("mass", "gravity")]
+        if not (self.weighed and "slider.preload" in changed and any(key in changed for key in weighed)):
+            return changed
+        slider = self.record.scene.slider
+        mass, gravity = (changed.get(key, getattr(slider, key.partition(".")[2])) for key in weighed)
+        return changed | {"slider.preload": changed["slider.preload"] + mass * gravity - slider.mass * slider.gravity}
+
+    def share_positions(self, changes: list[dict]) -> None:
+        """Let one solution of the stator serve the positions of all sets of numbers, unless these change the stator."""
+        positions: dict = {}
+        if self.record.surface_motion is None or any(changes_stator(key) for each in changes for key in each):
+            return
+        for changed in changes:
+            with suppress(SceneError):  # refused again where it is answered
+                positions |= dict.fromkeys(self.predictor.scene(without_level(changed)[1]).positions)
+        new = not set(positions) <= {*self.record.scene.positions, *self.predictor.positions}
+        if new and len(positions) <= MAX_POSITIONS:
+            self.predictor.positions = tuple(positions)

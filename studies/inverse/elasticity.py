@@ -38,7 +38,7 @@ SIDE = 0.01  # change of a number to either side, beside its elasticity
 def numbers(predictor: MeasurementPredictor) -> list[str]:
     """Return the keys of a scene's positive numbers that an answer may depend on; entries of lists are left out."""
     left_out = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
-    table = {name: block for name, block in predictor.table.items() if name != "uncertain"}
+    table = {name: block for name, block in predictor.numbers.items() if name != "uncertain"}
     positive = (key for key, value in walk(table) if isinstance(value, float) and value > 0.0)
     return [key for key in positive if not key.endswith(left_out) and not key.rpartition(".")[2].isdigit()]
 

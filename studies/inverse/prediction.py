@@ -18,7 +18,7 @@ import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
-from studies.chain.resolve import resolved
+from studies.chain.resolve import following, resolved
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
 from studies.chain.solved_stator import POSITION_KEYS, changes_stator
 from studies.chain.steady import steady_answers
@@ -46,14 +46,16 @@ MAX_FIELDS = 64  # predictions of scans and networks in memory, each of one stat
 class MeasurementPredictor(Predictor):
     """Predictions of measurements of one scene with changed numbers.
 
-    Words such as "weight" and "auto" become numbers before any key is changed; ``tolerance``: of the velocity, for the
-    stator.
+    Words such as "auto" become numbers before any key is changed; a preload of "weight" and the moduli of a named ball
+    follow the changed keys (`resolve.following`).  ``tolerance``: of the velocity, for the stator.
     """
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3):
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: a driven stator or a [wave] is needed")
-        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1)
+        numbers = resolved(scene)
+        table = following(numbers, scene).to_table()
+        super().__init__(table, tolerance=tolerance, steps=1, numbers=numbers.to_table())
         self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
         self._stage, self._total, self._done, self._last_report = "", 0, 0, 0.0
 
@@ -86,10 +88,10 @@ class MeasurementPredictor(Predictor):
         return "pillars" in self.table.get("slider", {})
 
     def value(self, key: str) -> float | None:
-        """Return the scene's own value of a key; None where it has none."""
+        """Return the scene's own value of a key as a number; None where it has none."""
         if key in (AMPLITUDE_FACTOR, WAVE_VELOCITY_FACTOR):
             return 1.0
-        value = value_at(self.table, key) if "." in key else None
+        value = value_at(self.numbers, key) if "." in key else None
         return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
     def needs_stator(self, key: str) -> bool:

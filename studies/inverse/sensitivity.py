@@ -1,7 +1,7 @@
 """Sensitivity of the motor to its parameters: elasticities of velocity, limits, thrust, efficiency and start-up time.
 
-Method: d ln(answer) / d ln(parameter) for every positive parameter of the resolved scene (a preload of "weight" becomes
-a force, which stays constant when the mass changes), at the largest voltage or amplitude. The derivatives are
+Method: d ln(answer) / d ln(parameter) for every positive parameter of the resolved scene (a preload of "weight"
+follows the mass, and is a number itself), at the largest voltage or amplitude. The derivatives are
 extrapolated differences, each with its error; the step is the fifth root of the accuracy of the answer. Of a slider on
 pillars, velocity, thrust and efficiency are known. For balls, the elasticities of the velocity are also computed by the
 implicit function theorem in the averaged equilibrium. Start-up times are those of the averaged motion, because a

@@ -49,7 +49,7 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
         else:
             lines[name] = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
     if resolved_scene.on_pillars:
-        slider = replace(slider, preload=resolved_scene.slider.preload)  # of all pillars
+        slider = replace(slider, preload=resolved_scene.slider.preload_force)  # of all pillars
     balls = resolved_scene.slider.share
     friction = slider.static_friction(len(driven.orbits))
     findings = (

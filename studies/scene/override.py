@@ -40,6 +40,8 @@ def setting_of(text: str) -> tuple[str, object]:
 def replaced(holder, key: str, value, path: str = ""):
     """Return a copy of a scene's table with the value at a dotted key replaced, entries of lists numbered from 0.
 
+    None removes the key.
+
     ``path``: dotted key of the holder in the scene.
     """
     key, dot, rest = key.partition(".")
@@ -50,7 +52,8 @@ def replaced(holder, key: str, value, path: str = ""):
         inner = replaced(holder[int(key)], rest, value, here) if dot else value
         return [inner if index == int(key) else entry for index, entry in enumerate(holder)]
     if isinstance(holder, dict):
-        return holder | {key: replaced(holder.get(key, {}), rest, value, here) if dot else value}
+        whole = holder | {key: replaced(holder.get(key, {}), rest, value, here) if dot else value}
+        return {name: each for name, each in whole.items() if each is not None}
     raise SceneError(here, f"cannot be set: {path} is {shown(holder)} and holds no keys")
 
 

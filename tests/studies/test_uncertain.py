@@ -6,9 +6,13 @@ import json
 import numpy as np
 import pytest
 
+import fem
 from studies import Record, Scene, run
 from studies.__main__ import main
+from studies.chain import changed_contacts
+from studies.chain.moduli import pair_moduli
 from studies.chain.uncertainty import sampled, without_level
+from studies.inverse.prediction import MeasurementPredictor
 from studies.record import run_pictures
 from studies.record.plots import new_figure
 from studies.record.text import answer
@@ -16,6 +20,19 @@ from studies.scene.toml import document
 from studies.scene.uncertain import Tolerance
 
 PRELOAD, MODULUS = 8e-4, 64e9
+SMALL = {
+    "stator": {"material": "PZT-8", "length": 12e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing",
+               "diffraction": False},
+    "transducer": [
+        {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
+    ],
+    "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [30.0]},
+    "slider": {
+        "position": 7e-3, "radius": 1e-3, "mass": 8.9e-5, "contacts": 1, "preload": "weight",
+        "friction_coefficient": 0.08, "effective_modulus": 64e9, "tangential_modulus": 12e9,
+        "damping": {"normal": 0.5, "tangential": 1e-4},
+    },
+}  # fmt: skip
 
 
 def motor(levels=("5 nm",), **uncertain):
@@ -134,3 +151,70 @@ def test_samples_keep_their_sign_and_a_power_is_the_square_of_the_level():
     assert np.std([each["drive.power"] for each in samples]) == pytest.approx(0.1 / 1.96, rel=0.02)
     assert without_level({"drive.power": 1.21, "slider.mass": 2e-4}) == (pytest.approx(1.1), {"slider.mass": 2e-4})
     assert without_level({"drive.voltage": 1.21}) == (1.21, {})
+
+
+@pytest.mark.parametrize(("key", "value"), [("mass", 0.089e-3), ("gravity", 9.81)])
+def test_a_weight_follows_its_mass_and_its_gravity(key, value):
+    """The band is that of the program's own runs: +-0.73 mm/s; a frozen weight left +-1.3e-5 mm/s of the mass."""
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["5 nm"]})
+    record = run(scene.replace(uncertain={"slider": {key: "+- 10 %"}}))
+    low, high = sorted(float(run(scene.replace(slider={key: factor * value})).velocity[0]) for factor in (0.9, 1.1))
+    point = record.points[0]
+    band = point["velocity_low_m_per_s"], point["velocity_high_m_per_s"]
+    assert high - low > 1e-3
+    assert band[1] - band[0] == pytest.approx(high - low, rel=1e-6)
+    assert np.mean(band) == pytest.approx(record.velocity[0], rel=1e-12)
+    assert record.scene.slider.preload == "weight"
+    assert run(record.scene).uncertainty == record.uncertainty
+
+
+def test_a_tolerance_of_the_weight_adds_to_that_of_the_mass():
+    """The release goes as weight^(2/3): 95 % of the samples of both together, as of independent numbers."""
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["5 nm"]})
+    record = run(scene.replace(uncertain={"slider": {"mass": "8 %", "preload": "6 %"}, "method": "sampled",
+                                          "samples": 60}))  # fmt: skip
+    low, high = np.array(record.uncertainty["release_amplitude_m"]) / record.summary["release_amplitude_m"]
+    assert (low, high) == pytest.approx((0.9 ** (2 / 3), 1.1 ** (2 / 3)), rel=0.02)
+
+
+@pytest.mark.parametrize("method", ["linear", "sampled"])
+def test_an_uncertain_position_is_evaluated_on_one_solution_of_the_stator(monkeypatch, method):
+    """Velocities are those of whole runs at the ends; a sample took a stator of its own."""
+    small = Scene.from_table("", SMALL)
+    solved, solve = [], changed_contacts.solved_motion
+
+    def counted(scene, positions, **options):
+        solved.append(len(positions))
+        return solve(scene, positions, **options)
+
+    monkeypatch.setattr(changed_contacts, "solved_motion", counted)
+    uncertain = {"slider": {"position": "+- 0.1 mm"}, "method": method, "samples": 40}
+    record = run(small.replace(uncertain=uncertain), tolerance=1e-2)
+    assert solved[0] == 1
+    assert solved[1:] == [5 if method == "linear" else 45]
+    if method == "linear":
+        ends = [run(small.replace(slider={"position": x}), tolerance=1e-2).velocity[0] for x in (6.9e-3, 7.1e-3)]
+        half = record.uncertainty["velocity_half_width_m_per_s"]["slider.position"]
+        assert half == pytest.approx(abs(ends[1] - ends[0]) / 2, rel=2e-2)
+
+
+@pytest.mark.parametrize("key", ["slider.mass", "slider.gravity"])
+def test_a_fit_and_a_sensitivity_let_the_weight_follow_too(key):
+    predictor = MeasurementPredictor(Scene.load("twente-contact"))
+    (own,) = (predictor.value(each) or 9.81 for each in (key,))
+    body = predictor.contact({key: 1.2 * own}).slider
+    assert body.preload == pytest.approx(1.2 * 0.089e-3 * 9.81, rel=1e-12)
+    assert predictor.value("slider.preload") == pytest.approx(0.089e-3 * 9.81, rel=1e-12)
+    assert predictor.contact({"slider.preload": 1e-3, key: 1.2 * own}).slider.preload == 1e-3
+
+
+def test_moduli_follow_a_named_ball_until_one_of_them_is_changed():
+    numbers = ("effective_modulus", "tangential_modulus")
+    slider = {key: value for key, value in SMALL["slider"].items() if key not in numbers}
+    predictor = MeasurementPredictor(Scene.from_table("", SMALL | {"slider": slider | {"ball": "steel"}}))
+    moduli = [predictor.value(f"slider.{name}") for name in numbers]
+    for changes, material in (({}, "PZT-8"), ({"stator.material": "PZT-4"}, "PZT-4")):
+        slider = predictor.resolved(changes)[0].slider
+        assert (slider.effective_modulus, slider.tangential_modulus) == pair_moduli("steel", fem.material(material))
+    one = predictor.resolved({"slider.effective_modulus": 70e9})[0].slider
+    assert (one.ball, one.effective_modulus, one.tangential_modulus) == (None, 70e9, moduli[1])
