@@ -22,6 +22,7 @@ from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
 from studies.chain.points import SHARE, SliderAnswer, slider_answer
 from studies.chain.ring_up import RingUp
+from studies.chain.ripple import with_ripple
 from studies.chain.solved_stator import SolvedStator, stator_alone
 from studies.chain.surface_blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
 from studies.chain.surface_motion import SurfaceMotion
@@ -121,9 +122,12 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
         blocks = amplitude_blocks(scene, motion, positions[0], tolerance)
     else:
         motion, answer, ringing, seconds["contact"] = _with_contact(scene, contacts)
-        blocks = answer.blocks(tolerance)
         vanished = "" if scene.on_pillars else node(motion, positions)  # the centre is one position of many pillars
-        if refusal := vanished or unresolved(motion, positions):
+        refusal = vanished or unresolved(motion, positions)
+        if not (refusal or scene.on_pillars):
+            answer = _rippled(scene, motion, answer, tolerance, seconds)
+        blocks = answer.blocks(tolerance)
+        if refusal:
             blocks |= {"shortfall": f"no answer: {refusal}", "refused": True}
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
@@ -139,6 +143,18 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
         meshed_pieces=motion.wave.meshed_pieces, **blocks,
     )  # fmt: skip
     return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
+
+
+def _rippled(
+    scene: Scene, motion: SurfaceMotion, answer: SliderAnswer, tolerance: float, seconds: dict
+) -> SliderAnswer:
+    """Return the answer with mean and range over half a wavelength; their time is added to the contact's."""
+    LOGGER.debug("velocities about the position")
+    start_time = time.perf_counter()
+    solved = SolvedStator.of(motion, scene.positions, nearby=True)
+    answer = with_ripple(answer, DrivenContact.of_stator(scene, solved), tolerance)
+    seconds["contact"] += time.perf_counter() - start_time
+    return answer
 
 
 def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:

@@ -5,6 +5,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import contact
+from studies.chain.nearby_motion import NearbyMotion, nearby_motions
 from studies.chain.surface_blocks import unresolved
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
@@ -29,6 +30,7 @@ class LocalMotion(NamedTuple):
     relative_error: float
     covered: bool  # whether it lies under a transducer
     refusal: str  # why the motion there is no answer; empty where it is one
+    nearby: NearbyMotion | None = None  # about the position; None where it was not evaluated, or lies at an end
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +43,18 @@ class SolvedStator:
     power: float  # mean, from all sources into the stator, W per V^2
 
     @classmethod
-    def of(cls, motion: SurfaceMotion, positions, *, coarse: bool = False) -> "SolvedStator":
-        """Evaluate a surface motion at positions (x, y) in m; ``coarse``: it is that of the coarsest discretisation."""
+    def of(cls, motion: SurfaceMotion, positions, *, coarse: bool = False, nearby: bool = False) -> "SolvedStator":
+        """Evaluate a surface motion at positions (x, y) in m.
+
+        ``coarse``: it is that of the coarsest discretisation; ``nearby``: also about each position.
+        """
         tangential, _, normal = motion.at(positions)
         errors = [COARSE_ERROR] * len(positions) if coarse else motion.errors(positions)
+        about = nearby_motions(motion, positions) if nearby else {}
         at = {}
         for position, u_x, u_z, error in zip(positions, tangential, normal, errors, strict=True):
             covered, refusal = motion.covered(position), unresolved(motion, [position])
-            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal)
+            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal, about.get(position))
         return cls(
             at=at, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,

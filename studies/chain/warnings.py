@@ -31,6 +31,7 @@ OFF_RESONANCE = 1.15  # largest amplitude over frequency, relative to the presen
 USUAL_SPEED = 10.0  # m/s of a slider; surface-acoustic-wave motors reach 1 to 2 m/s
 SIDEWAYS = 0.1  # |u_y|/|u_x|
 DECIDES = 0.1  # relative change of u_z or of the velocity by a neglected effect
+RIPPLE = 0.1  # range of the velocity over half a wavelength, over the larger of its mean and omega u_x / 10
 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
@@ -44,7 +45,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
     elif record.scene.wave is not None:
         warnings += _left_out(record)
     if record.scene.slider is not None:
-        warnings += [*_contact(record), *_points(record), *_other_motion(record)]
+        warnings += [*_contact(record), *_points(record), *_ripple(record), *_other_motion(record)]
     if record.scene.on_pillars:
         from studies.chain.pillar_effects import pillar_warnings
 
@@ -251,6 +252,27 @@ def _points(record: Record) -> Iterator[str]:
         starts = "" if threshold is None else f"; it starts at {named(threshold)}"
         accuracy = "" if error is None else f"; the relative error of the wave under the slider is {error:.1e}"
         yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
+
+
+def _ripple(record: Record) -> Iterator[str]:
+    """Yield a warning if the velocity depends on where within half a wavelength the slider is."""
+    summary, rippled = record.summary, []
+    if summary.get("velocity_ripple", 0.0) < RIPPLE:
+        return
+    for point in record.points:
+        if "mean_velocity_m_per_s" in point:
+            mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
+            if high - low >= RIPPLE * abs(mean) > 0.0:
+                rippled.append((point[record.level], point["velocity_m_per_s"], mean, low, high))
+    level, *speeds = max(rippled)
+    here, mean, low, high = (f"{1e3 * speed:.4g}" for speed in speeds)
+    yield (
+        f"the wave is partly a standing one, and the velocity depends on fractions of its length: {low} to {high} mm/s "
+        f"within half a wavelength about the slider's position, {mean} mm/s in the mean over place, {here} mm/s at the "
+        f"position ({record.scene.named(level)}): take the mean for a slider that travels, or reduce the reflection "
+        "(standing-wave ratio "
+        f"{record.wave['standing_wave_ratio']:.3g}; split fingers reflect least)"
+    )
 
 
 def _other_motion(record: Record) -> Iterator[str]:

@@ -81,12 +81,14 @@ def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
     axes = record.level, "velocity_m_per_s"
+    where = ", at the position" if any("mean_velocity_m_per_s" in point for point in record.points) else ""
     for regime, mark in MARKS.items():
         points = [point for point in record.points if point.get("regime") == regime]
         if points:
-            ax.plot(*_shown(points, *axes), mark, color=COLOURS[regime], label=regime)
+            ax.plot(*_shown(points, *axes), mark, color=COLOURS[regime], label=regime + where)
     if len(record.points) <= MAX_LABELLED:
         _values(ax, record, axes)
+    _ripple(record, ax)
     missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
     if missed:
         ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
@@ -126,6 +128,23 @@ def _values(ax, record: "Record", axes: tuple[str, str]) -> None:
         ax.annotate(text, (x, y), textcoords="offset points", fontsize="small", **place)
     ax.set_xlim(0.0, 1.15 * largest or None)
     ax.plot([0.0], [0.0], linestyle="none")  # the origin lies within the axes
+
+
+def _ripple(record: "Record", ax) -> None:
+    """Shade the range of the velocity over half a wavelength, and draw its mean over place."""
+    points = sorted((p for p in record.points if "mean_velocity_m_per_s" in p), key=lambda point: point[record.level])
+    if not points:
+        return
+    at, low, mean, high = _shown(
+        points, record.level, *(f"{n}_velocity_m_per_s" for n in ("lowest", "mean", "highest"))
+    )
+    style = {"color": COLOURS["stick"], "linewidth": 0}
+    if len(points) == 1:
+        ax.vlines(at, low, high, color=COLOURS["stick"], alpha=0.4, linewidth=6, label="range, half a wavelength")
+        curve(ax, at, mean, "_", "line", "mean over place", size=10.0)
+        return
+    ax.fill_between(at, low, high, alpha=0.25, label="range, half a wavelength", **style)
+    curve(ax, at, mean, "-.", "line", "mean over place")
 
 
 def _shown(points, *keys: str) -> list[Any]:

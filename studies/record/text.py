@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     "voltage_V", "available_power_W", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s",
-    "velocity_low_m_per_s", "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime",
-    "relative_error", "model_relative_error", "status",
+    "mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s", "velocity_low_m_per_s",
+    "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime", "relative_error",
+    "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed
 SHARES = {
     "delivered": "W_per_V2",
@@ -43,7 +44,7 @@ def answer(record: "Record") -> str:
         head, points = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
-    entries: list[tuple] = [*_wave(record), *_limits(record), *_uncertainty(record.uncertainty)]
+    entries: list[tuple] = [*_wave(record), *_ripple(record), *_limits(record), *_uncertainty(record.uncertainty)]
     entries += comparison(record.measured)
     bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
@@ -151,6 +152,21 @@ def _wave(record: "Record"):
         yield "diffraction", f"the plane section would give {percent(change)} at the slider's position"
     yield "admittance", _stated(electrical, "admittance_S")
     yield from _source(electrical, record.scene.drive)
+
+
+def _ripple(record: "Record"):
+    """Yield name and text of the velocity's range over half a wavelength, and which velocity is which."""
+    summary = record.summary
+    if "velocity_ripple" not in summary:
+        return
+    where = quantity("ripple_to_m").interval(summary["ripple_from_m"], summary["ripple_to_m"])
+    size = quantity("velocity_ripple").with_unit(summary["velocity_ripple"])
+    errors = [point["mean_velocity_relative_error"] for point in record.points if "mean_velocity_m_per_s" in point]
+    if not errors:
+        yield "ripple", f"the velocity differs by {size} at most within half a wavelength, {where}: below the tolerance"
+        return
+    yield "ripple", f"velocity: at the slider's position; mean (over place), lowest and highest: within {where}, half a"
+    yield "", f"wavelength of a partly standing wave (range up to {size}, relative error up to {max(errors):.1e})"
 
 
 def _source(electrical: dict, drive):

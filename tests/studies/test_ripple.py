@@ -1,0 +1,213 @@
+"""Velocity over half a wavelength about a position: mean over place and range, on a partly standing wave.
+
+The truth is a scan of places of its own: the contact solved at each, by `contact.steady`, on the field that the stator
+has there; the mean is by the trapezoidal rule. The scans share neither the interpolation of the field, nor the
+polynomials, nor the averaged states.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contact
+from studies import Scene, run, sweep
+from studies.chain import chebyshev
+from studies.chain.bridge import DrivenContact
+from studies.chain.nearby_motion import nearby_motions
+from studies.chain.warnings import RIPPLE, warnings_of
+from studies.record.run_pictures import velocity as draw_velocity
+
+TOLERANCE = 1e-2
+COLUMNS = ("mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s")
+ECHOES = Scene.load(Path(__file__).parent / "scenes" / "echoes.toml")  # 40 mm of PZT-4, standing-wave ratio 2.15
+BALLS = ["-0.31 mm", ["0.1 mm", "3 mm"]]
+
+
+def scanned(record, level: float, count: int = 65) -> np.ndarray:
+    """Return the velocities at evenly spaced places of the interval of a run, each solved alone."""
+    scene, motion, summary = record.scene, record.surface_motion, record.summary
+    slider, positions = DrivenContact.of_run(record).slider, scene.slider.contact_positions
+    shifts = np.linspace(summary["ripple_from_m"], summary["ripple_to_m"], count) - scene.slider.center[0]
+    # one part in 1e9 inside, so that the ends lie on the stator
+    balls = [motion.along(x + shifts * (1 - 1e-9), y) for x, y in positions]
+    velocities = []
+    for k in range(count):
+        orbits = tuple(
+            contact.Orbit(frequency=motion.wave.frequency, tangential=complex(u[0][k]), normal=complex(u[2][k])).scaled(
+                level
+            )
+            for u in balls
+        )
+        velocities.append(contact.steady(slider, orbits, tolerance=1e-4).velocity)
+    return np.array(velocities)
+
+
+def truth(velocities: np.ndarray) -> np.ndarray:
+    """Return mean over place, lowest and highest velocity of a scan."""
+    return np.array([np.trapezoid(velocities) / (velocities.size - 1), velocities.min(), velocities.max()])
+
+
+def assert_as_scanned(record, point: dict, count: int = 65) -> None:
+    """Assert that a point's columns are within twice their stated error of a scan, and within its own resolution."""
+    velocities = scanned(record, point["voltage_V"], count)
+    error = abs(truth(velocities) - [point[name] for name in COLUMNS])
+    omega = 2 * np.pi * record.scene.frequency
+    reference = max(abs(point["mean_velocity_m_per_s"]), 0.1 * omega * point["tangential_amplitude_m"])
+    resolution = abs(truth(velocities) - truth(velocities[::2])).max()  # of the scan itself
+    assert error.max() <= 2 * point["mean_velocity_relative_error"] * reference + resolution
+
+
+@pytest.fixture(scope="module")
+def rippled(small):
+    """A small motor whose stator's end modes make a standing wave, standing-wave ratio 1.45."""
+    return run(small, tolerance=TOLERANCE)
+
+
+def test_polynomials_through_chebyshev_points():
+    """Closed form: exp on [-1, 1]."""
+    x, at = chebyshev.points(17), np.linspace(-1, 1, 7)
+    assert np.allclose(chebyshev.interpolation(17, at) @ np.exp(x), np.exp(at), rtol=1e-13, atol=0.0)
+    assert chebyshev.weights(17) @ np.exp(x) == pytest.approx(np.sinh(1.0), rel=1e-13)
+    assert np.array_equal(chebyshev.points(17)[::2], chebyshev.points(9))
+
+
+def test_the_motion_between_the_points_is_that_of_the_stator(rippled):
+    """Oracle: the field itself, beside the axis too."""
+    motion, position = rippled.surface_motion, (9e-3, 1e-3)
+    nearby = nearby_motions(motion, [position])[position]
+    quarter = motion.wave.phase_velocity / motion.wave.frequency / 4
+    assert (nearby.low, nearby.high) == pytest.approx((-quarter, quarter), rel=1e-12)
+    shifts = np.array([-0.97, -0.2, 0.013, 0.61]) * quarter
+    u_x, u_z, error = nearby.at(shifts)
+    truth_x, _, truth_z = motion.along(position[0] + shifts, position[1])
+    size = abs(truth_z).max()
+    assert abs(np.array([u_x - truth_x, u_z - truth_z])).max() < 1e-6 * size
+    assert np.all(error > 0.0)
+
+
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_mean_and_range_are_those_of_a_scan(rippled, level):
+    point = rippled.points[level]
+    assert_as_scanned(rippled, point)
+    low, mean, high = (
+        point["lowest_velocity_m_per_s"],
+        point["mean_velocity_m_per_s"],
+        point["highest_velocity_m_per_s"],
+    )
+    assert low < mean < high < 0.0
+    assert low <= point["velocity_m_per_s"] <= high
+    assert high - low > 0.3 * abs(mean)
+
+
+def test_they_are_those_of_runs_at_other_positions(rippled, small):
+    """Another door: a sweep over the slider's position, whose places are runs of their own."""
+    summary, point = rippled.summary, rippled.points[2]
+    places = np.linspace(summary["ripple_from_m"], summary["ripple_to_m"], 33)
+    one = small.replace(drive={"voltage": ["120 V"]})
+    rows = sweep(one, {"slider.position": places.tolist()}, tolerance=TOLERANCE).to_dataframe()
+    found = truth(rows["velocity_m_per_s"].to_numpy())
+    assert np.allclose([point[name] for name in COLUMNS], found, rtol=TOLERANCE, atol=0.0)
+
+
+@pytest.mark.parametrize(("position", "expected"), [(20e-3, (130.1, 72.7, 182.6)), (20.28e-3, (114.0, 69.8, 178.5))])
+def test_a_motor_in_front_of_a_reflector(position, expected):
+    """Oracle: scans of 64 runs over half a wavelength, in mm/s; they miss a minimum by 1 %, and the ends by 0.5 %."""
+    record = run(ECHOES.replace(slider={"position": position}), tolerance=1e-3)
+    (point,) = record.points
+    mean, fastest, slowest = (-1e3 * point[name] for name in COLUMNS)
+    assert mean == pytest.approx(expected[0], rel=2e-3)
+    assert slowest == pytest.approx(expected[1], rel=1.2e-2)
+    assert fastest == pytest.approx(expected[2], rel=6e-3)
+    assert any("partly a standing one" in each for each in record.warnings)
+
+
+def test_two_balls_have_their_own_places(small):
+    record = run(small.replace(slider={"contacts": BALLS}), tolerance=TOLERANCE)
+    assert_as_scanned(record, record.points[2], 33)
+
+
+def test_the_mirrored_motor_has_the_mirrored_range(small, rippled):
+    """Property: x -> -x changes the signs, and exchanges lowest and highest."""
+    table = small.to_table()
+    table["transducer"][0]["center"], table["slider"]["position"] = 10e-3, 5e-3
+    image = run(Scene.from_table("", table), tolerance=TOLERANCE)
+    for own, other in zip(image.points, rippled.points, strict=True):
+        expected = (
+            -other["mean_velocity_m_per_s"],
+            -other["highest_velocity_m_per_s"],
+            -other["lowest_velocity_m_per_s"],
+        )
+        assert np.allclose([own[name] for name in COLUMNS], expected, rtol=1e-6, atol=0.0)
+    ends = 14e-3 - image.summary["ripple_to_m"], 14e-3 - image.summary["ripple_from_m"]
+    assert ends == pytest.approx((rippled.summary["ripple_from_m"], rippled.summary["ripple_to_m"]), rel=1e-12)
+
+
+def test_a_slider_that_sticks_at_some_places(small):
+    """Near the threshold the velocity has kinks; at 10 V it sticks at two places of three and runs both ways beside."""
+    record = run(small.replace(drive={"voltage": ["10 V"]}), tolerance=1e-3)
+    (point,) = record.points
+    assert point["velocity_m_per_s"] == 0.0
+    assert_as_scanned(record, point, 65)
+    velocities = scanned(record, 10.0, 65)
+    assert np.sum(velocities == 0.0) > 32
+    found = [point[name] for name in COLUMNS[1:]]
+    assert found == pytest.approx([velocities.min(), velocities.max()], rel=1e-3)
+    assert found[0] < 0.0 < found[1]
+
+
+@pytest.mark.parametrize(
+    "slider", [{"mass": 2e-7, "preload": 0.87e-3}, {"law": "hysteretic"}], ids=["light", "hysteretic"]
+)
+def test_where_averaging_does_not_suffice_the_motion_itself_is_solved(small, slider):
+    scene = small.replace(slider=slider, drive={"voltage": ["60 V"]})
+    record = run(scene, tolerance=1e-3)
+    (point,) = record.points
+    assert_as_scanned(record, point, 33)
+    assert point["mean_velocity_relative_error"] < 3e-3
+
+
+def test_the_interval_ends_with_the_stator_and_at_the_fingers(small):
+    at_end = run(small.replace(slider={"position": "13.9 mm"}), tolerance=0.1).summary
+    assert 13.98e-3 < at_end["ripple_to_m"] <= 14e-3
+    assert at_end["ripple_from_m"] == pytest.approx(13.9e-3 - 0.25 * 0.992e-3, abs=2e-6)
+    fingers = 4e-3 + 3 * 0.98e-3 / 2
+    beside = run(small.replace(slider={"position": fingers + 0.1e-3}), tolerance=0.5).summary
+    assert fingers - 0.15e-3 < beside["ripple_from_m"] < fingers + 0.09e-3
+
+
+def test_without_reflection_there_are_no_columns(small, rippled):
+    """The same run at a tolerance above its ripple: the summary and the text say so."""
+    still = small.replace(stator={"thickness": "half-space", "diffraction": False}, drive={"voltage": ["120 V"]})
+    record = run(still, tolerance=0.15)
+    assert 0.0 < record.summary["velocity_ripple"] < 0.15
+    assert not set(COLUMNS) & set(record.points[0])
+    text = str(record)
+    assert "below the tolerance" in next(line for line in text.splitlines() if line.startswith("ripple"))
+    assert "mean (mm/s)" not in text
+    assert "mean (mm/s)" in str(rippled)
+    assert (
+        "velocity_ripple" not in run("twente-contact", tolerance=TOLERANCE).summary
+    )  # a prescribed wave has no places
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_a_range_of_ten_percent_is_a_warning(rippled, share):
+    mean, half = -0.05, 0.5 * RIPPLE * 0.05 * share
+    columns = dict(zip(COLUMNS, (mean, mean - half, mean + half), strict=True))
+    summary = rippled.summary | {"velocity_ripple": RIPPLE * share}
+    record = replace(rippled, points=tuple(each | columns for each in rippled.points), summary=summary)
+    said = [each for each in warnings_of(record) if "partly a standing one" in each]
+    assert len(said) == (share > 1.0)
+    assert all("-50 mm/s in the mean over place" in each and "120 V" in each for each in said)
+    assert any("mm/s in the mean over place" in each for each in rippled.warnings)
+
+
+def test_the_picture_shows_range_and_mean(rippled):
+    from studies.record.plots import new_figure
+
+    _, ax = new_figure(7, 4)
+    labels = draw_velocity(rippled, ax).get_legend_handles_labels()[1]
+    assert {"mean over place", "range, half a wavelength"} <= set(labels)
+    assert any(each.endswith("at the position") for each in labels)
