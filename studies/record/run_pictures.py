@@ -140,7 +140,9 @@ def _ripple(record: "Record", ax) -> None:
     )
     style = {"color": COLOURS["stick"], "linewidth": 0}
     if len(points) == 1:
-        ax.vlines(at, low, high, color=COLOURS["stick"], alpha=0.4, linewidth=6, label="range, half a wavelength")
+        ax.vlines(
+            at, low, high, color=COLOURS["stick"], alpha=0.4, linewidth=6, zorder=1, label="range, half a wavelength"
+        )
         curve(ax, at, mean, "_", "line", "mean over place", size=10.0)
         return
     ax.fill_between(at, low, high, alpha=0.25, label="range, half a wavelength", **style)
