@@ -20,6 +20,7 @@ import contact
 from studies.chain import chebyshev
 from studies.chain.bridge import DrivenContact, scaled
 from studies.chain.bursts import STEADY_METHODS, method_of
+from studies.chain.nearby_motion import NearbyMotion
 from studies.chain.points import SHARE, SliderAnswer
 from studies.chain.solver_errors import slider_keys
 from studies.chain.steady import averaged
@@ -58,32 +59,32 @@ class NearbyContact:
     """A slider that is moved along x from its position by less than a quarter of a wavelength."""
 
     driven: DrivenContact = field(repr=False)
-    low: float  # displacements in m between which the motion under all balls is known
+    motions: tuple[NearbyMotion, ...] = field(repr=False)  # about each ball
+    low: float  # displacements in m between which all of them are known
     high: float
     tolerance: float
 
     @classmethod
     def of(cls, driven: DrivenContact, tolerance: float) -> "NearbyContact | None":
         """Return the contact about the slider's position; None where no motion about a ball is known."""
-        motions = [driven.solved.at[position].nearby for position in driven.scene.slider.contact_positions]
-        if any(each is None for each in motions):
+        if driven.solved is None:
             return None
-        low, high = max(each.low for each in motions), min(each.high for each in motions)
-        return cls(driven=driven, low=low, high=high, tolerance=tolerance) if high > low else None
+        balls = [driven.solved.at[position].nearby for position in driven.scene.slider.contact_positions]
+        motions = tuple(each for each in balls if each is not None)
+        low, high = max((each.low for each in motions), default=0.0), min((each.high for each in motions), default=0.0)
+        if len(motions) < len(balls) or not high > low:
+            return None
+        return cls(driven=driven, motions=motions, low=low, high=high, tolerance=tolerance)
 
     def orbits(self, displacements) -> list[tuple[tuple, float]]:
         """Return the orbits of 1 V and the largest relative error of the balls, at each displacement in m."""
-        driven = self.driven
-        motions = [driven.solved.at[position].nearby for position in driven.scene.slider.contact_positions]
-        balls = [each.at(displacements) for each in motions]
+        frequency, balls = self.driven.orbits[0].frequency, [each.at(displacements) for each in self.motions]
+
+        def orbit(u_x, u_z):
+            return contact.Orbit(frequency=frequency, tangential=complex(u_x), normal=complex(u_z))
+
         return [
-            (
-                tuple(
-                    contact.Orbit(frequency=driven.solved.frequency, tangential=complex(u_x[k]), normal=complex(u_z[k]))
-                    for u_x, u_z, _ in balls
-                ),
-                float(max(error[k] for *_, error in balls)),
-            )
+            (tuple(orbit(u_x[k], u_z[k]) for u_x, u_z, _ in balls), float(max(error[k] for *_, error in balls)))
             for k in range(len(displacements))
         ]
 
