@@ -25,6 +25,9 @@ MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processo
 # Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine.
 CYCLE_SECONDS = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
 MODULI = ("effective_modulus", "tangential_modulus")  # of the slider; they follow from a named ball
+# m/s: surface waves of solids are faster than the first, those of stators are about as fast as the second
+SLOW_WAVE, USUAL_WAVE = 500.0, 3000.0
+PREFIXES = (("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9))
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
@@ -36,6 +39,7 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     """
     if scene.stator is not None:
         if scene.transducer:
+            _refuse_long_waves(scene)
             scene = _with_source_numbers(scene)
         _check_layout(scene)
         if scene.crossed:
@@ -116,6 +120,21 @@ def _with_load(scene: Scene, load: complex | None = None) -> Scene:
         for each in scene.transducer
     )
     return replace(scene, transducer=loaded, drive=replace(scene.drive, recovery=recovery))
+
+
+def _refuse_long_waves(scene: Scene) -> None:
+    """Refuse a frequency whose wave is too long for fingers of an automatic period, and ask for the probable unit."""
+    length, frequency = scene.stator.length, scene.drive.frequency
+    pairs = max((each.finger_pairs for each in scene.transducer if isinstance(each.period, str)), default=0)
+    if isinstance(frequency, str) or pairs * SLOW_WAVE / frequency <= length:
+        return
+    units = [name for name, factor in PREFIXES if 4 * pairs * USUAL_WAVE / (frequency * factor) <= length]
+    meant = f': did you mean "{frequency:g} {units[0]}"? A' if units else "; a"
+    raise SceneError(
+        "drive.frequency",
+        f"is {frequency:g} Hz, at which {pairs} periods of a surface wave are longer than the stator of "
+        f"{length * 1e3:g} mm{meant} number without a unit is in Hz",
+    )
 
 
 def _with_source_numbers(scene: Scene) -> Scene:

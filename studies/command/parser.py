@@ -1,10 +1,12 @@
 """The command line: one module of this package for each command, with its arguments and what it does."""
 
 import argparse
+import re
+from collections.abc import Mapping
 from contextlib import nullcontext
 from importlib import import_module
 
-from studies.refusal import SceneError
+from studies.refusal import SceneError, resembling, suggestion
 
 # in the order of the help; each is a module of this package
 COMMANDS = tuple("run wave sweep scenes schema check datasheet study fit design help export view".split())
@@ -13,6 +15,8 @@ EXIT_CODES = (
     "input; 3 no answer; 70 a defect of sawmotor; 130 interrupted."
 )
 
+INVALID_CHOICE = re.compile(r"invalid choice: '?([^']*)'? \(choose from (.*)\)")  # message of argparse
+OPTION = re.compile(r"(?<![\w-])--([a-z][a-z0-9-]*)")
 
 # option of the command for each argument of `studies.design`, `studies.fit` and `studies.sweep`
 OPTIONS = {
@@ -49,9 +53,28 @@ def refused(error: SceneError, arguments: argparse.Namespace) -> SceneError:
 class Call(argparse.ArgumentParser):
     """A parser whose errors are one sentence without usage text."""
 
+    calls: Mapping[str, "Call"] = {}  # of the commands
+
     def error(self, message: str):
         """Raise a SceneError instead of printing the usage and exiting."""
+        invalid = INVALID_CHOICE.search(message)
+        if invalid is not None:
+            message += resembling(invalid[1], re.findall(r"[\w.-]+", invalid[2]))
         raise SceneError("", f"{message} (see {self.prog} --help)")
+
+    def parse_args(self, words=None, namespace=None):  # type: ignore[override]
+        """Return the parsed arguments; unknown options are refused with the nearest ones of the same command."""
+        arguments, unknown = self.parse_known_args(words, namespace)
+        if unknown:
+            command = self.calls.get(arguments.call, self)
+            known = OPTION.findall(command.format_help())
+            words = [OPTION.match(word) for word in unknown]
+            similar = [suggestion(word[1], known) for word in words if word is not None]
+            meant = ", ".join(f"--{word}" for word in dict.fromkeys(similar) if word is not None)
+            hint = f"; did you mean {meant}?" if meant else ""
+            message = f"unrecognized arguments: {' '.join(unknown)}{hint}"
+            command.error(message)
+        return arguments
 
 
 class Version(argparse.Action):
@@ -84,4 +107,5 @@ def parser(wanted: str | None = None) -> Call:
         own = calls.add_parser(name, help=command.HELP, description=description, allow_abbrev=False)
         command.add_arguments(own)
         own.set_defaults(function=command.call)
+    top.calls = calls.choices
     return top

@@ -7,6 +7,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene, SceneFile
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
+from studies.scene.ranges import is_number
 from studies.scene.uncertain import split_tolerances
 
 
@@ -39,5 +40,8 @@ def say_unused_tolerances(table: dict) -> None:
 
 
 def read_tolerance(text: str | None) -> float:
-    """Return the value of ``--tolerance``; 1e-3 when absent."""
-    return Quantity(below=1.0).read("--tolerance", 1e-3 if text is None else toml_value(text))
+    """Return the value of ``--tolerance``, a number or a percentage; 1e-3 when absent."""
+    value = 1e-3 if text is None else toml_value(text)
+    if isinstance(value, str) and value.endswith("%") and is_number(value[:-1]):
+        value = float(value[:-1]) / 100
+    return Quantity(below=1.0).read("--tolerance", value)

@@ -38,8 +38,13 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
 DIMENSIONS = {unit: (noun, example) for unit, (noun, example, _) in UNITS.items()}
 POWERS = {unit: names for unit, (_, _, names) in UNITS.items() if unit}
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
-_POWER = r"[A-Za-zΩµμ_]{1,30}(?:(?:\^|\*\*)-?\d)?"  # one digit: pint would compute 9^9^9^9
-UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
+# Names and brackets with a power of one digit (pint would compute 9^9^9^9), a 1 above a slash, and what joins them
+_POWER = r"(?:(?:\^|\*\*)-?\d)?"
+UNIT_PART = re.compile(rf"[A-Za-zΩµÅ°]+(?:_[A-Za-z]+)*(?:_?0)?{_POWER}|\){_POWER}|\b1(?=\s*/)|[ */(]")
+MAX_UNIT = 40  # characters
+# Signs of equal meaning: both micro signs, both signs of ohm and of angstrom, points between units, superscripts
+SIGNS = str.maketrans("\u03bc\u2126\u212b\u00b7\u22c5⁻⁰¹²³⁴", "µΩÅ**-01234")
+SHORT_POWER = re.compile(r"(?<=[A-Za-zΩµÅ)])(-?[1-9])(?!\d)")  # of m/s2, mm-1 and m/s²
 
 
 def si_value(path: str, value, unit: str) -> float:
@@ -83,6 +88,7 @@ def _from_text(path: str, text: str, unit: str) -> float:
     number, name = match[1], match[2]
     if name is None:
         raise refusal(", which has no unit")
+    name = SHORT_POWER.sub(r"^\1", name.translate(SIGNS))
     if name in POWERS[unit]:
         return float(Decimal(number).scaleb(POWERS[unit][name]))
     swapped = name[0].swapcase() + name[1:]
@@ -100,7 +106,7 @@ def _from_text(path: str, text: str, unit: str) -> float:
 @cache
 def _factor(name: str, unit: str) -> float:
     """Return the factor of a unit to the SI unit, by pint; LookupError with the reason where there is none."""
-    if UNIT.fullmatch(name) is None:
+    if UNIT_PART.sub("", name) or len(name) > MAX_UNIT:
         raise LookupError(f"{shown(name)} is no unit")
     import pint
     from pint.util import to_units_container
@@ -108,7 +114,10 @@ def _factor(name: str, unit: str) -> float:
     try:
         units = _registry().parse_units(name)
         _, roots = _registry().get_root_units(units)
-        if any(not _registry().get_dimensionality(root) for root in to_units_container(roots)):
+        if unit == "deg":
+            if str(roots) != "radian":
+                raise LookupError(f"{shown(name)} is no angle")
+        elif any(not _registry().get_dimensionality(root) for root in to_units_container(roots)):
             # pint takes a radian for 1: "1 rad/s" would pass for 1 Hz, wrong by 2 pi
             raise LookupError(f"{shown(name)} counts angles or parts")
         return float(_registry().Quantity(1.0, units).to(unit.replace(" ", "*")).magnitude)

@@ -10,7 +10,9 @@ import pytest
 
 from studies.__main__ import main
 from studies.command.parser import COMMANDS
+from studies.command.scene_argument import read_tolerance
 from studies.record import Record
+from studies.refusal import SceneError
 from studies.results import MANIFEST
 from studies.scene import Scene, shipped_scenes
 
@@ -227,6 +229,33 @@ def test_what_a_python_function_refuses_is_said_of_the_option(call, words, sente
     status, out, err = call(*words)
     assert (status, out) == (2, "")
     assert err.startswith(f"sawmotor: {sentence}")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["design", "twente", "--maximize", "velocity"], "--maximize velocity; did you mean --maximise? (see"),
+        (["study", "stability", "--quik"], "--quik; did you mean --quick? (see sawmotor study --help)"),
+        (["run", "twente", "--otu=x"], "--otu=x; did you mean --out? (see sawmotor run --help)"),
+        (["check", "twente", "--frobnicate"], "arguments: --frobnicate (see sawmotor check --help)"),
+        (["stduy"], "'view'); did you mean study? (see sawmotor --help)"),
+    ],
+)
+def test_an_unknown_option_is_answered_with_the_nearest(call, words, sentence):
+    status, out, err = call(*words)
+    assert (status, out) == (2, "")
+    assert sentence in err
+
+
+@pytest.mark.parametrize(("text", "value"), [("5%", 0.05), ("0.5 %", 0.005), ("1e-3", 1e-3), (None, 1e-3)])
+def test_a_tolerance_may_be_a_percentage(text, value):
+    assert read_tolerance(text) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["0 %", "100%", "%", "five %", "-1 %"])
+def test_a_tolerance_is_positive_and_below_one(text):
+    with pytest.raises(SceneError, match=r"--tolerance must be"):
+        read_tolerance(text)
 
 
 def test_an_export_says_at_once_that_its_directory_cannot_be_written(tmp_path, monkeypatch, capsys):

@@ -43,7 +43,17 @@ def test_texts_are_read_to_the_nearest_float(text, unit, value):
 
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
-    [("1 inch", "m", 0.0254), ("1 kilogram*meter/second^2", "N", 1.0), ("1 micrometer", "m", 1e-6)],
+    [
+        *[("1 inch", "m", 0.0254), ("1 kilogram*meter/second^2", "N", 1.0), ("1 micrometer", "m", 1e-6)],
+        *[("5 1/s", "Hz", 5.0), ("5 1/ms", "Hz", 5e3), ("5 s^-1", "Hz", 5.0), ("2 1/S", "ohm", 2.0)],
+        *[("1 g_0", "m/s^2", 9.80665), ("2 g0", "m/s^2", 19.6133), ("1 1/TPa", "1/Pa", 1e-12)],
+        *[("1 rad", "deg", 57.29577951308232), ("3 mrad", "deg", 0.1718873385392470), ("0.25 turn", "deg", 90.0)],
+        *[("90 \u00b0", "deg", 90.0), ("30 arcmin", "deg", 0.5), ("3 \u00c5", "m", 3e-10), ("3 \u212b", "m", 3e-10)],
+        *[("5 \u00b5m", "m", 5e-6), ("5 \u03bcm", "m", 5e-6), ("5 \u03bcN", "N", 5e-6), ("5 \u03bcs", "s", 5e-6)],
+        *[("50 \u03a9", "ohm", 50.0), ("50 \u2126", "ohm", 50.0), ("2 k\u2126", "ohm", 2e3)],
+        *[("9.8 m/s\u00b2", "m/s^2", 9.8), ("9.8 m/s2", "m/s^2", 9.8), ("5 s\u207b\u00b9", "Hz", 5.0)],
+        *[("3 kg/(m s^2)", "Pa", 3.0), ("3 N/mm2", "Pa", 3e6), ("3 mN\u00b7s/m", "N s/m", 3e-3)],
+    ],
 )
 def test_other_units_are_left_to_pint(text, unit, value):
     assert si_value("key", text, unit) == pytest.approx(value, rel=1e-15)
@@ -65,6 +75,12 @@ def test_a_number_with_a_unit_is_the_number_times_the_power_of_ten(number, unit_
         ("3 flurbs", "m", ["'flurbs' is no known unit"]),
         ("2 rad/s", "Hz", ["counts angles"]),
         ("60 rpm", "Hz", ["counts angles"]),
+        ("5 m*rad", "m", ["counts angles"]),
+        ("5 percent", "deg", ["an angle", "'percent' is no angle"]),
+        ("5 sr", "deg", ["is no angle"]),
+        ("5 (m", "m", ["no known unit"]),
+        ("5 1", "Hz", ["is no unit"]),
+        ("5 m99", "m", ["is no unit"]),
         ("5 percent", "m", ["another dimension", "percent"]),
         ("nan m", "m", ["a length", "'nan m'"]),
         (float("nan"), "kg", ["finite", "nan kg"]),

@@ -41,6 +41,8 @@ SHORT = {
 }
 TABLES = {
     "twente": """
+drive.frequency=9.6 | drive.frequency is 9.6 Hz, at which 10 periods ... of 160 mm: did you mean "9.6 MHz"?
+drive.frequency=2200.0 | drive.frequency is 2200 Hz ... did you mean "2200 kHz"? A number without a unit is in Hz
 slider.mas=1 | slider.mas ... did you mean mass?
 sliders.mass=1 | sliders ... did you mean slider?
 transducer.1.centre=1 | transducer.1.centre ... did you mean center?
