@@ -16,7 +16,7 @@ import tracemalloc
 from collections.abc import Callable
 
 from studies.evidence.omission import OMISSIONS
-from studies.record.plots import finished
+from studies.record.plots import finished, upper_half
 from studies.record.quantities import quantity
 from studies.record.text import markdown
 from studies.scene import Scene
@@ -101,15 +101,14 @@ def figure(record: Panel, ax):
     data = record.data
     ax.invert_yaxis()
     if record.name == "blocks":
-        time = quantity("cpu_time_s").axis
-        y, memory = range(len(data["scene"])), [size / 1e8 for size in data["bytes"]]
-        for side, values, colour, label in (
-            (-0.2, data["seconds"], "#0072B2", time),
-            (0.2, memory, "#E69F00", "peak memory (100 MB)"),
-        ):
-            ax.barh([each + side for each in y], values, 0.38, color=colour, label=label)
-        ax.set_yticks(y, data["scene"])
-        return finished(ax, f"{time}, peak memory (100 MB)", "scene", record.title)
+        time, y, upper = quantity("cpu_time_s").axis, range(len(data["scene"])), upper_half(ax)
+        upper.invert_yaxis()
+        memory = [size / 1e6 for size in data["bytes"]]
+        for each, values, colour in ((upper, data["seconds"], "#0072B2"), (ax, memory, "#E69F00")):
+            each.barh(y, values, 0.6, color=colour)
+            each.set_yticks(y, data["scene"])
+        finished(upper, time, "scene", record.title, columns=0)
+        return finished(ax, "peak memory (MB)", "scene", "", columns=0)
     y = range(len(data["part"]))
     for key, colour, mark, what in (
         ("seconds", "#0072B2", "o", "time"),

@@ -25,6 +25,7 @@ from studies.scene.override import toml_value
 LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
 # in periods: largest default side of a pad, and smallest distance of a pad from the edge of the chip
 PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5
+MIN_GRID_STEPS = 10  # of the lithography's grid across the narrowest finger
 SHOWN_SPANS = 3  # grooves and strips that the warning lists
 
 
@@ -84,8 +85,9 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     Raises
     ------
     SceneError
-        If there is no transducer, a part lies outside the chip, combs touch (also because of a coarse grid), or a mesh
-        of the whole stator has other fingers than the transducers' blocks, from which the mask is drawn.
+        If there is no transducer, a part lies outside the chip, the grid is coarser than a tenth of a finger, combs
+        touch, or a mesh of the whole stator has other fingers than the transducers' blocks, from which the mask is
+        drawn.
     """
     sizes = Sizes() if sizes is None else sizes
     if not scene.transducer:
@@ -96,6 +98,7 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
         raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {difference}")
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
+    _refuse_coarse_grid(exact, sizes.grid)
     polygons = [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in exact]
     _refuse_outside(polygons, length, width, sizes)
     _refuse_contact(polygons)
@@ -193,6 +196,18 @@ def _marks(length: float, width: float, sizes: Sizes) -> Iterator[Polygon]:
     for x in (sizes.margin, length - sizes.margin):
         for y in (sizes.margin - width / 2, width / 2 - sizes.margin):
             yield Polygon(layer="marks", transducer="", comb="", corners=np.array(cross) + np.array([x, y]))
+
+
+def _refuse_coarse_grid(polygons: list[Polygon], grid: float) -> None:
+    """Refuse a grid on which a finger's edges would move by a twentieth of its width or more."""
+    edges = [np.diff(each.corners, axis=0, append=each.corners[:1]) for each in polygons if each.layer == "fingers"]
+    narrowest = min(float(np.hypot(*each.T).min()) for each in edges)
+    if grid > narrowest / MIN_GRID_STEPS:
+        raise SceneError(
+            "size.grid",
+            f"must be at most a tenth of the narrowest finger, {narrowest / MIN_GRID_STEPS * 1e6:.4g} um, "
+            f"got {grid * 1e6:.4g} um",
+        )
 
 
 def _snapped(corners: np.ndarray, grid: float) -> np.ndarray:

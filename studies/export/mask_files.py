@@ -1,7 +1,6 @@
-"""The mask of a scene as a file, and as a picture over the beam of its transducers."""
+"""The mask of a scene as a file, and as a picture."""
 
-import logging
-from dataclasses import replace
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,11 +9,10 @@ import numpy as np
 
 from studies.export.exported import Exported
 from studies.export.mask import LAYERS, Mask, Polygon, Sizes, mask
+from studies.record.plots import finished
 from studies.record.quantities import quantity
 from studies.refusal import SceneError, needed
 from studies.scene import Scene
-
-LOGGER = logging.getLogger(__name__)
 
 COMBS = {"+": "plus", "-": "minus", "o": "open"}  # in the name of a layer
 MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
@@ -25,13 +23,13 @@ def gds_files(scene: Scene, name: str, *, size: list[str] | None = None, toleran
     """Return NAME.gds and a table of its layers."""
     drawn = mask(scene, Sizes.read(size or []))
     files = {f"{name}.gds": gds(drawn), "layers.csv": layer_table(drawn)}
-    return _exported(drawn, files, scene, tolerance)
+    return _exported(drawn, files)
 
 
 def dxf_files(scene: Scene, name: str, *, size: list[str] | None = None, tolerance: float) -> Exported:
     """Return NAME.dxf."""
     drawn = mask(scene, Sizes.read(size or []))
-    return _exported(drawn, {f"{name}.dxf": dxf(drawn)}, scene, tolerance)
+    return _exported(drawn, {f"{name}.dxf": dxf(drawn)})
 
 
 def gds(mask: Mask) -> bytes:
@@ -90,7 +88,7 @@ def layer_table(mask: Mask) -> str:
     )
 
 
-def _exported(drawn: Mask, files, scene: Scene, tolerance: float) -> Exported:
+def _exported(drawn: Mask, files) -> Exported:
     counts = {layer: sum(each.layer == layer for each in drawn.polygons) for layer in ("fingers", "busbars", "pads")}
     shift, widening = (round(each * 1e9, 3) for each in (drawn.shift, drawn.width_error))  # nm
     answer = (
@@ -100,35 +98,13 @@ def _exported(drawn: Mask, files, scene: Scene, tolerance: float) -> Exported:
                  f"{widening:g} nm; narrowest gap {drawn.gap * 1e6:.4g} um"),
     )  # fmt: skip
     return Exported(
-        files=files, answer=answer, pictures={"mask.png": lambda ax: _picture(drawn, scene, ax, tolerance)},
+        files=files, answer=answer, pictures={"mask.png": partial(draw, drawn)},
         remarks=(drawn.left_out,) * bool(drawn.left_out),
     )  # fmt: skip
 
 
-def _picture(drawn: Mask, scene: Scene, ax, tolerance: float) -> None:
-    """Draw the mask on |u_z| of the finite aperture, where it can be computed."""
-    from studies.chain import run
-    from studies.record.surface_map import surface_map
-
-    beam = None
-    if scene.drive is not None and not scene.piece:  # with a mesh no finite aperture is computed
-        LOGGER.info("the beam, for the picture")
-        alone = replace(scene, slider=None, stator=replace(scene.stator, diffraction=True))
-        alone = alone.at_level(max(scene.levels)).with_source(burst=None)
-        beam = run(alone, tolerance=max(tolerance, 1e-2)).surface_motion.beam
-    if beam is not None:
-        _, _, motion = surface_map(beam, scene.stator)
-        shade, mm = quantity("normal_m_per_V"), quantity("x_m").scale
-        size = np.abs(motion[2]).T * shade.scale
-        top = float(np.quantile(size, 0.995))
-        edges = tuple(mm * each for each in (0.0, scene.stator.length, -scene.stator.width / 2, scene.stator.width / 2))
-        image = ax.imshow(size, origin="lower", extent=edges, cmap="viridis", vmin=0.0, vmax=top, aspect="equal")
-        ax.figure.colorbar(image, ax=ax, label=shade.axis, shrink=0.7)
-    draw(drawn, ax, beam=beam is not None)
-
-
-def draw(mask: Mask, ax, *, beam: bool) -> None:
-    """Draw a mask into an Axes in mm; ``beam``: True if the Axes already show the beam."""
+def draw(mask: Mask, ax) -> None:
+    """Draw a mask into an Axes in mm."""
     from matplotlib.collections import PolyCollection
 
     colours = {"+": "tab:red", "-": "tab:blue", "o": "tab:grey", "": "black"}
@@ -141,7 +117,4 @@ def draw(mask: Mask, ax, *, beam: bool) -> None:
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
     ax.set_aspect("equal")
-    ax.set_xlabel(quantity("x_m").axis)
-    ax.set_ylabel(quantity("y_m").axis)
-    ax.legend(loc="lower right", ncols=3, fontsize="small", framealpha=0.85)
-    ax.set_title(f"{mask.title}\nmask{' on the computed beam' if beam else ''}", fontsize="medium")
+    finished(ax, quantity("x_m").axis, quantity("y_m").axis, f"{mask.title}\nmask", columns=3, grid=False)

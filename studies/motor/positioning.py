@@ -33,7 +33,7 @@ from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
 from studies.motor.stroke import slider_range
-from studies.record.plots import COLOURS, curve, finished
+from studies.record.plots import COLOURS, curve, finished, symmetric_logarithmic
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -253,7 +253,7 @@ def figure(record: Panel, ax):
             curve(ax, data["cycles"], data[key] * up.scale, style, colour, label, size=size)
         elastic, label = data["elastic_m"] * up.scale, "elastic deformation of the contacts"
         ax.axhspan(-elastic, elastic, color=COLOURS["stick"], alpha=0.2, linewidth=0, label=label)
-        ax.set_yscale("symlog", linthresh=1.0)
+        symmetric_logarithmic(ax.yaxis, 1.0)
         return finished(ax, across.axis, up.axis, record.title, columns=2)
     across, up = quantity("time_s"), quantity("target_offset_m")
     for name, colour in (("there", "slip"), ("back", "stick")):
@@ -262,5 +262,5 @@ def figure(record: Panel, ax):
             offset, label = (position - target) * up.scale, f"{name}, to {target * 1e6:g} um"
             curve(ax, data[f"{name}_time_s"] * across.scale, offset, "-", colour, label)
     ax.axhspan(-2.0, 2.0, color=COLOURS["line"], alpha=0.15, linewidth=0, label="2 nm")
-    ax.set_yscale("symlog", linthresh=2.0)
+    symmetric_logarithmic(ax.yaxis, 2.0)
     return finished(ax, across.axis, up.axis, record.title, columns=3)

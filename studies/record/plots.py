@@ -117,6 +117,16 @@ def titled(ax, title: str) -> None:
     ax.set_title("\n".join(lines), fontsize="medium", parse_math=False, y=height)
 
 
+def upper_half(ax, *, share: bool = False):
+    """Move an Axes into the lower half of its place and return a new one in the upper half."""
+    halves = ax.get_subplotspec().subgridspec(2, 1)
+    ax.set_subplotspec(halves[1])
+    upper = ax.figure.add_subplot(halves[0], sharex=ax if share else None)
+    if share:
+        upper.tick_params(labelbottom=False)
+    return upper
+
+
 def curve(ax, x, y, style: str, colour: str, label: str | None = None, *, size: float = 3.0) -> None:
     """Draw a curve in a colour of `COLOURS`: theory as a line, computed values as points of a size."""
     ax.plot(x, y, style, color=COLOURS[colour], linewidth=1, markersize=size, label=label)
@@ -149,6 +159,15 @@ def lines(ax, panel, across: str, curves, up: str, *, columns: int = 4):
         y = np.asarray(panel.data[key]) * height.scale
         curve(ax, panel.data[across] * along.scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
     return finished(ax, along.axis, height.axis, panel.title, columns=columns)
+
+
+def symmetric_logarithmic(axis, linear: float) -> None:
+    """Make an axis logarithmic on both sides of a linear range about zero, with plain numbers at the decades."""
+    from matplotlib.ticker import FuncFormatter, SymmetricalLogLocator
+
+    getattr(axis.axes, f"set_{axis.axis_name}scale")("symlog", linthresh=linear)
+    axis.set_major_locator(SymmetricalLogLocator(base=10, linthresh=linear))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def family(curves: dict):

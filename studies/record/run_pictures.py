@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies.record.pillar_pictures import power, pressure, slider_wave
-from studies.record.plots import COLOURS, curve, finished, saved, shaded, titled
+from studies.record.plots import COLOURS, curve, finished, saved, shaded, titled, upper_half
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def trajectories(record: "Record", ax):
     from scipy.integrate import cumulative_trapezoid
 
     shown, across, up = quantity(record.level), quantity("time_s"), quantity("velocity_m_per_s")
-    along, upper = quantity("travelled_m"), None if ax.get_subplotspec() is None else _upper_half(ax, share=True)
+    along, upper = quantity("travelled_m"), None if ax.get_subplotspec() is None else upper_half(ax, share=True)
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
@@ -255,16 +255,6 @@ def surface(record: "Record", ax, *, curves: bool = False):
     return ax
 
 
-def _upper_half(ax, *, share: bool = False):
-    """Move an Axes into the lower half of its place and return a new one in the upper half."""
-    halves = ax.get_subplotspec().subgridspec(2, 1)
-    ax.set_subplotspec(halves[1])
-    upper = ax.figure.add_subplot(halves[0], sharex=ax if share else None)
-    if share:
-        upper.tick_params(labelbottom=False)
-    return upper
-
-
 def _ranges(x, size, width: float):
     """Return the middles of intervals of a width along x, and the smallest and largest of ``size`` in each."""
     starts = np.searchsorted(x, np.arange(x[0], x[-1] - 0.5 * width, width))
@@ -284,7 +274,7 @@ def _window(record: "Record", ax, x, values, wavelength: float):
     middle = 0.5 * (x[0] + x[-1]) if slider is None else slider.center[0] * scale
     near = np.flatnonzero(abs(x - middle) <= 0.5 * WINDOW * wavelength)
     dense = np.linspace(x[near[0]], x[near[-1]], WINDOW_DENSITY * len(near))
-    window = _upper_half(ax)
+    window = upper_half(ax)
     for motion, colour in zip(values, ("slip", "intermittent"), strict=True):
         smooth = CubicSpline(x, np.stack([motion.real, motion.imag]), axis=1)(dense)
         curve(window, dense, np.hypot(*smooth), "-", colour)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+import fem
+
 PER_WAVELENGTH = 4, 6  # points along x; along x and y where beams cross
 LINES = 81  # points across the width where they do not
 
@@ -13,4 +15,4 @@ def surface_map(beam, stator, per_wavelength: tuple[int, int] = PER_WAVELENGTH):
     x = np.linspace(0.0, stator.length, int(np.ceil(stator.length / step)) + 1)
     lines = int(np.ceil(stator.width / step)) + 1 if crossed else LINES
     y = np.linspace(-stator.width / 2, stator.width / 2, lines)
-    return x, y, beam.motion(x[:, None], y)
+    return x, y, fem.one_blas_thread(beam.motion)(x[:, None], y)

@@ -12,13 +12,17 @@ from pathlib import Path
 
 from studies.record import Record, plots, run_pictures
 from studies.record.text import percent, points_table
-from studies.report import energies
+from studies.report import energies, run_drawings
 from studies.report.intermediate import intermediate_numbers, si
+from studies.report.scene_text import scene_text
 from studies.results.content import provenance
-from studies.scene.toml import document
 
 TEMPLATE = "report.html"
 CAPTIONS = {
+    "layout": "The surface from above.",
+    "section_field": "The wave in the section, from the surface down.",
+    "beam": "Amplitude over the surface; white: apertures, points: contacts.",
+    "load_line": "Speed against the load of the whole slider, at the largest level of the drive.",
     "velocity": "Slider velocity; marks are computed, lines are closed forms.",
     "trajectory": "Velocity during the bursts and after them.",
     "surface": "Motion of the surface per volt; grey: transducers.",
@@ -68,12 +72,13 @@ def report(record: Record) -> str:
         numbers=intermediate_numbers(record),
         balances=energies.balances(record),
         provenance=provenance() | {"machine": _machine()},
-        scene=document(scene.to_table()),
+        scene=scene_text(scene),
     )
 
 
 def _pictures(record: Record) -> list[dict]:
-    drawn = run_pictures.pictures(record)
+    drawn = run_drawings.drawings(record)
+    drawn = {name: drawn.pop(name) for name in ("layout",) if name in drawn} | run_pictures.pictures(record) | drawn
     if len([point for point in record.points if point.get("relative_error")]) > 1:
         drawn["errors"] = partial(run_pictures.errors, record)
     captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "Motion of the wave over depth."}

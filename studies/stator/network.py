@@ -19,7 +19,7 @@ from studies.chain.scan_prediction import refuse_other_range
 from studies.chain.scattering import reference_impedance, scattering_matrix
 from studies.chain.spectrum import driving_point
 from studies.lab.network import NetworkData, read_network
-from studies.record.plots import COLOURS, curve, finished, lines
+from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
@@ -158,21 +158,40 @@ def figure(record: Panel, ax):
         up = quantity("admittance_S")
         for key, part, style in (
             ("admittance_S", "field", "o"),
-            ("one_branch_S", "one branch", "--"),
-            ("several_branches_S", f"{BRANCHES} branches", "-"),
+            ("one_branch_S", "circuit of one branch", "--"),
+            ("several_branches_S", f"circuit of {BRANCHES}", "-"),
         ):
             at, values = data["frequency_Hz"] * across.scale, data[key] * up.scale
-            curve(ax, at, values.real, style, "slip", f"Re, {part}", size=2.0)
-            curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
+            curve(ax, at, values.real, style, "slip", f"conductance, {part}", size=2.5)
+            curve(ax, at, values.imag, style, "intermittent", f"susceptance, {part}", size=2.5)
         return finished(ax, across.axis, up.axis, record.title, columns=3)
+    return _magnitudes(record, ax)
+
+
+def _magnitudes(record: Panel, ax):
+    """Draw transmissions in dB, above them the reflections, which are small losses on a scale of their own."""
+    data, across = record.data, quantity("frequency_Hz")
+    upper = upper_half(ax, share=True) if len(data["ports"]) > 1 and ax.get_subplotspec() is not None else ax
     for prefix, style, at, remark in _sources(data):
         for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
-            colour = f"C{i * len(data['ports']) + j}"
-            # equal transducers reflect alike: the second reflection is dashed over the first
-            broken = {"dashes": (5, 4)} if style == "-" and i == j > 0 else {}
-            ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}", **broken)
-    return finished(ax, across.axis, quantity("magnitude").axis, record.title)
+            options = {"color": f"C{i * len(data['ports']) + j}", "markersize": 3, "label": f"S{i + 1}{j + 1}{remark}"}
+            (upper if i == j else ax).plot(at, size, style, **options | (_overlaid(prefix, i) if i == j else {}))
+    if upper is ax:
+        return finished(ax, across.axis, quantity("magnitude").axis, record.title)
+    titled(upper, record.title)
+    upper.set_ylabel(quantity("magnitude").axis)
+    upper.grid(alpha=0.3)
+    finished(ax, across.axis, quantity("magnitude").axis, "", columns=0)
+    legend_below(ax, [*upper.lines, *ax.lines])
+    return ax
+
+
+def _overlaid(prefix: str, port: int) -> dict:
+    """Return how a predicted reflection is drawn: equal ones coincide, so the first lies wide below the others."""
+    if prefix:
+        return {}
+    return {"linewidth": 3.5, "alpha": 0.45} if port == 0 else {"linewidth": 1.2}
 
 
 def _smith(record: Panel, ax):
@@ -191,9 +210,8 @@ def _smith(record: Panel, ax):
     for prefix, style, _, remark in _sources(data):
         for i, name in enumerate(data["ports"]):
             s = data[f"{prefix}scattering"][:, i, i]
-            drawn = style if prefix or i == 0 else "--"  # equal transducers coincide
-            label = f"S{i + 1}{i + 1}, {name}{remark}"
-            ax.plot(s.real, s.imag, drawn, color=f"C{i}", markersize=3, label=label)
+            options = {"color": f"C{i}", "markersize": 3, "label": f"S{i + 1}{i + 1}, {name}{remark}"}
+            ax.plot(s.real, s.imag, style, **options | _overlaid(prefix, i))
     ax.set_aspect("equal")
     across = "Re S (resistance over the reference on the axis)"
     return finished(ax, across, "Im S", record.title, columns=2, grid=False)
@@ -211,7 +229,10 @@ def _circuit_panel(name: str, at, admittance, models) -> Panel:
     safe = "".join(letter if letter.isalnum() else "_" for letter in name)
     texts = [model.spice(f"{safe}_{kind}") for model, kind in zip(models, ("bvd", "motional"), strict=True)]
     one, several = (model.admittance(at) for model in models)
-    title = f"Transducer {name!r}: errors {models[0].error:.2g} and {models[1].error:.2g}"
+    title = (
+        f"Transducer {name!r}: admittance and its equivalent circuits\none branch is {models[0].error:.1%} off, "
+        f"{BRANCHES} branches are {models[1].error:.1%} off"
+    )
     return Panel(name=f"circuit_{safe}", title=title, data={
         "frequency_Hz": at, "admittance_S": admittance, "one_branch_S": one, "several_branches_S": several,
         "spice": "".join(texts),

@@ -158,7 +158,8 @@ def test_dxf_has_named_layers_and_the_same_polygons(tmp_path):
         (['pad="3 ms"'], "size.pad must be a length"),
         (["pat=1e-3"], "--size must be KEY=VALUE, got 'pat=1e-3'; did you mean pad?"),
         (["grid=0"], "size.grid must be positive"),
-        (['grid="0.4 mm"'], "touch"),
+        (['grid="0.4 mm"'], "size.grid must be at most a tenth of the narrowest finger, 24.68 um, got 400 um"),
+        (['grid="24.7 um"'], "size.grid must be at most a tenth"),
         (['mark="60 mm"', 'margin="30 mm"'], "size.mark must leave the marks free"),
     ],
 )
