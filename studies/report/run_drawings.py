@@ -23,7 +23,8 @@ LOAD_LINE_TOLERANCE = 1e-3  # relative to the speed without load: finer than a l
 
 def drawings(record: Record) -> dict[str, Callable]:
     """Return the functions that draw them on an Axes, by name, with what the record has."""
-    scene, drawn = record.scene, {}
+    scene = record.scene
+    drawn: dict[str, Callable] = {}
     if scene.transducer:
         drawn["layout"] = partial(layout, record)
     if record.surface_wave is not None:

@@ -176,7 +176,7 @@ def _magnitudes(record: Panel, ax):
         for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
             options = {"color": f"C{i * len(data['ports']) + j}", "markersize": 3, "label": f"S{i + 1}{j + 1}{remark}"}
-            (upper if i == j else ax).plot(at, size, style, **options | (_overlaid(prefix, i) if i == j else {}))
+            (upper if i == j else ax).plot(at, size, style, **options | (_overlaid(prefix, int(i)) if i == j else {}))
     if upper is ax:
         return finished(ax, across.axis, quantity("magnitude").axis, record.title)
     titled(upper, record.title)
