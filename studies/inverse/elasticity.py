@@ -1,5 +1,8 @@
 """Elasticities of a motor's answers, d ln(answer) / d ln(number), and their changes for 1 % of each number.
 
+The origin of a coordinate, such as a position, is arbitrary: its derivative is d ln(answer) / d(coordinate), and the
+change is that for one micrometre (of an angle one degree).
+
 The derivatives are extrapolated differences, each with its error; the step is the fifth root of the accuracy of the
 answer.
 """
@@ -12,9 +15,11 @@ from itertools import pairwise
 import numpy as np
 
 import contact
+from studies.chain import fem_model
 from studies.chain.outcomes import OF_PILLARS, keywords
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import RunError, SceneError
+from studies.scene.keys import coordinate
 from studies.scene.override import walk
 
 LOGGER = logging.getLogger(__name__)
@@ -30,16 +35,23 @@ ANSWERS = {
 }  # fmt: skip
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
-PHASED = ("center", "position", "thickness", "frequency")  # their change shifts the phase of a wave, and is amplified
+PHASED = ("thickness", "frequency")  # their change shifts the phase of a wave, and is amplified
 LIMITS = ("threshold", "release")  # as factors on the level
-SIDE = 0.01  # change of a number to either side, beside its elasticity
+SIDE = 0.01  # change of a number to either side, beside its elasticity; of a coordinate its unit
+# Step of a coordinate, in wavelengths or degrees. Where the derivative is 0.6 per wavelength, steps of 1/5000 to 1/500
+# wavelength give the same to 4e-10; the stated error is 1e-5 of it at 1/500
+LENGTH_STEP, ANGLE_STEP = 2e-3, 0.05
 
 
 def numbers(predictor: MeasurementPredictor) -> list[str]:
-    """Return the keys of a scene's positive numbers that an answer may depend on; entries of lists are left out."""
+    """Return the keys of a scene's coordinates and positive numbers that an answer may depend on.
+
+    Entries of lists are left out.
+    """
     left_out = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
     table = {name: block for name, block in predictor.numbers.items() if name != "uncertain"}
-    positive = (key for key, value in walk(table) if isinstance(value, float) and value > 0.0)
+    floats = ((key, value) for key, value in walk(table) if isinstance(value, float))
+    positive = (key for key, value in floats if value > 0.0 or coordinate(key))
     return [key for key in positive if not key.endswith(left_out) and not key.rpartition(".")[2].isdigit()]
 
 
@@ -71,6 +83,7 @@ def elasticities(
 ) -> dict[str, dict[str, tuple[float, float]]]:
     """Return {outcome: {key: (d ln outcome / d ln number, its error)}}, the level itself as "level".
 
+    Of a coordinate it is d ln outcome / d(coordinate), per metre or degree.
     ``level``: voltage in V or normal amplitude in m.
     """
     slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
@@ -81,9 +94,12 @@ def elasticities(
             moved = key != "level" and predictor.needs_stator(key)
             within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
             step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
+            if coordinate(key):
+                step = ANGLE_STEP if key.endswith("angle") else LENGTH_STEP * wavelength(predictor)
             widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
-            factors = np.exp(np.concatenate([widths, -widths])).tolist()
-            values, errors = answers_at(predictor, names, level, [{key: factor} for factor in factors])
+            moves = np.concatenate([widths, -widths])
+            moves = moves if coordinate(key) else np.exp(moves)
+            values, errors = answers_at(predictor, names, level, [{key: move} for move in moves.tolist()])
             for name, column, start in zip(names, values.T, centre[0], strict=True):
                 # no derivative without an answer, such as for a value that the scene refuses
                 if start > 0.0 and np.all(column > 0.0):
@@ -105,11 +121,14 @@ def _slope(logarithms: np.ndarray, widths: np.ndarray, accuracy: float) -> tuple
 def both_sides(
     predictor: MeasurementPredictor, outcomes: Sequence[str], level: float
 ) -> dict[str, dict[str, tuple[float | None, float | None]]]:
-    """Return {outcome: {key: relative change for 1 % more and 1 % less of the number}}; None where it has none."""
+    """Return {outcome: {key: relative change for 1 % more and 1 % less of the number}}; None where it has none.
+
+    Of a coordinate it is the change for one micrometre, or one degree, more and less.
+    """
     sides: dict[str, dict[str, tuple[float | None, float | None]]] = {name: {} for name in outcomes}
     for _, names in _together(predictor, outcomes):
         keys = _keys(predictor, names)
-        moves = [{key: factor} for key in keys for factor in (1.0 + SIDE, 1.0 - SIDE)]
+        moves = [{key: move} for key in keys for move in _sides(key)]
         centre, *values = answers_at(predictor, names, level, [{}, *moves])[0]
         for name, start, column in zip(names, centre, np.transpose(values), strict=True):
             changes = [float(each / start - 1.0) if math.isfinite(each) else None for each in column]
@@ -117,20 +136,35 @@ def both_sides(
     return sides
 
 
+def _sides(key: str) -> tuple[float, float]:
+    """Return what `answers_at` takes for a change of a number to either side."""
+    unit = coordinate(key)
+    return (1.0 + SIDE, 1.0 - SIDE) if unit is None else (unit[1], -unit[1])
+
+
+def wavelength(predictor: MeasurementPredictor) -> float:
+    """Return the length of the surface wave in m: of a stator's bare surface, or of a prescribed wave."""
+    scene = predictor.scene({})
+    if scene.wave is not None:
+        return scene.wave.wavelength
+    return fem_model.surface_velocity(scene.stator) / predictor.contact({}).solved.frequency
+
+
 def answers_at(
     predictor: MeasurementPredictor, names: Sequence[str], level: float, many: list[dict[str, float]]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return answers for m sets of factors by key, (m, n), and the numerical errors of the velocities over |v|, (m,).
+    """Return answers for m sets of moves by key, (m, n), and the numerical errors of the velocities over |v|, (m,).
 
-    "level" may be among the keys.  An answer is NaN where the scene refuses a value; an averaged state has no numerical
-    error.  A stator that cannot be solved raises RunError, so that no number is left out unnoticed.
+    A move is a factor, of a coordinate a shift in m or degrees.  "level" may be among the keys.  An answer is NaN where
+    the scene refuses a value; an averaged state has no numerical error.  A stator that cannot be solved raises
+    RunError, so that no number is left out unnoticed.
     """
     columns = [ANSWERS[name] for name in names]
     level_key = predictor.scene({}).level_key
     changes = [
-        {key: float(predictor.value(key) or 0.0) * factor for key, factor in factors.items() if key != "level"}
-        | {level_key: level * factors.get("level", 1.0)}
-        for factors in many
+        {key: _moved(predictor, key, move) for key, move in moves.items() if key != "level"}
+        | {level_key: level * moves.get("level", 1.0)}
+        for moves in many
     ]
     answers = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
     errors = np.zeros(len(answers))
@@ -141,3 +175,9 @@ def answers_at(
             velocity, orbits = answer["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
             errors[k] = answer["numerical_error"] * contact.reference_speed(velocity, orbits) / abs(velocity)
     return np.abs([[answer.get(column, math.nan) for column in columns] for answer in answers]), errors
+
+
+def _moved(predictor: MeasurementPredictor, key: str, move: float) -> float:
+    """Return the value of a key after a move as in `answers_at`."""
+    value = float(predictor.value(key) or 0.0)
+    return value * move if coordinate(key) is None else value + move

@@ -20,6 +20,7 @@ from studies.record.text import labelled, table
 from studies.report.intermediate import scaled_unit
 from studies.results.content import write_json
 from studies.scene import Scene
+from studies.scene.keys import coordinate
 from studies.scene.toml import document
 
 # of a measurement, by its ``quantity``
@@ -177,16 +178,26 @@ class Fit:
             "informs": [{"measurement": name, "times_narrower": gains} for name, gains in self.informs],
         }  # fmt: skip
         if self.candidates is not None:
-            names = ("measurement", "narrows", "relative_deviation_before", "relative_deviation_after")
             whole["next_measurements"] = [
-                dict(zip(names, (each.name, each.key, each.before, each.after), strict=True))
-                for each in self.candidates
+                {"measurement": each.name, "narrows": each.key} | self._narrowed(each) for each in self.candidates
             ]
         more = {"other_minima": list(self.rivals), "probability": self.probability,
                 "estimated_standard_deviation": self.deviation}  # fmt: skip
         if not whole["tied"]:
             del whole["tied"]
         return whole | {key: value for key, value in more.items() if value not in (None, [])}
+
+    def _narrowed(self, candidate: Candidate) -> dict[str, float]:
+        """Return the standard deviation before and after a further measurement, by name.
+
+        It is relative, or in the unit of a number that may be zero or is a coordinate, whose origin is arbitrary.
+        """
+        parameter = next(each for each in self.problem.parameters if each.key == candidate.key)
+        relative, size = parameter.logarithmic, 1.0
+        if relative and coordinate(candidate.key) is not None:
+            relative, size = False, self.values[candidate.key]
+        name = "relative_deviation" if relative else "deviation"
+        return {f"{name}_before": size * candidate.before, f"{name}_after": size * candidate.after}
 
     def _notes(self) -> Iterator[tuple[str, str]]:
         """Yield the label and the text of each line below the table of the estimates."""
@@ -216,8 +227,12 @@ class Fit:
         if self.candidates is None:
             yield "measure next", "not computed; --next does it, in about the time of the fit"
         for candidate in (self.candidates or ())[:SHOWN_CANDIDATES]:
-            gain = f"{candidate.key} from {100 * candidate.before:.3g} % to {100 * candidate.after:.3g} %"
-            yield "measure next", f"{candidate.name}: {gain}"
+            parameter = next(each for each in self.problem.parameters if each.key == candidate.key)
+            before, after = (
+                f"{100 * size:.3g} %" if name.startswith("relative") else parameter.text(size, 3)
+                for name, size in self._narrowed(candidate).items()
+            )
+            yield "measure next", f"{candidate.name}: {candidate.key} from {before} to {after}"
 
     def _goodness(self) -> str:
         if self.deviation is not None:

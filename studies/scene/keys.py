@@ -7,7 +7,23 @@ from studies.scene.rule import Count, Rule
 from studies.scene.scene import Scene
 from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 
+# Last names of keys that are coordinates, whose origin is arbitrary: the unit of their changes, and its SI value
+COORDINATES = {"center": ("um", 1e-6), "position": ("um", 1e-6), "angle": ("deg", 1.0)}
 LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
+
+
+def coordinate(key: str) -> tuple[str, float] | None:
+    """Return the unit in which changes of a coordinate are stated, and its SI value; None for another key.
+
+    A share of a coordinate has no meaning, because its origin is arbitrary.
+
+    Examples
+    --------
+    >>> coordinate("transducer.1.center"), coordinate("slider.mass")
+    (('um', 1e-06), None)
+    """
+    names = [name for name in key.split(".") if not name.isdigit()]
+    return COORDINATES.get(names[-1]) if len(names) > 1 else None
 
 
 def rule_at(key: str) -> Rule:

@@ -122,6 +122,37 @@ def test_numbers_of_a_stator(monkeypatch):
     assert error < 0.02 * abs(value)
 
 
+def test_the_sensitivity_of_a_position_is_per_micrometre_and_per_wavelength(small, monkeypatch):
+    """Against runs one micrometre to either side; a shift of both positions shows that the origin is arbitrary."""
+    keys = ["transducer.0.center", "slider.position", "slider.preload"]
+    monkeypatch.setattr("studies.inverse.elasticity.numbers", lambda predictor: keys)
+    record = run(small.replace(drive={"voltage": "120 V"}), outcomes=("velocity",))
+    (panel,) = record.panels
+    assert set(panel.data["key"]) == {"slider.preload", "level"}
+    rows = {key: row for key, *row in panel.data["coordinates"]}
+    one, more, less = (
+        run_chain(small.replace(drive={"voltage": "120 V"}, slider={"position": x}), tolerance=1e-2).velocity[0]
+        for x in (9e-3, 9.001e-3, 8.999e-3)
+    )
+    unit, slope, error, for_more, for_less, per_wavelength = rows["slider.position"]
+    assert unit == "um"
+    assert slope == pytest.approx((more - less) / (2 * one), rel=1e-3)
+    assert error < 1e-4 * abs(slope)
+    assert (for_more, for_less) == pytest.approx((more / one - 1, less / one - 1), rel=1e-3)
+    assert per_wavelength == pytest.approx(slope * 991.78, rel=1e-4)
+    assert rows["transducer.0.center"][1] == pytest.approx(-slope, rel=1e-6)  # absorbing ends: the distance counts
+    text = "\n".join(line for _, line in record.answer)
+    assert (
+        f"{100 * slope:+.3g} % for 1 um of slider.position ({per_wavelength:+.3g} times its size per wavelength)"
+        in text
+    )
+    assert "position" not in next(line for name, line in record.answer if name == "velocity")
+    head, *lines = tables(record)["sensitivity.csv"].splitlines()
+    cells = dict(zip(head.split(","), next(x for x in lines if "slider.position" in x).split(","), strict=True))
+    assert cells["elasticity"] == cells["change_for_1_percent_more"] == ""
+    assert (cells["unit"], float(cells["change_per_unit"])) == ("um", slope)
+
+
 def test_what_is_said_to_have_no_effect_is_tried(predictor):
     """A number that does move the answer among the silent ones contradicts the finding."""
     rows = elasticities(predictor, ("release",), 6.3e-9)["release"]
