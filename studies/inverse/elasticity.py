@@ -17,6 +17,7 @@ import numpy as np
 import contact
 from studies.chain import fem_model
 from studies.chain.outcomes import OF_PILLARS, keywords
+from studies.chain.resolve import resolved
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import RunError, SceneError
 from studies.scene.keys import coordinate
@@ -41,6 +42,7 @@ SIDE = 0.01  # change of a number to either side, beside its elasticity; of a co
 # Step of a coordinate, in wavelengths or degrees. Where the derivative is 0.6 per wavelength, steps of 1/5000 to 1/500
 # wavelength give the same to 4e-10; the stated error is 1e-5 of it at 1/500
 LENGTH_STEP, ANGLE_STEP = 2e-3, 0.05
+USUAL_WAVELENGTH = 1e-3  # m, where a [wave] states none
 
 
 def numbers(predictor: MeasurementPredictor) -> list[str]:
@@ -95,7 +97,9 @@ def elasticities(
             within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
             step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
             if coordinate(key):
-                step = ANGLE_STEP if key.endswith("angle") else LENGTH_STEP * wavelength(predictor)
+                step = (
+                    ANGLE_STEP if key.endswith("angle") else LENGTH_STEP * (wavelength(predictor) or USUAL_WAVELENGTH)
+                )
             widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
             moves = np.concatenate([widths, -widths])
             moves = moves if coordinate(key) else np.exp(moves)
@@ -142,12 +146,12 @@ def _sides(key: str) -> tuple[float, float]:
     return (1.0 + SIDE, 1.0 - SIDE) if unit is None else (unit[1], -unit[1])
 
 
-def wavelength(predictor: MeasurementPredictor) -> float:
-    """Return the length of the surface wave in m: of a stator's bare surface, or of a prescribed wave."""
+def wavelength(predictor: MeasurementPredictor) -> float | None:
+    """Return the length of the surface wave in m, that of a stator under a bare surface; None if a [wave] has none."""
     scene = predictor.scene({})
-    if scene.wave is not None:
-        return scene.wave.wavelength
-    return fem_model.surface_velocity(scene.stator) / predictor.contact({}).solved.frequency
+    if scene.stator is None:
+        return scene.wave.wavelength if scene.wave else None
+    return fem_model.surface_velocity(scene.stator) / float(resolved(scene).frequency)
 
 
 def answers_at(

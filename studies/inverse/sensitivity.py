@@ -101,8 +101,9 @@ def _of_coordinates(predictor: MeasurementPredictor, slopes: dict, sides: dict) 
         unit = coordinate(key)
         if unit is not None:
             name, size = unit
-            per_wavelength = None if key.endswith("angle") else slope * wavelength(predictor)
-            rows.append([key, name, slope * size, error * size, *sides[key], per_wavelength])
+            length = None if key.endswith("angle") else wavelength(predictor)
+            row = [key, name, slope * size, error * size, *sides[key], None if length is None else slope * length]
+            rows.append(row)
     return sorted(rows, key=lambda row: -abs(row[2]))
 
 
