@@ -11,12 +11,8 @@ if TYPE_CHECKING:
     from studies.record import Record
 
 MAX_DOTS = 20_000  # pillars drawn; of more pillars every n-th
-# of the wave's power under a slider on pillars: key of a point, label, colour
-POWERS = (
-    ("friction_power_W", "friction", "intermittent"),
-    ("thrust_power_W", "thrust", "second"),
-    ("wave_power_out_W", "remaining in the wave", "slip"),
-)
+# what the wave under a slider on pillars loses: key of a point, label, colour
+LOSSES = (("friction_power_W", "friction", "intermittent"), ("thrust_power_W", "thrust", "second"))
 
 
 def _at_last_level(record: "Record") -> str:
@@ -63,18 +59,22 @@ def pressure(record: "Record", ax):
 
 
 def power(record: "Record", ax):
-    """Draw where the power of the waves below the slider goes at each level, as stacked bars."""
+    """Draw what the waves below the slider lose at each level, as stacked bars, and above them what remains."""
     points = [point for point in record.points if "wave_power_in_W" in point]
     level, share, incident = (quantity(key) for key in (record.level, "power_share", "wave_power_in_W"))
-    positions, bottom = np.arange(len(points)), np.zeros(len(points))
-    for key, label, colour in POWERS:
+    positions, top = np.arange(len(points)), np.zeros(len(points))
+    for key, label, colour in LOSSES:
         values = np.array([share.scale * point[key] / point["wave_power_in_W"] for point in points])
         if values.any():
-            ax.bar(positions, values, bottom=bottom, color=COLOURS[colour], label=label)
-            bottom = bottom + values
-    for position, point in zip(positions, points, strict=True):
-        text = incident.with_unit(point["wave_power_in_W"])
-        ax.text(position, 101.0, text, ha="center", fontsize="small")
+            ax.bar(positions, values, bottom=top, color=COLOURS[colour], label=label)
+            top = top + values
+    highest = max(float(top.max()), 1e-3)
+    for position, height, point in zip(positions, top, points, strict=True):
+        remaining = share.scale * point["wave_power_out_W"] / point["wave_power_in_W"]
+        text = f"{remaining:.3g} % remain\nof {incident.with_unit(point['wave_power_in_W'])}"
+        ax.text(position, height + 0.01 * highest, text, ha="center", va="bottom", fontsize="small")
     ax.set_xticks(positions, [level.text(point[record.level]) for point in points])
-    ax.set_ylim(0.0, 108.0)
-    return finished(ax, level.axis, share.axis, f"{record.scene.title}: power of the wave", columns=3, grid=False)
+    ax.set_xlim(-0.75, len(points) - 0.25)
+    ax.set_ylim(0.0, 1.2 * highest)
+    title = f"{record.scene.title}: power that the wave loses; above, what remains in it"
+    return finished(ax, level.axis, share.axis, title, columns=3, grid=False)

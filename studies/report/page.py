@@ -29,7 +29,7 @@ CAPTIONS = {
     "measured": "Measured values over computed ones.",
     "slider_wave": "Amplitude and phase of the waves under the slider.",
     "pressure": "Mean normal force on each pillar.",
-    "power": "Power of the waves under the slider: friction, work against the load, and what remains.",
+    "power": "Power that the waves under the slider lose, to friction and to work against the load, and what remains.",
     "errors": "Estimated error of each point, and the tolerance.",
 }  # of `run_pictures.pictures`
 
