@@ -7,16 +7,18 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from rich.text import Text
 
+Item = TypeVar("Item")
 LOGGERS = ("studies", "fem")
 PATIENCE = 1.0  # s
 MIN_INTERVAL = 0.05  # between two lines without a terminal, relative to the time so far
+MAX_SILENCE = 10.0  # s without a line, after which the last text is repeated with the time so far
 
 
 class _Messages(logging.Handler):
@@ -54,6 +56,45 @@ def reported_to(progress: Callable[[str], None] | None) -> Iterator[None]:
             each.setLevel(level)
 
 
+class Countdown:
+    """Text on the parts of a computation that are done, and on the time that the others take at the same rate.
+
+    Parameters
+    ----------
+    what : str
+        Name of the computation.
+    total : int
+        Number of its parts; 0 if it is unknown, and no time is given.
+    parts : str
+        What the parts are called; empty to leave it out.
+
+    Examples
+    --------
+    >>> Countdown("load lines", 4).text(0)
+    'load lines: 0 of 4'
+    """
+
+    def __init__(self, what: str, total: int, parts: str = ""):
+        self._what, self._total, self._start = what, total, time.perf_counter()
+        self._parts = f" {parts}" if parts else ""
+
+    def text(self, done: int) -> str:
+        """Return the text after a number of parts."""
+        if not self._total:
+            return f"{self._what}: {done}{self._parts}"
+        left = (time.perf_counter() - self._start) * (self._total / done - 1.0) if done else 0.0
+        about = f", about {duration(left)} left" if left > PATIENCE else ""
+        return f"{self._what}: {done} of {self._total}{self._parts}{about}"
+
+
+def counted(logger: logging.Logger, what: str, items: Collection[Item]) -> Iterator[Item]:
+    """Yield the items of a collection; log before each how many are done, and about how long the others take."""
+    countdown = Countdown(what, len(items))
+    for done, item in enumerate(items):
+        logger.info(countdown.text(done))
+        yield item
+
+
 class Progress:
     """Context manager that shows what is logged meanwhile and for how long.
 
@@ -65,7 +106,7 @@ class Progress:
         self.text = "starting"
         self._lock = threading.Lock()
         self._live = self._first = None
-        self._shown = False
+        self._shown = self._over = False
         self._printed = 0.0
         self._reports = reported_to(self)
         self._timer = threading.Timer(PATIENCE, self._appear)
@@ -96,15 +137,15 @@ class Progress:
 
     def __exit__(self, *_):
         self._reports.__exit__(None, None, None)
-        self._timer.cancel()
         with self._lock:
-            self._shown = False
+            self._shown, self._over = False, True
+            self._timer.cancel()
             if self._live is not None:
                 self._live.stop()
 
     def _appear(self) -> None:
         with self._lock:
-            if self._timer.finished.is_set():
+            if self._over:
                 return
             self._shown = True
             if sys.stderr.isatty():
@@ -112,7 +153,23 @@ class Progress:
 
                 self._live = Console(stderr=True).status(self)
                 self._live.start()
+            else:
+                self._rearm()
             self._show()
+
+    def _rearm(self) -> None:
+        """Let the last text be repeated after a silence of `MAX_SILENCE`."""
+        self._timer = threading.Timer(MAX_SILENCE, self._repeat)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _repeat(self) -> None:
+        with self._lock:
+            if not self._shown:
+                return
+            if time.perf_counter() >= self._printed + MAX_SILENCE:
+                self._show()
+            self._rearm()
 
     def __rich__(self) -> "Text":
         """Return what the live line shows; rich asks for it at each drawing."""

@@ -19,6 +19,7 @@ from studies.chain import fem_model
 from studies.chain.outcomes import OF_PILLARS, keywords
 from studies.chain.resolve import resolved
 from studies.inverse.prediction import MeasurementPredictor
+from studies.progress import counted
 from studies.refusal import RunError, SceneError
 from studies.scene.keys import coordinate
 from studies.scene.override import walk
@@ -91,8 +92,7 @@ def elasticities(
     slopes: dict[str, dict[str, tuple[float, float]]] = {name: {} for name in outcomes}
     for accuracy, names in _together(predictor, outcomes):
         centre = answers_at(predictor, names, level, [{}])[0]
-        for key in _keys(predictor, names) if np.any(centre > 0.0) else ():
-            LOGGER.info(f"{', '.join(names)}: {key}")
+        for key in counted(LOGGER, ", ".join(names), _keys(predictor, names) if np.any(centre > 0.0) else ()):
             moved = key != "level" and predictor.needs_stator(key)
             within = max(accuracy, STATOR_ACCURACY if moved else 0.0)
             step = within**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP

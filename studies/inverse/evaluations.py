@@ -11,6 +11,7 @@ from pathlib import Path
 
 from studies.chain.solved_stator import POSITION_KEYS
 from studies.inverse.parameters import Parameter
+from studies.progress import Countdown
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at
 from studies.sweeps.axes import Axis, level_key
@@ -55,6 +56,8 @@ class Evaluations:
 
     def __init__(self, plan: SweepDesign, search: dict, options: Options, *, coarse: bool = False):
         self.question = replace(plan.question, coarse=coarse)
+        self.expected = 0  # largest number of points that the search requests; 0: unknown
+        self._countdown: Countdown | None = None
         self.points: list[dict] = []  # keys and outcomes of each point, in the order of the requests
         self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
@@ -97,4 +100,7 @@ class Evaluations:
 
     def _report(self, _total: int, done: int, failed: int, _seconds: float) -> None:
         failures = "" if self.question.coarse else f", {failed} without an answer within the tolerance"
-        LOGGER.info(f"{done} {'coarse ' if self.question.coarse else ''}evaluations{failures}")
+        if self._countdown is None:
+            parts = f"{'coarse ' if self.question.coarse else ''}evaluations"
+            self._countdown = Countdown("design", self.expected, parts)
+        LOGGER.info(f"{self._countdown.text(done)}{failures}")

@@ -5,6 +5,7 @@ Each candidate adds its Fisher information, from derivatives at the best fit, to
 standard deviations of its own has the typical relative deviation of the data.
 """
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,10 @@ import numpy as np
 from studies.inverse.least_squares import Problem, standard_deviations
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.lab.measurement import FIELD, Measurement
+from studies.progress import counted
 from studies.report.intermediate import si
+
+LOGGER = logging.getLogger(__name__)
 
 FREQUENCY_ERROR, AMPLITUDE_ERROR, WEIGHED = 0.01, 0.02, 0.01  # relative: of a ring-down, a vibrometer, a balance
 USELESS = 0.99  # of the standard deviation: a measurement that leaves more than this is not named
@@ -80,7 +84,8 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[
     """
     relative = [np.array(each.deviations) / (np.max(np.abs(each.values)) or 1e-300) for each in problem.measurements]
     typical = float(np.median(np.concatenate(relative)))
-    jacobians = {each.name: _jacobian(problem, best, each, typical) for each in candidates(problem)}
+    planned = counted(LOGGER, "next measurements", candidates(problem))
+    jacobians = {each.name: _jacobian(problem, best, each, typical) for each in planned}
     for k, parameter in enumerate(problem.parameters):
         if parameter.key in WEIGHABLE:
             deviation = WEIGHED * (1.0 if parameter.logarithmic else parameter.outer(best[k]) or 1.0)

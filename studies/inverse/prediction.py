@@ -34,6 +34,7 @@ from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.network import NetworkData
 from studies.lab.scan import Scan
+from studies.progress import Countdown
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
@@ -57,20 +58,21 @@ class MeasurementPredictor(Predictor):
         table = following(numbers, scene).to_table()
         super().__init__(table, tolerance=tolerance, steps=1, numbers=numbers.to_table())
         self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
-        self._stage, self._total, self._done, self._last_report = "", 0, 0, 0.0
+        self._countdown: Countdown | None = None
+        self._done, self._last_report = 0, 0.0
 
     def begin(self, stage: str, total: int = 0) -> None:
         """Report a stage and count its predictions from 0; ``total``: their number, 0 if it is unknown."""
-        self._stage, self._total, self._done, self._last_report = stage, total, 0, time.monotonic()
+        self._countdown = Countdown(stage, total, "predictions")
+        self._done, self._last_report = 0, time.monotonic()
         LOGGER.info(stage)
 
     def _count_one(self) -> None:
         """Count a prediction, and report the number of them about once a second."""
         self._done += 1
-        if self._stage and time.monotonic() > self._last_report + 1.0:
+        if self._countdown is not None and time.monotonic() > self._last_report + 1.0:
             self._last_report = time.monotonic()
-            of_total = f" of {self._total}" if self._total else ""
-            LOGGER.info(f"{self._stage}: {self._done}{of_total} predictions")
+            LOGGER.info(self._countdown.text(self._done))
 
     @property
     def prescribed_wave(self) -> bool:

@@ -41,6 +41,7 @@ class Search:
 
         Each search takes about ``budget`` evaluations.
         """
+        self.evaluate.expected = budget * (len(self.goals) + (len(WEIGHTS) if len(self.goals) == 2 else 0))
         best_of_each = [self._run(weights, budget) for weights in np.eye(len(self.goals)).tolist()]
         if len(self.goals) == 2:
             self.best_of_each = best_of_each

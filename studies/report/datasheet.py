@@ -22,7 +22,7 @@ from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.predictor import Predictor
 from studies.chain.steps import Steps
-from studies.progress import reported_to
+from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.quantities import quantity
 from studies.record.text import sentences
@@ -188,12 +188,11 @@ def _without_load(scene: Scene) -> Scene:
 
 def _of_balls(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
     """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
-    LOGGER.info("load lines")
     options, named = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}, driven.scene.named
-    lines = {named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in levels}
+    shown = counted(LOGGER, "load lines", levels)
+    lines = {named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in shown}
     LOGGER.info("start and stop")
     start_stop = _start_and_stop_motion(driven, rated)
-    LOGGER.info("steps")
     bursts = Steps.of(driven)
     steps, remarks = _steps(bursts, rated)
     balls = driven.scene.slider.share
@@ -205,7 +204,7 @@ def _steps(bursts: Steps, rated: float) -> tuple[tuple, tuple[str, ...]]:
     """Return the shortest step of each size in `STEPS`, None where there is none, and the remarks why."""
     steps: list = []
     remarks = []
-    for size in STEPS:
+    for size in counted(LOGGER, "steps", STEPS):
         try:
             steps.append(bursts.reaching(rated, size)[1])
         except contact.ConvergenceError as error:
@@ -217,8 +216,8 @@ def _steps(bursts: Steps, rated: float) -> tuple[tuple, tuple[str, ...]]:
 def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
     """Return the fields of `_of_balls` for a slider on pillars, without steps, because its bounce is not modelled."""
     body, slider = PillarContact.of(driven), driven.scene.slider
-    LOGGER.info("load lines")
-    lines = {driven.scene.named(level): body.load_line(level, LOADS) for level in levels}
+    shown = counted(LOGGER, "load lines", levels)
+    lines = {driven.scene.named(level): body.load_line(level, LOADS) for level in shown}
     line = lines[driven.scene.named(rated)]
     LOGGER.info("start and stop")
     free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force

@@ -8,7 +8,7 @@ import time
 
 import contact
 from studies import Scene, run
-from studies.progress import Progress, reported_to
+from studies.progress import Progress, counted, reported_to
 
 FIRST, SECOND = logging.getLogger("studies.chain.runs"), logging.getLogger("fem.solve.harmonic")
 
@@ -82,3 +82,28 @@ def test_the_compilation_of_the_kernels_is_announced_before_it_begins(monkeypatc
     monkeypatch.setattr("contact.threshold_factor", lambda *of: compiled.append(1) or threshold_factor(*of))
     run(Scene.load("twente-contact").replace(wave={"normal_amplitude": "5 nm"}), progress=texts.append)
     assert texts[:3] == ["contact", "contact, compiling its kernels, once", "contact, point 1 of 1"]
+
+
+def test_a_counted_computation_says_how_long_the_rest_takes(monkeypatch):
+    """Two of five parts in 8 s: the other three take 12 s."""
+    clock = iter([0.0, 4.0, 8.0])
+    monkeypatch.setattr("studies.progress.time.perf_counter", lambda: next(clock))
+    texts = []
+    with reported_to(texts.append):
+        for done in counted(FIRST, "load lines", range(5)):
+            if done == 2:
+                break
+    assert texts == [
+        "load lines: 0 of 5",
+        "load lines: 1 of 5, about 16.0 s left",
+        "load lines: 2 of 5, about 12.0 s left",
+    ]
+
+
+def test_a_silent_computation_is_repeated_with_its_time(capsys, monkeypatch):
+    monkeypatch.setattr("studies.progress.PATIENCE", 0.01)
+    monkeypatch.setattr("studies.progress.MAX_SILENCE", 0.05)
+    with Progress() as progress:
+        progress("following the contact")
+        time.sleep(0.3)
+    assert capsys.readouterr().err.count("following the contact") >= 3
