@@ -59,7 +59,7 @@ STUDIES = {
     "stability": ("evidence", 360),
     "left_out": ("evidence", 20),
 }
-COMMAND_OPTIONS = ("over", "band", "z0", "measured", "target", "controller", "loop", "tolerance")
+COMMAND_OPTIONS = ("over", "band", "z0", "measured", "port", "target", "controller", "loop", "tolerance")
 # former names of studies: each is a part of another now
 ALIASES = {"contact_error_vs_time": "error_vs_time", "fem_error_vs_time": "error_vs_time"}
 

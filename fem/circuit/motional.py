@@ -77,9 +77,16 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     Returns
     -------
     MotionalModel
+
+    Raises
+    ------
+    ValueError
+        If the conductance is positive at no frequency: no circuit of positive elements has such an admittance.
     """
     from scipy.optimize import least_squares
 
+    if not np.max(np.real(admittance)) > 0.0:
+        raise ValueError("the conductance must be positive at some frequency")
     fit = _Fit(np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex))
     y, fits = fit.admittance, []
     # Start: C0 from the median of Im Y, 1/R0 = 1e-3 of the largest |Y|, and branches spread evenly about the peak that

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies.chain import passband
-from studies.chain.spectrum import port_admittances
+from studies.chain.spectrum import converged_admittances, port_admittances
 from studies.refusal import needed
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -64,10 +64,25 @@ def scattering_matrix(
     scene: Scene, at: np.ndarray, reference: float, tolerance: float
 ) -> tuple[list[str], Any, np.ndarray]:
     """Return the names of the ports, the `fem.PortAdmittance` and S (frequencies, ports, ports) of a resolved scene."""
-    names = [each.name for each in scene.transducer if each.has_two_electrodes]
     ports = port_admittances(scene, at, tolerance)
+    names, scattering = _in_order(scene, ports, reference)
+    return names, ports, scattering
+
+
+def converged_scattering(
+    scene: Scene, at: np.ndarray, reference: float, tolerance: float
+) -> tuple[list[str], Any, np.ndarray, tuple[str, ...]]:
+    """Return the same as `scattering_matrix` at those frequencies that have an answer, and why others have none."""
+    ports, failures = converged_admittances(scene, at, tolerance)
+    names, scattering = _in_order(scene, ports, reference)
+    return names, ports, scattering, failures
+
+
+def _in_order(scene: Scene, ports: Any, reference: float) -> tuple[list[str], np.ndarray]:
+    """Return the names of the scene's ports and their S-parameters, both in its order."""
+    names = [each.name for each in scene.transducer if each.has_two_electrodes]
     order = [ports.names.index(name) for name in names]
-    return names, ports, ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
+    return names, ports.scattering(reference)[:, order][:, :, order]
 
 
 def reference_impedance(z0: str | float) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 import fem
 from studies.chain import fem_model
 from studies.chain.solver_errors import as_run_errors
+from studies.refusal import RunError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
@@ -86,20 +87,48 @@ def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
 
 
 def port_admittances(scene: Scene, frequencies, tolerance: float):
-    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, computed as in a run."""
+    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, computed as in a run.
+
+    Raises
+    ------
+    RunError
+        If some of the frequencies have no answer within the tolerance.
+    """
+    ports, failures = converged_admittances(scene, frequencies, tolerance)
+    if failures:
+        raise RunError(failures[0])
+    return ports
+
+
+def converged_admittances(scene: Scene, frequencies, tolerance: float):
+    """Return the ``fem.PortAdmittance`` at those frequencies in Hz that have an answer, and why the others have none.
+
+    Raises
+    ------
+    RunError
+        If no frequency has an answer.
+    """
     parts: list = []
+    failures: list[str] = []
     done = 0
     for group in groups(scene, frequencies):
         last = done + len(group)
         which = f"frequency {last}" if len(group) == 1 else f"frequencies {done + 1} to {last}"
         LOGGER.info(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
         done = last
-        with as_run_errors(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
-            parts.append(fem_model.port_admittance(scene, group, tolerance))
-    return fem.PortAdmittance(
-        names=parts[0].names, frequency=frequencies, matrix=np.concatenate([part.matrix for part in parts]),
+        try:
+            with as_run_errors(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
+                parts.append(fem_model.port_admittance(scene, group, tolerance))
+        except RunError as error:
+            failures.append(str(error))
+    if not parts:
+        raise RunError(failures[0])
+    ports = fem.PortAdmittance(
+        names=parts[0].names, frequency=np.concatenate([part.frequency for part in parts]),
+        matrix=np.concatenate([part.matrix for part in parts]),
         relative_error=max(part.relative_error for part in parts),
     )  # fmt: skip
+    return ports, tuple(failures)
 
 
 def driving_point(ports, transducers, drive):

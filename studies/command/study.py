@@ -20,8 +20,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--over")
     parser.add_argument("--band", metavar="START:STOP:N", help="network, force_response, reflector: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
-    measured = "network: Touchstone file; beam, frequency_response: vibrometer's scan; drawn over the prediction"
+    measured = (
+        "network: Touchstone file or an impedance analyser's table; beam, frequency_response: vibrometer's scan; "
+    )
+    measured += "drawn over the prediction"
     parser.add_argument("--measured", metavar="FILE", help=measured)
+    parser.add_argument("--port", metavar="N", help="network: take this port of the measured file, counted from 1")
     parser.add_argument("--target", metavar="LENGTH", help='positioning: where to go, e.g. "10 um"')
     parser.add_argument(
         "--controller", metavar="NAME", help="positioning: two_phase, dead_zone_pi, burst_length or FILE.py:FUNCTION"

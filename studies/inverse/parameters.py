@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from studies.lab.measurement import Measurement
-from studies.lab.measurement_csv import read_measured
+from studies.lab.measurement_csv import measured_network, read_measured
 from studies.refusal import SceneError, all_answers, nearest, shown, suggestion
 from studies.report.intermediate import scaled_unit
 from studies.scene import Scene
@@ -30,6 +30,7 @@ from studies.scene.rule import Count
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
 WAVE_VELOCITY_FACTOR, BANDWIDTH = "wave_velocity_factor", "bandwidth"
 SAMPLING, TIME_OFFSET = "sampling", "time_offset"
+PORT = "port"  # of a network analyser's file, counted from 1; no number of the motor
 OWN = {
     AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity(),
     WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), SAMPLING: Quantity("s"),
@@ -243,7 +244,7 @@ def as_measurements(measurements: Any) -> list[Measurement]:
 def read_measurement(path: str | Path | Measurement, settings: tuple[str, ...] = ()) -> Measurement:
     """Read a CSV file and the keys ``KEY=VALUE`` that hold for it alone; a measurement is returned as it is.
 
-    ``systematic=0.02`` is a common error of 2 %.
+    ``systematic=0.02`` is a common error of 2 %; ``port=2`` takes one port of a network analyser's file of several.
 
     Raises
     ------
@@ -254,14 +255,21 @@ def read_measurement(path: str | Path | Measurement, settings: tuple[str, ...] =
         return path
     if "=" in str(path):
         raise SceneError("measurements", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
-    fixed = dict(map(_setting, settings))
+    pairs = [parts_of("measurements", text, "FILE.csv KEY=VALUE ...") for text in settings]
+    ports = [value for key, value in pairs if key == PORT]
+    fixed = dict(_setting(key, value) for key, value in pairs if key != PORT)
     systematic = float(str(fixed.pop(SYSTEMATIC, 0.0)))
-    return replace(read_measured(path, "measurements"), systematic=systematic, settings=fixed)
+    measured = read_measured(path, "measurements")
+    if ports:
+        if measured.network is None or not ports[-1].isdigit():
+            rule = f"port={ports[-1]} must be the number of a port, and the file that of a network analyser"
+            raise SceneError(f"measurements {measured.name}", rule)
+        measured = measured_network(measured.network.one_port(int(ports[-1]), f"measurements {measured.name}"))
+    return replace(measured, systematic=systematic, settings=fixed)
 
 
-def _setting(text: str) -> tuple[str, object]:
-    """Read ``KEY=VALUE`` of a measurement, the value as in a scene file."""
-    key, value = parts_of("measurements", text, "FILE.csv KEY=VALUE ...")
+def _setting(key: str, value: str) -> tuple[str, object]:
+    """Read a key and a value of a measurement, the value as in a scene file."""
     return key, _number("measurements", key, value) if key in OWN else rule_at(key).read(key, toml_value(value))
 
 

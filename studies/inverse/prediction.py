@@ -142,7 +142,7 @@ class MeasurementPredictor(Predictor):
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
         if isinstance(data, NetworkData):
             scattering = self._once(stator, data, partial(network_prediction, scene, data, tolerance=self.tolerance))
-            return np.concatenate([scattering.real.ravel(), scattering.imag.ravel()])
+            return data.flat(scattering)
         scan = placed(scene, data, "measurements")
         motion = self._once(stator, data, partial(predicted_scan, scene, scan, tolerance=self.tolerance))
         motion = motion * numbers.get(AMPLITUDE_FACTOR, 1.0)

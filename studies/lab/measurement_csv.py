@@ -15,11 +15,14 @@ recognised here and read by `scan`, `scan_uff` and `network`.
 
 from pathlib import Path
 
+from studies.lab.analyser_csv import analyser_table, file_lines
 from studies.lab.csv_columns import DISPLACEMENTS, TIMES, VELOCITIES, VOLTAGES, CsvColumns
 from studies.lab.measurement import Measurement
-from studies.lab.network import TOUCHSTONE, read_network
+from studies.lab.network import NetworkData
+from studies.lab.network_file import read_network
 from studies.lab.scan import Scan, motions, scan_of_columns
 from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
+from studies.lab.touchstone import TOUCHSTONE
 from studies.refusal import SceneError
 
 
@@ -32,10 +35,11 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         If the file cannot be read, lacks a column, or contains an entry that is not a number.
     """
     if TOUCHSTONE.fullmatch(Path(path).suffix):
-        data = read_network(Path(path), option)
-        return Measurement(name=data.name, quantity="network", values=tuple(data.flat()), network=data)
+        return measured_network(read_network(Path(path), option))
     if Path(path).suffix.lower() in UFF_ENDINGS:
         return measured_scan(scan_of_uff(Path(path), option), option)
+    if analyser_table(file_lines(Path(path), option)) is not None:
+        return measured_network(read_network(Path(path), option))
     table = CsvColumns.read(path, option)
     if motions(table.names):
         return measured_scan(scan_of_columns(table), option)
@@ -74,6 +78,11 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
         values=values, deviations=deviations,
     )  # fmt: skip
+
+
+def measured_network(data: NetworkData) -> Measurement:
+    """Return a network analyser's data as a measurement."""
+    return Measurement(name=data.name, quantity="network", values=tuple(data.flat()), network=data)
 
 
 def measured_scan(scan: Scan, option: str = "--measured") -> Measurement:

@@ -3,10 +3,11 @@
 Method: the admittance matrix of all transducers with two combs over a band (`--band 1.9:2.5:401` in MHz; by default the
 passband of the driven transducer about the drive's frequency), converted to S-parameters with a real reference
 impedance (`--z0 50`). The ports are in the order of the scene, independent of how the scene drives or terminates them.
-The result is written as ``network.sNp`` (Touchstone 1.1). A measured file (`--measured FILE.s2p`) is drawn over it;
-nothing is fitted. Each transducer, with the others terminated as in the scene, is also written as a SPICE subcircuit of
-a static capacitance with one motional branch (Butterworth and Van Dyke) and with several branches. Expected: passive
-and reciprocal; the circuit with several branches is within a tenth of the largest admittance. Run time: about 25 s.
+The result is written as ``network.sNp`` (Touchstone 1.1). A measured file (`--measured FILE.s2p`, or the table of an
+impedance analyser) is drawn over it; nothing is fitted. `--port 2` takes one port of a file of several. Each
+transducer, with the others terminated as in the scene, is also written as a SPICE subcircuit of a static capacitance
+with one motional branch (Butterworth and Van Dyke) and with several branches. Expected: passive and reciprocal; the
+circuit with several branches is within a tenth of the largest admittance. Run time: about 25 s.
 """
 
 from pathlib import Path
@@ -16,9 +17,10 @@ import numpy as np
 import fem
 from studies.chain import fem_model, passband
 from studies.chain.scan_prediction import refuse_other_range
-from studies.chain.scattering import reference_impedance, scattering_matrix
+from studies.chain.scattering import converged_scattering, reference_impedance
 from studies.chain.spectrum import driving_point
-from studies.lab.network import NetworkData, read_network
+from studies.lab.network import NetworkData
+from studies.lab.network_file import read_network
 from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
@@ -41,6 +43,7 @@ def run(
     band: str | None = None,
     z0: str | float = 50.0,
     measured: str | None = None,
+    port: str | int | None = None,
     count: int | None = None,
     tolerance: float = 1e-3,
 ) -> Answered:
@@ -53,7 +56,10 @@ def run(
     z0 : str or float
         Reference impedance, ohm.
     measured : str, optional
-        Touchstone file of as many ports, with the same reference impedance.
+        Touchstone file of as many ports as the scene has transducers, or an impedance analyser's table for one.
+        With a ``band``, its frequencies within that are taken.
+    port : int, optional
+        The port of the file that is taken for the scene's only transducer.
     count : int, optional
         Number of frequencies without a band; by default 401, or as many as resolve the ripple of returning waves.
     tolerance : float
@@ -64,13 +70,18 @@ def run(
     at = passband.band_frequencies(resolved, band, count)
     lab_file = None
     if measured is not None:  # a wrong file is refused before anything is solved
-        number = sum(each.has_two_electrodes for each in resolved.transducer)
-        lab_file = _measured(Path(measured), resolved, number, reference)
-    names, ports, scattering = scattering_matrix(resolved, at, reference, tolerance)
+        lab_file = _measured(Path(measured), resolved, reference, port)
+        if band is not None:
+            lab_file = lab_file.within(at[0], at[-1])
+    elif port is not None:
+        raise SceneError("--port", "is a port of a measured file: --measured FILE names it")
+    names, ports, scattering, failures = converged_scattering(resolved, at, reference, tolerance)
+    at = ports.frequency
+    answer = [("no answer", failure) for failure in failures]
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
     if lab_file is not None:
         shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
-                   "measured_file": lab_file.name}  # fmt: skip
+                   "measured_file": lab_file.name, "measured_elements": lab_file.elements}  # fmt: skip
     panels = [
         Panel(name=name, title=f"{resolved.title}: {what}, {reference:g} ohm", data=shared)
         for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
@@ -89,10 +100,10 @@ def run(
         admittance = driving_point(ports, fem_model.transducers(resolved), name)
         models[name] = [fem.motional_model(at, admittance, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, admittance, models[name]))
-    answer = []
     if lab_file is not None:
-        _, _, predicted = scattering_matrix(resolved, lab_file.frequency, reference, tolerance)
-        answer = deviations(lab_file, predicted, names)
+        _, at_file, predicted, failures = converged_scattering(resolved, lab_file.frequency, reference, tolerance)
+        answer += [("not compared", failure) for failure in failures]
+        answer += deviations(lab_file.at(np.isin(lab_file.frequency, at_file.frequency)), predicted, names)
         answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
@@ -174,6 +185,8 @@ def _magnitudes(record: Panel, ax):
     upper = upper_half(ax, share=True) if len(data["ports"]) > 1 and ax.get_subplotspec() is not None else ax
     for prefix, style, at, remark in _sources(data):
         for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
+            if prefix and not data["measured_elements"][i, j]:
+                continue
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
             options = {"color": f"C{i * len(data['ports']) + j}", "markersize": 3, "label": f"S{i + 1}{j + 1}{remark}"}
             (upper if i == j else ax).plot(at, size, style, **options | (_overlaid(prefix, int(i)) if i == j else {}))
@@ -209,6 +222,8 @@ def _smith(record: Panel, ax):
         ax.plot(arc.real, arc.imag, color=COLOURS["line"], linewidth=0.4)
     for prefix, style, _, remark in _sources(data):
         for i, name in enumerate(data["ports"]):
+            if prefix and not data["measured_elements"][i, i]:
+                continue
             s = data[f"{prefix}scattering"][:, i, i]
             options = {"color": f"C{i}", "markersize": 3, "label": f"S{i + 1}{i + 1}, {name}{remark}"}
             ax.plot(s.real, s.imag, style, **options | _overlaid(prefix, i))
@@ -239,27 +254,37 @@ def _circuit_panel(name: str, at, admittance, models) -> Panel:
     })  # fmt: skip
 
 
-def _measured(file: Path, scene: Scene, ports: int, reference: float) -> NetworkData:
-    """Return the data of a Touchstone file of as many ports, which meets the passband."""
+def _measured(file: Path, scene: Scene, reference: float, port: str | int | None) -> NetworkData:
+    """Return the data of a file for the scene's transducers, with their reference, which meets the passband."""
     if not file.is_file():
-        raise SceneError("--measured", f"must be a Touchstone file, and {str(file)!r} is none")
-    if file.suffix.lower() != f".s{ports}p":
-        raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
+        raise SceneError("--measured", f"must be a network analyser's file, and {str(file)!r} is none")
+    ports = sum(each.has_two_electrodes for each in scene.transducer)
     data = read_network(file, "--measured")
-    if data.reference != reference:
-        rule = f"has the reference {data.reference:g} ohm: give --z0 {data.reference:g}, not {reference:g}"
-        raise SceneError("--measured", rule)
+    if port is not None:
+        if not str(port).isdigit():
+            raise SceneError("--port", f"must be a number of a port, got {port!r}")
+        if ports != 1:
+            raise SceneError("--port", f"takes one port for one transducer, and the scene has {ports}")
+        data = data.one_port(int(port))
+    if data.ports != ports:
+        hint = ": --port N takes one of them" if ports == 1 else ""
+        raise SceneError("--measured", f"must be a file of {ports} ports, and {file.name!r} has {data.ports}{hint}")
+    data = data.with_reference(reference)
     refuse_other_range(scene, data, "--measured")
     return data
 
 
 def _measured_delay(measured: NetworkData, travel_time: float) -> dict:
     """Return the group delay of a file, or why it is not drawn: steps too wide to unwrap the phase."""
+    if len(measured.frequency) < 2:
+        return {"not_drawn": "the measured group delay is not drawn: it needs two frequencies"}
     step = float(np.max(np.diff(measured.frequency)))
     # echoes travel the distance twice more: their phase relative to the first arrival may change by pi per step
     widest = 0.5 / (2.0 * travel_time)
     if step > widest:
         rule = f"steps of {step / 1e3:.4g} kHz, at most {widest / 1e3:.4g} kHz would do"
         return {"not_drawn": f"the measured group delay is undersampled and not drawn: {rule}"}
+    if not measured.elements[1, 0]:
+        return {"not_drawn": "the measured group delay is not drawn: S21 was not measured"}
     delay = passband.group_delay(measured.frequency, measured.scattering[:, 1, 0], travel_time)
     return {"measured_frequency_Hz": measured.frequency, "measured_group_delay_s": delay}

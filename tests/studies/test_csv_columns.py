@@ -154,6 +154,7 @@ def test_points_at_rest_are_left_out(tmp_path):
         ("voltage_mV,velocity_mm_per_s\n-10,3\n", "line 2, voltage_mV must be zero or positive, got -10 mV"),
         ("x_mm,u_z_magnitude_nm,voltage_V\n40,1,0\n", "line 2, voltage_V must be positive, got 0 V"),
         ("x_mm,a_z_magnitude_m_per_s2,voltage_V\n40,-1,1\n", "got -1 m/s^2"),
+        ("x_mm,a_z_real_m_per_s2,voltage_V\n40,-1,1\n", "must have a column a_z_imag_UNIT beside the other part"),
         ("x_mm,u_z_magnitude_nm,voltage_V\n40,1,15\n41,1,30\n", "must hold one voltage, got 15 to 30 V"),
     ],
 )  # fmt: skip

@@ -22,7 +22,8 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_scan, read_measured
-from studies.lab.network import NetworkData, read_network
+from studies.lab.network import NetworkData
+from studies.lab.network_file import read_network
 from studies.lab.scan import Scan, scan_csv
 from studies.record import Record
 from studies.record.run_pictures import pictures
@@ -273,6 +274,30 @@ def test_a_network_analysers_file_is_predicted_as_its_study_computes_it():
     assert np.ptp(predicted) > 0.1
 
 
+def test_a_fit_takes_one_port_of_a_network_analyser_s_file(tmp_path):
+    file = tmp_path / "lab.s2p"
+    file.write_text("# MHz S RI R 50\n2.2 .1 .2 .01 0 .01 0 .3 .4\n")
+    measured = read_measurement(file, ("port=2", "systematic=0.02"))
+    assert measured.values == (0.3, 0.4)
+    assert (measured.systematic, measured.settings) == (0.02, {})
+    for path, port, said in ((file, "3", "one of the 2 ports"), (file, "x", "port=x must be the number of a port")):
+        with pytest.raises(SceneError, match=said):
+            read_measurement(path, (f"port={port}",))
+
+
+def test_the_remarks_on_a_file_are_in_the_answer_of_its_fit(tmp_path):
+    # 1.2 times the prediction, as spectra at two places with lines beside the drive
+    chosen = replace(clean(), x=clean().x[::40], y=clean().y[::40], values=1.2 * clean().values[::40])
+    rows = ["x_m,frequency_kHz,u_z_real_m_per_V,u_z_imag_m_per_V"]
+    for x, value in zip(chosen.x.tolist(), chosen.values.tolist(), strict=True):
+        rows += [f"{x!r},{f},{value.real * part!r},{value.imag * part!r}" for f, part in ((2190, 0.5), (2200, 1.0))]
+    file = tmp_path / "lab.csv"
+    file.write_text("\n".join(rows))
+    found = fit(SMALL, [read_measurement(file)], {"amplitude_factor": (0.5, 2.0)}, tolerance=1e-2)
+    assert found.values["amplitude_factor"] == pytest.approx(1.2, rel=1e-6)
+    assert "lab.csv: of 2 spectral lines that at 2200000 Hz is taken" in str(found)
+
+
 def test_an_encoder_is_a_low_pass_filter_and_a_trace_is_moved_to_where_it_fits():
     time = np.linspace(0.0, 1.0, 2001)
     ramp = low_pass(time, time, 5.0)
@@ -390,9 +415,11 @@ def test_touchstone_of_version_2_is_read_with_references_of_its_ports(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("# MHz S MA R 50\none 2 3\n", "is no Touchstone file of 1 ports"),
-        ("", "got 0 frequencies of 1 ports"),
-        ("# MHz S RI R 50\n1 2 3 4\n", "is no Touchstone file of 1 ports"),
+        ("# MHz S MA R 50\none 2 3\n", "line 2: must hold numbers, got 'one'"),
+        ("", "must have an option line"),
+        ("# MHz S RI R 50\n", "must hold S-parameters of 1 ports, got none"),
+        ("# MHz S RI R 50\n1 2 3 4\n", "line 2: must hold a frequency and 2 numbers of 1 ports, got 1 more"),
+        ("# MHz S RI R 50\n1 .2 .3\n2 .2\n", "ends with 2 of 3 numbers after 1 frequencies: it is cut off"),
         ("# MHz S RI R 50\n2 .1 .2\n1 .1 .2\n", "must have rising frequencies"),
         ("# MHz S RI R 50\n1 nan .2\n", "must hold finite numbers only"),
     ],
@@ -459,8 +486,9 @@ def test_files_that_do_not_fit_are_one_sentence_and_nothing_is_written(name, tex
 
 def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    for module in ("studies.stator.network", "studies.chain.scan_prediction"):
-        monkeypatch.setattr(f"{module}.scattering_matrix", None)  # it is said before anything is solved
+    # it is said before anything is solved
+    monkeypatch.setattr("studies.stator.network.converged_scattering", None)
+    monkeypatch.setattr("studies.chain.scan_prediction.scattering_matrix", None)
     Path("a.s1p").write_text("# MHz S RI R 50\n200 0.1 0.2\n201 0.1 0.2\n")
     assert main(["study", "network", "twente-left", "--measured", "a.s1p"]) == 2
     assert "must meet the passband" in capsys.readouterr().err

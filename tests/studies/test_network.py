@@ -10,7 +10,7 @@ from studies import Scene
 from studies.__main__ import main
 from studies.chain.fem_model import stator, transducers
 from studies.chain.resolve import resolved
-from studies.refusal import SceneError
+from studies.refusal import RunError, SceneError
 from studies.scene import read_table
 from studies.stator import network
 from studies.study import run_study
@@ -90,13 +90,94 @@ def test_a_measurement_is_drawn_over_it(record, tmp_path):
     file.write_text(network.tables(record)["network.s2p"])
     done = network.run(chip(), band="2.15 MHz:2250 kHz:3", z0=75, measured=str(file), tolerance=5e-2)
     data = done.panel("smith").data
-    assert np.array_equal(data["measured_scattering"], record.panel("smith").data["scattering"])
+    # of 5 frequencies from 2.1 to 2.3 MHz those within the band
+    assert np.array_equal(data["measured_scattering"], record.panel("smith").data["scattering"][1:4])
+    np.testing.assert_allclose(data["measured_frequency_Hz"], [2.15e6, 2.2e6, 2.25e6], rtol=1e-12)
+    said = " ".join(text for _, text in done.answer)
+    assert "3 of its 5 frequencies lie within --band" in said
     for name in ("smith", "magnitude", "group_delay", "circuit_left"):
         ax = network.figure(done, Figure().add_subplot(), panel=name)
         texts = [each.get_label() for each in ax.lines]
         assert any("lab.s2p" in text for text in texts) == (name in ("smith", "magnitude"))
-    with pytest.raises(SceneError, match="--measured has the reference 75 ohm: give --z0 75, not 50"):
-        network.run(chip(), band="2.1:2.3:3", measured=str(file))
+
+
+def test_a_file_of_another_reference_is_converted_and_exchanged_ports_are_remarked(record, tmp_path):
+    file, frequency = tmp_path / "lab.s2p", record.panel("smith").data["frequency_Hz"]
+    scattering = record.panel("smith").data["scattering"]
+    file.write_text(fem.touchstone(frequency, scattering[:, ::-1, ::-1], 75.0, ()))
+    done = network.run(chip(), band="2.1:2.3:5", measured=str(file), tolerance=2e-2)
+    theirs = skrf.Network(str(file))
+    theirs.renormalize(50.0)
+    np.testing.assert_allclose(done.panel("smith").data["measured_scattering"], theirs.s, rtol=1e-9)
+    said = " ".join(text for _, text in done.answer)
+    assert "its reference of 75 ohm is changed to 50 ohm" in said
+    assert "are ports exchanged? With the file's ports as transducers 2, 1 the deviation is" in said
+
+
+def single() -> Scene:
+    """The left transducer alone."""
+    table = chip().to_table()
+    table["transducer"] = table["transducer"][1:]
+    table["drive"] |= {"transducer": "left"}
+    return Scene.from_table("", table)
+
+
+def test_one_port_of_a_file_of_several_is_taken(tmp_path):
+    at = np.array([2.15e6, 2.2e6, 2.25e6])
+    alone = network.run(single(), band=at, tolerance=2e-2).panel("smith").data["scattering"][:, 0, 0]
+    both = np.zeros((3, 2, 2), complex)
+    both[:, 0, 0], both[:, 1, 1], both[:, 0, 1] = 0.7, alone, 0.01
+    both[:, 1, 0] = both[:, 0, 1]
+    file = tmp_path / "lab.s2p"
+    file.write_text(fem.touchstone(at, both, 50.0, ()))
+    with pytest.raises(
+        SceneError, match=r"must be a file of 1 ports, and 'lab\.s2p' has 2: --port N takes one of them"
+    ):
+        network.run(single(), band=at, measured=str(file), tolerance=2e-2)
+    done = network.run(single(), band=at, measured=str(file), port="2", tolerance=2e-2)
+    lines = [text for _, text in done.answer]
+    (deviation,) = [float(text.split("deviation of S ")[1].split()[0]) for text in lines if "deviation of S" in text]
+    assert deviation < 1e-12
+    assert "port 2 of 2 is taken, the others at 50 ohm" in " ".join(lines)
+    # the table of an impedance analyser is of one port too
+    z = 50.0 * (1 + alone) / (1 - alone)
+    rows = [f"{f / 1e6!r};{each.real!r};{each.imag!r}" for f, each in zip(at.tolist(), z.tolist(), strict=True)]
+    table = tmp_path / "lab.csv"
+    table.write_text("\n".join(["f (MHz);R (Ohm);X (Ohm)", *rows]).replace(".", ","))
+    done = network.run(single(), band=at, measured=str(table), tolerance=2e-2)
+    assert float(dict(done.answer)["measured"].split("deviation of S ")[1].split()[0]) < 1e-12
+    for port, words in ((3, "--port must be one of the 2 ports"), ("x", "--port must be a number of a port")):
+        with pytest.raises(SceneError, match=words):
+            network.run(single(), band=at, measured=str(file), port=port, tolerance=2e-2)
+    with pytest.raises(SceneError, match="--port takes one port for one transducer, and the scene has 2"):
+        network.run(chip(), band=at, measured=str(file), port=1, tolerance=2e-2)
+    with pytest.raises(SceneError, match="--port is a port of a measured file"):
+        network.run(single(), band=at, port=1, tolerance=2e-2)
+
+
+def test_frequencies_without_an_answer_do_not_lose_the_others(monkeypatch, tmp_path):
+    """A band of a range does not converge: its frequencies are left out of the curves, and said."""
+    from studies.chain import fem_model, spectrum
+
+    solved = fem_model.port_admittance
+
+    def failing(scene, group, tolerance):
+        if group[0] > 2.3e6:
+            raise fem.ConvergenceError("the field does not converge")
+        return solved(scene, group, tolerance)
+
+    monkeypatch.setattr(fem_model, "port_admittance", failing)
+    at = np.array([2.1e6, 2.2e6, 2.4e6])
+    monkeypatch.setattr(spectrum, "groups", lambda scene, frequencies: np.split(frequencies, len(frequencies)))
+    file = tmp_path / "lab.s1p"
+    file.write_text(fem.touchstone(at, np.full((3, 1, 1), 0.5), 50.0, ()))
+    done = network.run(single(), band=at, measured=str(file), tolerance=2e-2)
+    np.testing.assert_array_equal(done.panel("smith").data["frequency_Hz"], at[:2])
+    said = dict(done.answer)
+    assert "from 2.4 to 2.4 MHz the field does not converge" in said["no answer"]
+    assert said["measured"].startswith("lab.s1p: 2 frequencies, 2.1 to 2.2 MHz")
+    with pytest.raises(RunError, match="the field does not converge"):
+        spectrum.port_admittances(resolved(single()), at, 2e-2)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +188,7 @@ def test_a_measurement_is_drawn_over_it(record, tmp_path):
         ({"band": "2 mm:3 mm:5"}, "--band must be"),
         ({"z0": "0"}, "--z0 must be positive and finite"),
         ({"z0": "50 V"}, "--z0 .*an impedance"),
-        ({"measured": "nothing.s2p", "band": "2.1:2.3:2"}, "--measured must be a Touchstone file"),
+        ({"measured": "nothing.s2p", "band": "2.1:2.3:2"}, "--measured must be a network analyser's file"),
     ],
 )
 def test_impossible_options_are_refused(options, words):
