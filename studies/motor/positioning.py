@@ -26,13 +26,13 @@ import numpy as np
 
 import contact
 from studies.chain.resolve import resolved
+from studies.chain.stroke_speed import slider_range
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
 from studies.export.motor_model import AveragedMotor, push, ring_speed
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
-from studies.motor.stroke import slider_range
 from studies.record.plots import COLOURS, curve, finished, symmetric_logarithmic
 from studies.record.quantities import quantity
 from studies.refusal import SceneError

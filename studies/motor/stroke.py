@@ -13,8 +13,8 @@ import logging
 import numpy as np
 
 import contact
-from studies.chain import fem_model
 from studies.chain.steady import averaged
+from studies.chain.stroke_speed import slider_range
 from studies.chain.travel import WaveAlong, travelled
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
@@ -90,18 +90,6 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
                expected="up to 1"),
     )  # fmt: skip
     return panels, findings
-
-
-def slider_range(scene: Scene, clear: float = 0.0) -> tuple[float, float]:
-    """Return the range of the slider's centre in m in which all balls stay on the free surface about the slider.
-
-    ``clear``: least distance from the fingers, m.  Rotated transducers do not limit the range.
-    """
-    center = scene.slider.center[0]
-    balls = [x - center for x, _ in scene.slider.contact_positions]
-    extents = [] if scene.crossed else [each.extent for each in fem_model.transducers(scene)]
-    left, right = fem_model.free_span(extents, center, scene.stator.length, clear)
-    return left - min(balls), right - max(balls)
 
 
 @of_record

@@ -1,7 +1,8 @@
 """The datasheet of a motor: the quantities that a motion engineer needs, with unit, condition and error.
 
 All rows hold at the rated level and without a load, unless their condition says otherwise: the run behind them has
-``slider.load`` = 0, and the load of the scene has a row of its own. The rated level is the largest voltage (or the
+``slider.load`` = 0, and the load of the scene has a row of its own. On a stator the speed is the mean over the stroke;
+every other row holds at the slider's position. The rated level is the largest voltage (or the
 largest amplitude of a scene with a [wave]) that moves the slider. Errors are numerical: those
 of stator and contact, propagated to each quantity. The inputs of the scene, such as the friction coefficient, are taken
 as exact.
@@ -21,7 +22,9 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.predictor import Predictor
+from studies.chain.ripple import Known
 from studies.chain.steps import Steps
+from studies.chain.stroke_speed import StrokeSpeed, slider_range, stroke_speed
 from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.quantities import quantity
@@ -165,9 +168,13 @@ def datasheet(
         line = answer["lines"][driven.scene.named(rated)]
         under_load, remarks = _under_load(record, rated, load)
         remarks += answer.pop("remarks", ())
+        travel = None if record.scene.stator is None or on_pillars else _over_stroke(record, driven, rated)
+        starts, remark = _start_distance(driven, rated, answer["start_stop"])
+        remarks += remark
         rows = (
-            *_speeds(record, driven, rated, under_load),
+            *_speeds(record, driven, rated, under_load, travel),
             *answer.pop("rows"),
+            *starts,
             *_powers(record, driven, rated, line, answer["balls"]),
             *answer.pop("powers", ()),
             *_resonances(record, driven),
@@ -239,12 +246,67 @@ def _start_and_stop_motion(driven: DrivenContact, rated: float) -> Any:
     return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
 
 
-def _speeds(record: Record, driven: DrivenContact, rated: float, under_load: tuple[Row, ...]) -> Iterator[Row]:
-    """Yield the rows on the velocity, without and with the load of the scene, the threshold and the release."""
+def _over_stroke(record: Record, driven: DrivenContact, rated: float) -> StrokeSpeed | None:
+    """Return the velocity over the stroke at the rated level."""
+    LOGGER.info("speed along the stroke")
+    point = next(each for each in record.points if each[record.level] == rated)
+    known = Known(point["velocity_m_per_s"], point.get("amplitude_sensitivity", 1.0))
+    return stroke_speed(driven, record.surface_motion, rated, known, record.tolerance)
+
+
+def _stroke_rows(point: dict, travel: StrokeSpeed, model: float | None) -> Iterator[Row]:
+    """Yield the rows on the speed over the stroke, its range about the slider's position, and the stroke."""
+    over, shown, place = travel.ripple, quantity("velocity_m_per_s"), quantity("position_m")
+    condition = f"no load, steady; mean over place along the stroke ({shown.interval(over.lowest, over.highest)})"
+    if over.mean_over_time is not None:
+        condition += f"; {shown.with_unit(abs(over.mean_over_time))} in the mean over the time of a slow slider"
+    if travel.missing:
+        condition += f"; {travel.missing:.0%} of the places have no answer"
+    yield Row("speed", "speed", abs(over.mean), "m/s", over.error / abs(over.mean), condition, model)
+    if "mean_velocity_m_per_s" in point:
+        mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
+        condition = f"within half a wavelength about the position: {shown.interval(low, high)}, mean {shown.text(mean)}"
+        yield Row("speed", "ripple", (high - low) / abs(mean), "1", None, condition)
+    low, high = travel.stroke
+    condition = f"of the slider's centre, between fingers and ends: {place.interval(low, high)}"
+    yield Row("speed", "stroke", high - low, "m", None, condition)
+
+
+def _start_distance(driven: DrivenContact, rated: float, motion: Any) -> tuple[tuple[Row, ...], tuple[str, ...]]:
+    """Return the row on the distance of the start on a stator, and a remark if it does not fit in the stroke."""
+    scene = driven.scene
+    if scene.stator is None:
+        return (), ()
+    until, center = _start_time(motion), scene.slider.center[0]
+    time = np.append(motion.time[motion.time < until], until)
+    distance = float(np.trapezoid(np.interp(time, motion.time, motion.velocity), time))
+    low, high = slider_range(scene)
+    free = high - center if distance > 0.0 else center - low
+    fits, room = abs(distance) <= free, f"{si(free, 'm', 3)} are free in this direction"
+    condition = f"from rest to {SETTLED:.0%} of the speed; {room}: it {'fits' if fits else 'does not fit'}"
+    row = Row("positioning", "start distance", abs(distance), "m", None, condition)
+    remark = (
+        f"a start from rest at {scene.named(rated)} takes {si(abs(distance), 'm', 3)}, and {room}, up to fingers or "
+        "the stator's end: the slider does not reach its speed from slider.position"
+    )
+    return (row,), () if fits else (remark,)
+
+
+def _speeds(
+    record: Record, driven: DrivenContact, rated: float, under_load: tuple[Row, ...], travel: StrokeSpeed | None
+) -> Iterator[Row]:
+    """Yield the rows on the velocity, without and with the load of the scene, the threshold and the release.
+
+    ``travel``: over the stroke; None where the speed is that of the position.
+    """
     point = next(each for each in record.points if each[record.level] == rated)
     speed, error = abs(point["velocity_m_per_s"]), _velocity_error(record, point)
     scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
-    yield Row("speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model)
+    model = None if model is None else scale * model
+    if travel is not None:
+        yield from _stroke_rows(point, travel, model)
+    name, where = ("speed", "") if travel is None else ("speed at the position", ", as all that follows")
+    yield Row("speed", name, speed, "m/s", error, f"no load, steady{where}", model)
     yield from under_load
     unit = quantity(record.level).unit
     for name, event, factor_of in (
@@ -334,7 +396,7 @@ def _start_and_stop_rows(start_stop: Any, settles: str) -> Iterator[Row]:
     """Yield the rows on start and stop; ``settles``: a remark on the time that the wave needs to settle."""
     time, speed = start_stop.time, abs(start_stop.velocity)
     final_speed = abs(start_stop.velocity_at_burst_end)
-    grid, start_time = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * final_speed)])
+    grid, start_time = float(np.max(np.diff(time))), _start_time(start_stop)
     condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle{settles}"
     yield Row("positioning", "start time", start_time, "s", grid / start_time, condition)
     # after the stop, the slider still rings on the contact springs at a small velocity
@@ -342,6 +404,11 @@ def _start_and_stop_rows(start_stop: Any, settles: str) -> Iterator[Row]:
     stop_time = float(time[np.argmax(slow)] - start_stop.duration)
     condition = "from full speed to 1 % of it after the drive is off"
     yield Row("positioning", "stop time", stop_time, "s", grid / stop_time, condition)
+
+
+def _start_time(motion: Any) -> float:
+    """Return the time in s from rest to the share ``SETTLED`` of the final velocity."""
+    return float(motion.time[np.argmax(abs(motion.velocity) >= SETTLED * abs(motion.velocity_at_burst_end))])
 
 
 def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Iterator[Row]:

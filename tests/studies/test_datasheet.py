@@ -51,11 +51,53 @@ def row(sheet, name):
 def test_speed_and_thresholds_are_the_run_s(sheet):
     assert sheet.rated == 90.0
     point = sheet.record.points[-1]
-    assert row(sheet, "speed").value == abs(point["velocity_m_per_s"])
+    assert row(sheet, "speed at the position").value == abs(point["velocity_m_per_s"])
     slider = sheet.driven.slider
     threshold = row(sheet, "threshold").value
     assert steady(slider, sheet.driven.at(0.99 * threshold), tolerance=1e-6).velocity == 0.0
     assert steady(slider, sheet.driven.at(1.01 * threshold), tolerance=1e-6).velocity != 0.0
+
+
+def test_the_speed_is_the_mean_over_the_stroke(sheet):
+    """Oracle: averaged states at 300 places, the trapezoidal rule, half a wavelength clear of the fingers."""
+    scene, motion = sheet.record.scene, sheet.record.surface_motion
+    fingers, wavelength = 9e-3 + 10 * 0.98e-3 / 2, motion.wave.phase_velocity / motion.wave.frequency
+    stroke, speed = row(sheet, "stroke"), row(sheet, "speed")
+    assert fingers - 0.25 * 0.98e-3 < 24e-3 - stroke.value < fingers
+    x = np.linspace(24e-3 - stroke.value + wavelength / 2, 24e-3, 300)
+    u_x, _, u_z = motion.along(x * (1 - 1e-12), 0.0)
+    velocities = np.array([
+        contact.mean_motion(sheet.driven.slider, (
+            contact.Orbit(frequency=scene.frequency, tangential=complex(a), normal=complex(b)).scaled(90.0),
+        )).velocity
+        for a, b in zip(u_x, u_z, strict=True)
+    ])  # fmt: skip
+    assert speed.value == pytest.approx(abs(np.trapezoid(velocities)) / 299, rel=3e-3)
+    assert 0.0 < speed.error < 0.02
+    assert abs(speed.value / row(sheet, "speed at the position").value - 1) > 0.02
+    low, high = (float(part) for part in re.search(r"\((\S+) to (\S+) mm/s\)", speed.condition).groups())
+    assert (low, high) == pytest.approx((1e3 * velocities.min(), 1e3 * velocities.max()), rel=5e-3)
+    point = sheet.record.points[-1]
+    width = point["highest_velocity_m_per_s"] - point["lowest_velocity_m_per_s"]
+    assert row(sheet, "ripple").value == pytest.approx(width / abs(point["mean_velocity_m_per_s"]), rel=1e-12)
+
+
+def test_a_start_that_does_not_fit_in_the_stroke_is_a_warning(sheet):
+    motion, distance = sheet.start_stop, row(sheet, "start distance")
+    covered = np.interp(
+        row(sheet, "start time").value, motion.time[1:], np.cumsum(np.diff(motion.time) * motion.velocity[1:])
+    )
+    assert distance.value == pytest.approx(abs(covered), rel=2e-2)
+    free = 18e-3 - (24e-3 - row(sheet, "stroke").value)  # towards the transducer
+    assert distance.value > free
+    assert distance.condition.endswith("it does not fit")
+    assert sum("the slider does not reach its speed" in each for each in sheet.record.warnings) == 1
+
+
+def test_a_start_that_fits_is_none(motor):
+    slow = datasheet(replace(motor, drive=replace(motor.drive, voltage=(20.0,))), tolerance=1e-2)
+    assert row(slow, "start distance").condition.endswith("it fits")
+    assert not any("does not reach its speed" in each for each in slow.record.warnings)
 
 
 def test_the_motor_stalls_at_its_blocked_thrust_and_not_before(sheet):
@@ -123,7 +165,7 @@ def test_where_the_wave_s_growth_is_not_in_the_steps_they_say_so(sheet, changes,
 
 
 def test_start_and_stop_times_are_read_from_the_motion(sheet):
-    motion, final = sheet.start_stop, abs(row(sheet, "speed").value)
+    motion, final = sheet.start_stop, abs(row(sheet, "speed at the position").value)
     at = np.interp(row(sheet, "start time").value, motion.time, abs(motion.velocity))
     assert at == pytest.approx(0.9 * final, rel=1e-2)
     after = motion.duration + row(sheet, "stop time").value
