@@ -13,7 +13,10 @@ from importlib import import_module
 # Public names by the module that defines them, in the order of the method.
 _PUBLIC = {
     "materials": "anisotropic catalogue fields isotropic material rotated Solid VACUUM_PERMITTIVITY",
-    "materials.rotation": "isotropic_about_normal rotation_matrix",
+    "materials.rotation": "CONVENTIONS euler_angles isotropic_about_normal named_cut rotation_matrix",
+    "materials.forms": "at_constant_field at_constant_strain FORMS from_strain_charge in_order ORDERS",
+    "materials.limits": "refuse_impossible",
+    "materials.plausibility": "plausibility",
     "materials.medium": "medium",
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",

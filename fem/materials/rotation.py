@@ -8,6 +8,7 @@ section 3.D)
     c' = M c M^T,    e' = a e M^T,    eps' = a eps a^T.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -25,6 +26,11 @@ ORIENTATIONS: dict[str, tuple[float, float, float]] = {
     "ST-X": (0, 132.75, 0),
 }
 Orientation = str | Sequence[float]
+ROTATED_Y = re.compile(r"(\d{1,3}(?:\.\d+)?)\s*°?\s*YX")  # 64YX: the normal 64 degrees from Y towards Z, along X
+# Conventions of Euler angles.  SAW: [phi, theta, psi] as above, from the crystal to the cut.  COMSOL (rotated system in
+# three dimensions, z normal) and sawsim (2.0.2) turn from the cut to the crystal: [alpha, beta, gamma] of
+# R_z(alpha) R_x(beta) R_z(gamma) with active matrices, so that 128YX is [0, -38, 0].
+CONVENTIONS = ("SAW", "COMSOL", "sawsim")
 
 _SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
 _GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
@@ -33,19 +39,42 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 _SAGITTAL, _TRANSVERSE = [0, 2, 4], [3, 5]  # Voigt strains of (ux, uz) and of uy where d/dy = 0
 
 
+def euler_angles(angles: Sequence[float], convention: str = "SAW") -> tuple[float, ...]:
+    """Return the angles [phi, theta, psi] of this package, in degrees, for those of a convention of `CONVENTIONS`.
+
+    Examples
+    --------
+    >>> euler_angles([10, -38, 20], "sawsim")
+    (-20, 38, -10)
+    """
+    if convention not in CONVENTIONS:
+        raise InputError("euler_convention", f"must be one of {', '.join(CONVENTIONS)}", convention)
+    return tuple(angles) if convention == "SAW" else tuple(-each for each in reversed(angles))
+
+
+def named_cut(name: str) -> tuple[float, float, float] | None:
+    """Return the Euler angles of a cut's name, of `ORIENTATIONS` or a rotated Y cut such as 64YX; None for another."""
+    if name in ORIENTATIONS:
+        return ORIENTATIONS[name]
+    rotated_y = ROTATED_Y.fullmatch(name)
+    return None if rotated_y is None else (0.0, float(rotated_y[1]) - 90.0, 0.0)
+
+
 def rotation_matrix(orientation: Orientation) -> np.ndarray:
     """Return the new axes in crystal coordinates, one per row: orthogonal, determinant 1, shape (3, 3).
 
     Parameters
     ----------
     orientation : str or sequence of 3 floats
-        A name of `ORIENTATIONS` or Euler angles [phi, theta, psi] in degrees; a ValueError for anything else.
+        A name of `named_cut` or Euler angles [phi, theta, psi] in degrees; a ValueError for anything else.
     """
     if isinstance(orientation, str):
-        if orientation not in ORIENTATIONS:
+        angles_of_name = named_cut(orientation)
+        if angles_of_name is None:
             names = ", ".join(ORIENTATIONS)
-            raise InputError("orientation", f"must be one of {names} or [phi, theta, psi] degrees", orientation)
-        orientation = ORIENTATIONS[orientation]
+            rule = f"must be one of {names}, a rotated Y cut such as 64YX, or [phi, theta, psi] degrees"
+            raise InputError("orientation", rule, orientation)
+        orientation = angles_of_name
     try:
         angles = np.array(orientation, dtype=float)
     except (TypeError, ValueError):

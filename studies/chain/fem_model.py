@@ -10,11 +10,11 @@ from functools import lru_cache
 from pathlib import Path
 
 import fem
+from studies.chain.solid_constants import crystal
 from studies.chain.solver_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.block import keys_of
-from studies.scene.blocks import LENGTHS, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+from studies.scene.blocks import LENGTHS, Stator, Transducer
 
 ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 
@@ -22,23 +22,14 @@ ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 def solid(block: Stator):
     """Return the stator's ``fem.Solid``, rotated to its orientation."""
     with stator_keys("stator.material"):
-        crystal = _crystal(block.material)
+        whole = crystal(block.material)
         own = _present(block, "mechanical_quality", "dielectric_loss")
-        return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+        return fem.rotated(replace(whole, **own) if own else whole, block.cut)
 
 
 def surface_velocity(block: Stator) -> float:
     """Return the velocity of the Rayleigh wave under a bare surface without charge (D_n = 0), m/s."""
     return fem.rayleigh(solid(block), "open").velocity
-
-
-def _crystal(material: str | PiezoelectricSolid | IsotropicSolid):
-    """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
-    if isinstance(material, PiezoelectricSolid):
-        return fem.anisotropic(**_present(material, *keys_of(PiezoelectricSolid)))
-    if isinstance(material, IsotropicSolid):
-        return fem.isotropic(**_present(material, *keys_of(IsotropicSolid)))
-    return fem.material(material)
 
 
 def stator(block: Stator):
@@ -62,7 +53,7 @@ def pieces(scene: Scene) -> tuple:
         solids: tuple = ()
         for name, material in block.materials or ():
             with stator_keys(f"{path}.materials.{name}"):
-                solids += ((name, fem.rotated(_crystal(material), scene.stator.orientation)),)
+                solids += ((name, fem.rotated(crystal(material), scene.stator.cut)),)
         try:
             mesh = _mesh(block.file, LENGTHS[block.length_unit])
         except fem.MeshError as error:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from itertools import combinations
 
+from studies.chain.solid_constants import solid_remarks
 from studies.scene import Scene
 from studies.scene.slider import Slider
 
@@ -25,6 +26,7 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
     stator, slider = scene.stator, scene.slider
     if stator is not None and stator.length > MAX_USUAL_LENGTH:
         yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
+    yield from solid_remarks(scene)
     yield from _velocities(scene)
     if slider is None:
         return

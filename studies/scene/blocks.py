@@ -8,14 +8,27 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar
 
-from studies.refusal import shown
-from studies.scene.block import Block, Within
+import fem
+from studies.refusal import SceneError, shown
+from studies.scene.block import Block, Within, keys_of
 from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, impedance, matrix, surface_position
-from studies.scene.rule import FLAG, TEXT, Count, Named, choice, signs
+from studies.scene.quantity import si_value
+from studies.scene.rule import FLAG, TEXT, Count, Named, Plain, choice, signs
 
+# As in `fem.FORMS`, `fem.ORDERS` and `fem.CONVENTIONS`, without the import of numpy
+FORMS = ("stress-charge", "strain-charge")
+ORDERS = ("11 22 33 23 13 12", "11 22 33 12 23 13", "11 22 33 12 13 23")
+CONVENTIONS = ("SAW", "COMSOL", "sawsim")
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
-ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | FixedList(
-    (NUMBER,) * 3, "three angles [phi, theta, psi] in degrees"
+CUTS = choice("Z", "X", "YZ", "128YX", "ST-X")
+ORIENTATION = (
+    CUTS
+    | Plain(
+        'a rotated Y cut such as "64YX"',
+        lambda value: isinstance(value, str) and fem.named_cut(value) is not None,
+        {"type": "string", "pattern": r"^\d{1,3}(\.\d+)?\s*°?\s*YX$"},
+    )
+    | FixedList((NUMBER,) * 3, "three angles [phi, theta, psi] in degrees")
 )
 DENSITY = Annotated[float, Quantity("kg/m^3"), "Mass density."]
 QUALITY = Annotated[
@@ -25,13 +38,47 @@ QUALITY = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class PiezoelectricSolid(Block):
-    """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain."""
+    """A table of constants in the crystal frame; engineering shear strain."""
 
     block: ClassVar[str] = "stator.material"
     name: Annotated[str, TEXT, "Name of the material in results."] = "user's table"
-    stiffness: Annotated[tuple, matrix(6, 6), "Stiffness at constant electric field, c^E, in Pa."]
-    coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
-    permittivity: Annotated[tuple, matrix(3, 3), "Permittivity at constant strain, eps^S, relative to that of vacuum."]
+    form: Annotated[
+        str,
+        choice(*FORMS),
+        "stress-charge: stiffness c^E, coupling e in C/m^2, permittivity eps^S; strain-charge: compliance s^E, "
+        "coupling d in C/N, permittivity eps^T.",
+    ] = "stress-charge"
+    stiffness: Annotated[
+        tuple | None, matrix(6, 6), "Stiffness at constant electric field, c^E, in Pa. Absent: that of compliance."
+    ] = None
+    compliance: Annotated[
+        tuple | None, matrix(6, 6), "Compliance at constant electric field, s^E, in 1/Pa; with form = strain-charge."
+    ] = None
+    coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric constants: e in C/m^2, or d in C/N (form)."]
+    permittivity: Annotated[
+        tuple,
+        matrix(3, 3),
+        "Permittivity relative to that of vacuum: eps^S at constant strain, or eps^T at constant stress (form).",
+    ]
+    order: Annotated[
+        str,
+        choice(*ORDERS),
+        "Order of the components of stress and strain in the tables. 11 22 33 12 23 13 is that of Ansys, "
+        "11 22 33 12 13 23 that of Abaqus.",
+    ] = ORDERS[0]
+    units: Annotated[
+        tuple | None,
+        Named('a table of units by key such as { stiffness = "GPa", permittivity = "F/m" }', TEXT),
+        "Units of the numbers in stiffness, compliance, coupling and permittivity where they are others.",
+    ] = None
+    stiffness_at: Annotated[
+        str, choice("constant E", "constant D"), "Condition of the stiffness. constant D: c^E = c^D - e^T (eps^S)^-1 e."
+    ] = "constant E"
+    permittivity_at: Annotated[
+        str | None,
+        choice("constant strain", "constant stress"),
+        "Condition of the permittivity. constant stress: eps^S = eps^T - e (c^E)^-1 e^T. Absent: that of the form.",
+    ] = None
     density: DENSITY
     mechanical_quality: QUALITY = None
     dielectric_loss: Annotated[
@@ -39,6 +86,45 @@ class PiezoelectricSolid(Block):
         Quantity(zero=True),
         "Loss tangent tan delta: the permittivity is eps (1 - i tan delta). Absent: no dielectric loss.",
     ] = None
+
+    def check_form(self) -> Any:
+        tables = [name for name in ("stiffness", "compliance") if getattr(self, name) is not None]
+        if len(tables) != 1:
+            rule = f"is required and missing: give {keys_of(type(self))['stiffness'].rule.expected}"
+            if tables:
+                yield "compliance", "must be absent beside stiffness"
+            else:
+                yield "compliance" if self.form == "strain-charge" else "stiffness", rule
+        elif tables == ["compliance"] and self.form != "strain-charge":
+            yield "form", 'must be "strain-charge" with compliance, got "stress-charge": the coupling is then d'
+
+    def check_conditions(self) -> Any:
+        at_stress = self.permittivity_at == "constant stress"
+        if self.form == "strain-charge":
+            if self.stiffness_at == "constant D":
+                yield "stiffness_at", 'must be "constant E" with form = "strain-charge"'
+            if self.permittivity_at == "constant strain":
+                yield "permittivity_at", 'must be "constant stress" or absent with form = "strain-charge"'
+        elif at_stress and self.stiffness_at == "constant D":
+            yield "stiffness_at", "must be constant E where permittivity_at is constant stress: convert one of the two"
+
+    def check_units(self) -> Any:
+        for key, unit in self.units or ():
+            if key not in self.table_units:
+                yield f"units.{key}", f"must be one of {', '.join(self.table_units)}"
+                continue
+            if key == "permittivity" and unit == "relative":
+                continue
+            try:
+                si_value("", f"1 {unit}", self.table_units[key])
+            except SceneError as error:
+                yield f"units.{key}", error.rule
+
+    @property
+    def table_units(self) -> dict[str, str]:
+        """SI unit of the numbers of each table."""
+        coupling = "C/N" if self.form == "strain-charge" else "C/m^2"
+        return {"stiffness": "Pa", "compliance": "1/Pa", "coupling": coupling, "permittivity": "F/m"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,9 +162,15 @@ class Stator(Block):
     orientation: Annotated[
         str | tuple,
         ORIENTATION,
-        "Z: poled along the surface normal; X: poled along x; YZ, 128YX, ST-X: crystal cuts; or three Euler angles "
-        "in degrees (z-x-z, passive).",
+        "Z: poled along the surface normal; X: poled along x; YZ, ST-X, 128YX, 64YX or another angle: crystal cuts; or "
+        "three Euler angles in degrees.",
     ] = "Z"
+    euler_convention: Annotated[
+        str,
+        choice(*CONVENTIONS),
+        "Convention of three Euler angles. SAW: z-x-z, passive, from the crystal to the cut (128YX is [0, 38, 0]); "
+        "COMSOL (in three dimensions, z normal), sawsim: from the cut to the crystal (128YX is [0, -38, 0]).",
+    ] = "SAW"
     length: Annotated[float, Quantity("m"), "Length along x, the direction of propagation."]
     thickness: Annotated[
         float | str,
@@ -127,6 +219,13 @@ class Stator(Block):
     def mirror_width(self) -> float | None:
         """Distance of the side faces in m where they reflect."""
         return self.width if self.sides == "mirror" else None
+
+    @property
+    def cut(self) -> str | tuple[float, ...]:
+        """Its orientation as `fem` takes it: a name, or Euler angles in the convention SAW."""
+        if isinstance(self.orientation, str):
+            return self.orientation
+        return fem.euler_angles(self.orientation, self.euler_convention)
 
     def check_sides(self) -> Any:
         if self.sides == "mirror" and self.diffraction is False:

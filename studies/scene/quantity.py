@@ -32,6 +32,9 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "kg/m^3": ("a density", "7.6 g/cm^3", {"kg/m^3": 0, "g/cm^3": 3}),
     "1/m": ("a curvature", "0.01 1/m", {"1/m": 0, "1/mm": 3}),
     "1/Pa": ("a compliance", "2.5e-12 1/Pa", {"1/Pa": 0, "1/GPa": -9}),
+    "C/m^2": ("a piezoelectric stress constant", "12 C/m^2", {"C/m^2": 0}),
+    "C/N": ("a piezoelectric strain constant", "300 pC/N", {"C/N": 0, "pC/N": -12, "m/V": 0, "pm/V": -12}),
+    "F/m": ("a permittivity", "5.6 nF/m", {"F/m": 0, "nF/m": -9, "pF/m": -12}),
     "deg": ("an angle", "90 deg", {"deg": 0}),
     "": ("a plain number", "", {}),
 }

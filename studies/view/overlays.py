@@ -65,7 +65,7 @@ def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
 
 def crystal_axes(run: RunField) -> tuple[tuple[str, float, float], ...]:
     """Return the name and the x and z components of each crystal axis with a visible projection on the section."""
-    columns = rotation_matrix(run.scene.stator.orientation).T
+    columns = rotation_matrix(run.scene.stator.cut).T
     return tuple(
         (name, float(x), float(z))
         for name, (x, _, z) in zip("XYZ", columns, strict=True)

@@ -1,0 +1,58 @@
+"""Constants in the forms, orders of indices and conventions of other programs, as this package takes them.
+
+Stress-charge form T = c^E S - e^T E, D = e S + eps^S E from the strain-charge form S = s^E T + d^T E, D = d T + eps^T E
+by c^E = (s^E)^-1, e = d c^E, eps^S = eps^T - d c^E d^T, and from constants at constant D or at constant stress by
+c^E = c^D - e^T (eps^S)^-1 e and eps^S = eps^T - e (c^E)^-1 e^T (IEEE 176-1987, section 2.5, table 4).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fem.exceptions import InputError
+
+FORMS = ("stress-charge", "strain-charge")
+ORDER = "11 22 33 23 13 12"  # of the six components of stress and strain
+# Orders of other programs: that of Ansys, that of Abaqus
+ORDERS = (ORDER, "11 22 33 12 23 13", "11 22 33 12 13 23")
+
+
+def in_order(table: ArrayLike, order: str) -> np.ndarray:
+    """Return a table of shape (6, 6) or (3, 6) in `ORDER` from one in another order.
+
+    Examples
+    --------
+    >>> in_order([[1, 2, 3, 12, 23, 13]] * 3, "11 22 33 12 23 13")[0].tolist()
+    [1.0, 2.0, 3.0, 23.0, 13.0, 12.0]
+    """
+    names = ["".join(sorted(each)) for each in order.split()]
+    if sorted(names) != sorted(ORDER.split()):
+        raise InputError("order", f'must name each of {ORDER} once, such as "{ORDERS[1]}"', order)
+    picked = [names.index(each) for each in ORDER.split()]
+    table = np.array(table, dtype=float)
+    return table[np.ix_(picked, picked)] if len(table) == 6 else table[:, picked]
+
+
+def from_strain_charge(
+    compliance: np.ndarray, coupling: np.ndarray, permittivity: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (c^E, e, eps^S) of s^E in 1/Pa, d in C/N and eps^T in F/m."""
+    stiffness = np.linalg.inv(_regular("compliance", compliance))
+    stiffness = (stiffness + stiffness.T) / 2
+    piezoelectric = coupling @ stiffness
+    return stiffness, piezoelectric, permittivity - piezoelectric @ coupling.T
+
+
+def at_constant_field(stiffness: np.ndarray, coupling: np.ndarray, permittivity: np.ndarray) -> np.ndarray:
+    """Return c^E of c^D, e and eps^S."""
+    return stiffness - coupling.T @ np.linalg.solve(_regular("permittivity", permittivity), coupling)
+
+
+def at_constant_strain(stiffness: np.ndarray, coupling: np.ndarray, permittivity: np.ndarray) -> np.ndarray:
+    """Return eps^S of c^E, e and eps^T."""
+    return permittivity - coupling @ np.linalg.solve(_regular("stiffness", stiffness), coupling.T)
+
+
+def _regular(key: str, table: np.ndarray) -> np.ndarray:
+    if not np.linalg.cond(table) < 1e12:
+        raise InputError(key, "must be a table that has an inverse")
+    return table
