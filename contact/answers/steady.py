@@ -349,7 +349,7 @@ def _periodic_solution(search):
     velocity, error = (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
     solution = search.solution(
         "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
-        height=-fine.state[0] * balance.problem.length,
+        height=fine.motion.mean_height(1) * balance.problem.length,
     )  # fmt: skip
     return solution, fine
 

@@ -127,6 +127,15 @@ class Motion:
         self.tally[Count.CYCLES] = cycles  # a part of a cycle does not count as one
         return samples
 
+    def mean_height(self, cycles: int) -> float:
+        """Return minus the mean of z_s over the next cycles, which leave this motion as it is.
+
+        It follows from the mean approach of the first contact, because the mean of u_z is zero.
+        """
+        motion, phases = self.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
+        approaches = [motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean() for _ in range(cycles)]
+        return float(np.mean(approaches) - self.problem.paths.height[0])
+
     def _travel(self, task):
         if self.memory is not None:  # the velocities may have been set anew since the last run
             self.memory.growing[:] = 0

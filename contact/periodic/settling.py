@@ -28,7 +28,7 @@ from contact.error_estimate import BATCHES, batch_mean_error, two_orders_error, 
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion, rest_state
-from contact.events.segment import At, Column, Sample
+from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
@@ -85,12 +85,8 @@ class LongRun:
 
     @property
     def height(self) -> float:
-        """Minus the mean of z_s, from the mean approach over some more cycles (the mean of u_z is zero)."""
-        motion, phases = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-        approaches = [
-            motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean() for _ in range(self.period or 4)
-        ]
-        return float(np.mean(approaches) - self.motion.problem.paths.height[0])
+        """Minus the mean of z_s over some more cycles."""
+        return self.motion.mean_height(self.period or 4)
 
 
 class Reached(NamedTuple):

@@ -89,6 +89,18 @@ def test_a_load_that_is_taken_off_is_followed_as_by_contact():
         )
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_load_of_the_scene_opposes_a_motor_of_either_direction(side):
+    """A force along +x on the real slider of three balls, against the velocity that contact finds."""
+    drive = motor().drives[0]
+    orbits = drive.orbits if side > 0.0 else tuple(each.mirrored() for each in drive.orbits)
+    loaded = replace(motor().slider, load=1e-5)
+    whole = replace(motor(), slider=loaded, share=3, drives=(replace(drive, orbits=orbits),))
+    free = float(contact.mean_motion(motor().slider, whole.orbits_at(AMPLITUDE)).velocity)
+    assert np.sign(free) == side
+    assert whole.load == pytest.approx(-side * 3e-5, rel=1e-12)
+
+
 def test_a_load_step_brakes_as_the_exact_mean_traction_says():
     slider, load = motor().slider, 2.5e-5
     _, state = run([(0.1, AMPLITUDE, 0.0)])

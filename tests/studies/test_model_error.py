@@ -11,7 +11,7 @@ import pytest
 import contact
 import fem
 from studies import Record, Scene, run
-from studies.chain import bridge, fem_model
+from studies.chain import ball_effects, bridge, fem_model
 from studies.chain.model_error import model_error
 from studies.chain.stator_effects import vacuum_effect
 from studies.record.text import sentences
@@ -217,6 +217,18 @@ def test_the_model_error_of_a_point_does_not_depend_on_the_other_points(motor):
     largest = next(row["size"] for row in record.model_error if row["effect"] == "load of the slider on the wave")
     others = sum(abs(row["size"]) for row in record.model_error if row["quantity"] == "u_z") - largest
     assert errors[1] / point["amplitude_sensitivity"] == pytest.approx(others + largest, rel=1e-9)
+
+
+def test_contacts_at_one_position_bear_the_whole_preload(motor):
+    """As a mere number they load the wave as three contacts in a list a nanometre apart do."""
+    slider = replace(motor.scene.slider, contacts=3)
+    sliders = slider, replace(slider, contacts=(0.0, 1e-9, -1e-9)), replace(slider, contacts=1)
+    together, apart, one = (
+        ball_effects.wave_load(replace(motor, scene=replace(motor.scene, slider=each)), [30.0])[0] for each in sliders
+    )
+    assert together == pytest.approx(apart, rel=1e-3)
+    assert together > 0.0
+    assert one != pytest.approx(together, rel=0.05)  # its ball is deeper in the surface
 
 
 def test_a_strain_beyond_linear_elasticity_is_stated_warned_of_and_refused(small):
