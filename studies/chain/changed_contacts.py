@@ -17,6 +17,7 @@ import fem
 from studies.chain import fem_model
 from studies.chain.bridge import DrivenContact
 from studies.chain.changed_scenes import ChangedScenes
+from studies.chain.nearby_motion import POINTS
 from studies.chain.points import SHARE
 from studies.chain.ring_up import RingUp, ring_up
 from studies.chain.solved_stator import SolvedStator, stator_alone
@@ -69,6 +70,7 @@ class ChangedContacts(ChangedScenes):
         self.tolerance, self.coarse, self.as_run = tolerance, coarse, as_run
         self.slider = "slider" in table if shared.slider is None else shared.slider
         self.positions, self.limits = shared.positions, shared.limits
+        self.nearby = False  # True evaluates the motion also within a quarter of a wavelength about each contact
         self.seconds = 0.0  # spent on stators
         self._count = 0
         self._solved: dict[tuple, SolvedStator | Exception] = {}
@@ -144,14 +146,14 @@ class ChangedContacts(ChangedScenes):
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
-        if len(self._solved) * max(1, len(self.positions)) > MAX_POSITIONS:
+        if len(self._solved) * max(1, len(self.positions)) * (POINTS if self.nearby else 1) > MAX_POSITIONS:
             self._solved.clear()
         groups: dict = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
                 scene, stator = self.resolved(changes)
                 positions = self.shared_positions(scene)
-                if self._in_band(stator, positions) and (stator, positions, step) not in self._solved:
+                if self._in_band(stator, positions) and (stator, positions, step, self.nearby) not in self._solved:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, positions), {})[stator.frequency] = stator
         for (fixed, positions), stators in groups.items():
@@ -163,7 +165,8 @@ class ChangedContacts(ChangedScenes):
                 waves = band.waves(list(stators), fem_model.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
                     motion = surface_motion(wave, stator.stator, positions, slider=self.slider)
-                    self._solved[stator, positions, step] = SolvedStator.of(motion, positions)
+                    key = stator, positions, step, self.nearby
+                    self._solved[key] = SolvedStator.of(motion, positions, nearby=self.nearby)
             self.seconds += time.perf_counter() - start_time
 
     def shared_positions(self, scene: Scene) -> tuple:
@@ -178,11 +181,11 @@ class ChangedContacts(ChangedScenes):
 
     def _solution(self, stator: Scene, positions: Any, step: int) -> SolvedStator:
         """Return the stored solution of a stator, solved by `motion` if necessary, or raise its stored error."""
-        key = stator, positions, step
+        key = stator, positions, step, self.nearby
         if key not in self._solved:
             try:
-                motion = self.motion(stator, positions, self._goal(*key))
-                self._solved[key] = SolvedStator.of(motion, positions, coarse=self.coarse)
+                motion = self.motion(stator, positions, self._goal(*key[:3]))
+                self._solved[key] = SolvedStator.of(motion, positions, coarse=self.coarse, nearby=self.nearby)
             except Exception as error:
                 self._solved[key] = error
         solution = self._solved[key]

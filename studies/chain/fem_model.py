@@ -32,6 +32,11 @@ def surface_velocity(block: Stator) -> float:
     return fem.rayleigh(solid(block), "open").velocity
 
 
+def wavelength(scene: Scene) -> float:
+    """Return the length in m of that wave at the frequency of a resolved scene."""
+    return surface_velocity(scene.stator) / scene.frequency
+
+
 def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
     rotated, own = solid(block), _present(block, "length", "bottom", "ends", "above")

@@ -60,7 +60,7 @@ def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | No
 
 def scan_block(scene: Scene, scan: Scan, predicted: np.ndarray, error: float) -> dict:
     """Return the comparison of a placed scan with its prediction and the estimated relative error of that."""
-    wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
+    wavelength = fem_model.wavelength(scene)
     source = scene.driven_transducer.center_xy[0]
     return compared_scan(scan, predicted, wavelength=wavelength, source=source) | {"predicted_relative_error": error}
 

@@ -9,12 +9,15 @@ import numpy as np
 import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import contact_load
+from studies.chain.ripple import COLUMNS as RIPPLE_COLUMNS
+from studies.chain.ripple import ERROR_COLUMN, Known, NearbyContact, columns_of, ripples
 from studies.refusal import SceneError
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
 
 # columns of a sweep, by the keyword that requests them
 ALSO = {
+    "ripple": (*RIPPLE_COLUMNS, ERROR_COLUMN, "velocity_ripple"),
     "limits": ("threshold_factor", "release_factor"),
     "thrust": ("thrust_N",),
     "pressure": ("contact_pressure_Pa", "stick_margin"),
@@ -59,6 +62,8 @@ def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *
         return answer
     if driven.scene.slider.pillars is not None:
         return answer | _of_pillars(also, driven, answer["velocity_m_per_s"])
+    if "ripple" in also:
+        answer |= _ripple(driven, answer, tolerance)
     slider, orbits = driven.slider, driven.at(driven.level)
     threshold = contact.threshold_factor(slider, orbits) if {"limits", "pressure"} & set(also) else 0.0
     if "limits" in also:
@@ -88,6 +93,20 @@ def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *
             power_out, efficiency = half_thrust(slider, orbits, thrust, tolerance)
             answer |= _efficiencies(driven, power_out * share, efficiency)
     return answer
+
+
+def _ripple(driven: DrivenContact, answer: dict, tolerance: float) -> dict:
+    """Return mean and range of the velocity over half a wavelength; along a prescribed wave all places are alike."""
+    velocity = answer["velocity_m_per_s"]
+    if driven.solved is None:
+        return dict(zip(ALSO["ripple"], (velocity, velocity, velocity, answer["relative_error"], 0.0), strict=True))
+    nearby = NearbyContact.of(driven, tolerance)
+    share = answer["relative_error"] / driven.stator_error if driven.stator_error else 0.0
+    found = {} if nearby is None else ripples(nearby, {driven.level: Known(velocity, share)})
+    if driven.level not in found:
+        return {}
+    columns, size = columns_of(found[driven.level], driven.at(driven.level))
+    return columns | {"velocity_ripple": size}
 
 
 def _efficiencies(driven: DrivenContact, power: float, efficiency: float) -> dict:

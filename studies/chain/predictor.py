@@ -62,7 +62,9 @@ class Predictor(ChangedContacts):
         resolved, stator = predictor.resolved({})
         if stator is not None:
             positions = resolved.positions
-            predictor._solved[stator, positions, 0] = SolvedStator.of(record.surface_motion, positions)
+            motion = record.surface_motion
+            predictor._solved[stator, positions, 0, False] = SolvedStator.of(motion, positions)
+            predictor._latest = (stator, positions, predictor._goal(stator, positions, 0)), motion
         return predictor
 
     def answers(
@@ -88,6 +90,7 @@ class Predictor(ChangedContacts):
             Columns by name; ``status`` is the text of a `studies.record.status.Status`.  Without an answer
             ``relative_error`` is absent; ``refused`` is true where the scene was refused.
         """
+        self.nearby = self.nearby or "ripple" in also
         answers: list[dict] = [{} for _ in many]
         todo = list(range(len(many)))
         for step in range(self.steps):

@@ -16,12 +16,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "scene")
     parser.add_argument(
         "--maximise", action="append", default=[], metavar="GOAL",
-        help="velocity, thrust, efficiency or step_resolution; twice for the front of two goals",
+        help="velocity (at the slider's position), mean_velocity (over half a wavelength about it), thrust, efficiency "
+        "or step_resolution; twice for the front of two goals",
     )  # fmt: skip
     parser.add_argument(
         "--minimise", action="append", default=[], metavar="GOAL",
-        help="power_W, contact_pressure, normal_amplitude or a key of --over: with --subject 'velocity >= 50 mm/s' the "
-        "least that reaches a velocity",
+        help="power_W, ripple, contact_pressure, normal_amplitude or a key of --over: with --subject "
+        "'velocity >= 50 mm/s' the least that reaches a velocity",
     )  # fmt: skip
     parser.add_argument(
         "--over", action="extend", nargs="+", default=[], metavar="KEY=LOW:HIGH",
@@ -29,7 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--subject", action="extend", nargs="+", default=[], metavar="'NAME <= VALUE'",
-        help="a constraint on a key, velocity, thrust, contact_pressure, stick_margin, normal_amplitude or power_W",
+        help="a constraint on a key, velocity, mean_velocity, ripple, thrust, contact_pressure, stick_margin, "
+        "normal_amplitude or power_W",
     )  # fmt: skip
     parser.add_argument(
         "--evaluations", type=int, metavar="N", help="number of evaluations of each search (60 for each varied number)"

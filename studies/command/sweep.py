@@ -23,8 +23,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", metavar="FILE", help="a CSV file of points, keys in its first line")
     parser.add_argument(
         "--also", default="", metavar="LIST",
-        help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, step (cycle), "
-        "start-up (time to 63 %% of the velocity)",
+        help="beside the velocity at the position: ripple (mean over place and range within half a wavelength), limits "
+        "(threshold, release), thrust (blocked), efficiency, pressure, step (cycle), start-up (time to 63 %% of the "
+        "velocity)",
     )  # fmt: skip
     add_shared(parser, "--tolerance", "--workers")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786")

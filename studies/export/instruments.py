@@ -194,7 +194,7 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
 
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return the points of a kind of scan, with values of zero."""
-    wavelength = fem_model.surface_velocity(scene.stator) / scene.frequency
+    wavelength = fem_model.wavelength(scene)
     driven, (slider_x, slider_y) = scene.driven_transducer, scene.positions[0]
     around = ((each.name, each.center_xy[0], each.half_length) for each in scene.transducer)
     rows = {name: (center - half, center + half) for name, center, half in around}

@@ -10,6 +10,7 @@ from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.report.intermediate import key_axis
 from studies.results.content import write_json
+from studies.scene.keys import coordinate
 from studies.scene.toml import document
 
 NEAR_END = 2e-3  # distance from an end of a range, relative to the range, below which the best value lies at it
@@ -23,8 +24,8 @@ class Design:
     columns: tuple[str, ...]  # of a point, one for each goal
     optimum: dict  # the best point (of two goals: the middle of the front)
     front: list[dict]  # points that no other exceeds in both goals; the optimum alone with one goal
-    # by key: with this variable 5 % larger or smaller (a whole number: by 1), the smallest share of the first goal that
-    # is left, and whether all constraints still hold
+    # by key: with this variable 5 % larger or smaller (a whole number by 1, a position by 5 % of a wavelength, an angle
+    # by 1 degree), the smallest share of the first goal that is left, and whether all constraints still hold
     robustness: dict
     points: list[dict]  # of the search, in the order of their evaluation
     evaluations: int  # number, with those of the robustness
@@ -54,6 +55,8 @@ class Design:
             f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
             if isinstance(value, float) and "." not in name and name != "relative_error"
         ])]  # fmt: skip
+        if any(coordinate(each.key) for each in self.variables):
+            notes.append(("", "a position is 5 % of a wavelength off, an angle 1 degree"))
         if len(self.front) > 1:
             notes.append(("front", f"{len(self.front)} motors on the Pareto front of {' and '.join(self.goals)}"))
         ends = (each.end_in_words(self.optimum[each.key], NEAR_END) for each in self.variables)

@@ -151,7 +151,7 @@ def wavelength(predictor: MeasurementPredictor) -> float | None:
     scene = predictor.scene({})
     if scene.stator is None:
         return scene.wave.wavelength if scene.wave else None
-    return fem_model.surface_velocity(scene.stator) / float(resolved(scene).frequency)
+    return fem_model.wavelength(resolved(scene))
 
 
 def answers_at(

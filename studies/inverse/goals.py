@@ -13,17 +13,25 @@ from studies.scene.ranges import is_number
 
 # by goal: columns of a point, of which the first that has a value is taken, and True if less is better
 GOALS = {
-    "velocity": (("velocity_m_per_s",), False),
+    "velocity": (("velocity_m_per_s",), False),  # at the slider's position
+    "mean_velocity": (("mean_velocity_m_per_s",), False),  # over half a wavelength about it
     "thrust": (("thrust_N",), False),
     "efficiency": (("motor_efficiency", "contact_efficiency"), False),
     "step_resolution": (("step_m",), True),
 }
 # columns of the outcomes that a constraint may name, beside keys of the scene
 BOUNDED = {
-    "velocity": "velocity_m_per_s", "thrust": "thrust_N", "contact_pressure": "contact_pressure_Pa",
+    "velocity": "velocity_m_per_s", "mean_velocity": "mean_velocity_m_per_s", "ripple": "velocity_ripple",
+    "thrust": "thrust_N", "contact_pressure": "contact_pressure_Pa",
     "stick_margin": "stick_margin", "normal_amplitude": "normal_amplitude_m", "power_W": "power_W",
 }  # fmt: skip
-MINIMISED = ("power_W", "contact_pressure", "normal_amplitude")  # of BOUNDED, what may be minimised beside keys
+SIGNED = (BOUNDED["velocity"], BOUNDED["mean_velocity"])  # their size is compared with the bound
+MINIMISED = (
+    "power_W",
+    "ripple",
+    "contact_pressure",
+    "normal_amplitude",
+)  # of BOUNDED, what may be minimised beside keys
 LEAST = "least "  # before the name of what is minimised
 
 
@@ -66,7 +74,7 @@ class Constraint:
         value = point.get(self.column)
         if value is None:
             return 1.0
-        value = abs(value) if self.column == "velocity_m_per_s" else value
+        value = abs(value) if self.column in SIGNED else value
         return (value - self.bound) * (1.0 if self.upper else -1.0) / (abs(self.bound) or 1.0)
 
 

@@ -15,7 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.chain import fem_model
 from studies.chain.outcomes import keywords
+from studies.chain.resolve import resolved
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
@@ -24,10 +26,12 @@ from studies.inverse.search import UNKNOWN, Search
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
+from studies.scene.keys import coordinate
 from studies.scene.override import replaced
 
 DEFAULT = Options()
-CHANGE = 0.05  # of each variable, for the robustness
+# Change of each variable for the robustness: a share of it, of a position that of a wavelength, of an angle in degrees
+CHANGE, TURN = 0.05, 1.0
 
 
 def design(
@@ -96,7 +100,7 @@ def design(
             front = _front(searcher)
             optimum = front[len(front) // 2]
             points = [*(coarse.points if coarse else ()), *evaluate.points]
-            robustness = _robustness(searcher, optimum)
+            robustness = _robustness(searcher, optimum, _changes(table, varied, optimum))
             evaluations = len(evaluate.points) + (len(coarse.points) if coarse else 0)
         for variable in varied:
             table = replaced(table, variable.key, optimum[variable.key])
@@ -132,14 +136,29 @@ def _front(searcher: Search) -> list[dict]:
     return [points[each] for each in sorted(points, reverse=True) if not dominated[each]]
 
 
-def _robustness(searcher: Search, optimum: dict) -> dict:
-    """Return the share of the first goal that is left with each variable 5 % off, or a whole number 1 off."""
+def _changes(table: dict, variables: tuple[Parameter, ...], optimum: dict) -> dict[str, float]:
+    """Return by how much each variable is changed for the robustness: a coordinate by no share of it."""
+    changes = {each.key: 1 if each.counted else CHANGE * optimum[each.key] for each in variables}
+    for key in filter(coordinate, changes):
+        changes[key] = TURN
+        if not key.endswith("angle"):
+            best = table
+            for each in variables:
+                best = replaced(best, each.key, optimum[each.key])
+            scene = resolved(Scene.from_table("", best))
+            length = scene.wave.wavelength if scene.stator is None else fem_model.wavelength(scene)
+            changes[key] = CHANGE * (length or optimum[key])
+    return changes
+
+
+def _robustness(searcher: Search, optimum: dict, changes: dict[str, float]) -> dict:
+    """Return the share of the first goal that is left with each variable changed up and down."""
     goal = searcher.goals[0]
     base, robustness = goal.merit(optimum) or math.inf, {}
     own = [optimum[each.key] for each in searcher.variables]
     for k, each in enumerate(searcher.variables):
-        change = 1 if each.counted else CHANGE * own[k]
-        ends = [end for end in (own[k] - change, own[k] + change) if end > 0]
+        change = changes[each.key]
+        ends = [end for end in (own[k] - change, own[k] + change) if end > 0 or coordinate(each.key)]
         points = searcher.evaluate([(*own[:k], end, *own[k + 1 :]) for end in ends])
         violations = [searcher.violation(point) for point in points]
         left = [goal.merit(point) / base if size < UNKNOWN else 0.0

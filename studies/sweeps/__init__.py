@@ -51,7 +51,8 @@ def sweep(
     tolerance : float
         As in a run.
     also : tuple of str
-        Beside the velocity: "limits", "thrust", "efficiency".
+        Beside the velocity at the slider's position: "ripple" (its mean over place and range within half a wavelength),
+        "limits", "thrust", "efficiency", "pressure", "step", "start-up".
     out : path, optional
         Directory of the store; in memory without one.
     workers : int or str

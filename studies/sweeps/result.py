@@ -21,7 +21,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 REASONS = 5  # shown; all are in the rows
-SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
+SHOWN = (
+    "velocity_m_per_s",
+    "mean_velocity_m_per_s",
+    "normal_amplitude_m",
+    "thrust_N",
+    "contact_efficiency",
+    "motor_efficiency",
+)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -11,8 +11,10 @@ import time
 import numpy as np
 import pytest
 
-from studies import Scene
+from studies import Scene, run
 from studies.__main__ import main
+from studies.chain import fem_model
+from studies.chain.resolve import resolved
 from studies.inverse.goals import read_constraint, read_variable
 from studies.inverse.optimum import Options, design
 from studies.inverse.parameters import Parameter
@@ -222,3 +224,20 @@ def test_a_design_tells_all_faults_at_once():
     assert [each.path for each in refused.value.problems] == [
         "slider.mas", "variables slider.preload", "constraints speed"
     ]  # fmt: skip
+
+
+def test_a_position_is_off_by_a_share_of_a_wavelength(small):
+    """Property: what is left is that of positions 5 % of a wavelength to either side, whatever the origin."""
+    one = small.replace(drive={"voltage": ["120 V"]})
+    found = design(
+        one, "velocity", {"slider.position": (8.6e-3, 9.4e-3)}, options=Options(evaluations=14, tolerance=0.1)
+    )
+    best, length = found.optimum["slider.position"], fem_model.wavelength(resolved(one))
+    speeds = [
+        abs(run(one.replace(slider={"position": best + shift * length}), tolerance=1e-2).velocity[0])
+        for shift in (0.0, -0.05, 0.05)
+    ]
+    left = found.robustness["slider.position"]["least_share_of_goal"]
+    assert left == pytest.approx(min(speeds[1:]) / speeds[0], rel=5e-3)
+    assert left < 0.98
+    assert "5 % of a wavelength" in str(found)

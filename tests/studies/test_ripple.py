@@ -17,6 +17,7 @@ from studies.chain import chebyshev
 from studies.chain.bridge import DrivenContact
 from studies.chain.nearby_motion import nearby_motions
 from studies.chain.warnings import RIPPLE, warnings_of
+from studies.inverse.optimum import Options, design
 from studies.record.run_pictures import velocity as draw_velocity
 
 TOLERANCE = 1e-2
@@ -142,6 +143,34 @@ def test_the_mirrored_motor_has_the_mirrored_range(small, rippled):
         assert np.allclose([own[name] for name in COLUMNS], expected, rtol=1e-6, atol=0.0)
     ends = 14e-3 - image.summary["ripple_to_m"], 14e-3 - image.summary["ripple_from_m"]
     assert ends == pytest.approx((rippled.summary["ripple_from_m"], rippled.summary["ripple_to_m"]), rel=1e-12)
+
+
+def test_a_sweep_and_a_design_have_the_columns_of_a_run(rippled, small):
+    """Property: the same mean and range by three doors; of a search for the least ripple, the best is that place."""
+    one = small.replace(drive={"voltage": ["120 V"]})
+    places = [8.8e-3, 9e-3]
+    rows = sweep(one, {"slider.position": places}, tolerance=TOLERANCE, also=("ripple",)).to_dataframe()
+    assert np.allclose(rows[list(COLUMNS)].iloc[1], [rippled.points[2][name] for name in COLUMNS], rtol=1e-6, atol=0.0)
+    assert rows["mean_velocity_relative_error"].max() < TOLERANCE
+    width = rows["highest_velocity_m_per_s"] - rows["lowest_velocity_m_per_s"]
+    assert np.allclose(rows["velocity_ripple"], width / abs(rows["mean_velocity_m_per_s"]), rtol=1e-12)
+    again = sweep(one, {"slider.preload": [0.5e-3, 0.87e-3]}, tolerance=TOLERANCE, also=("ripple", "thrust"))
+    assert {"thrust_N", *COLUMNS} <= set(again.to_dataframe())
+    found = design(
+        one, "mean_velocity", {"slider.preload": (0.5e-3, 5e-3)}, ["ripple <= 0.5"],
+        options=Options(evaluations=14, tolerance=0.1),
+    )  # fmt: skip
+    assert found.columns == ("mean_velocity_m_per_s",)
+    fastest = max(abs(point["mean_velocity_m_per_s"]) for point in found.points if point["velocity_ripple"] <= 0.5)
+    assert abs(found.optimum["mean_velocity_m_per_s"]) == fastest
+    assert abs(found.optimum["mean_velocity_m_per_s"]) != abs(found.optimum["velocity_m_per_s"])
+
+
+def test_along_a_prescribed_wave_all_places_are_alike():
+    rows = sweep("twente-contact", {"wave.normal_amplitude": [8e-9]}, tolerance=TOLERANCE, also=("ripple",))
+    (row,) = rows.to_dataframe().to_dict("records")
+    assert row["mean_velocity_m_per_s"] == row["lowest_velocity_m_per_s"] == row["velocity_m_per_s"] != 0.0
+    assert row["velocity_ripple"] == 0.0
 
 
 def test_a_slider_that_sticks_at_some_places(small):
