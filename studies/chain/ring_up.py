@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger(__name__)
 
-# half-width of the band over f/N, for N finger pairs: the main lobe of the transducer and a margin
+# half-width of the band over f/N, for the fewest finger pairs N of a driven transducer: its main lobe and a margin
 LOBES = 1.2
 MAX_HALF_BAND = 0.22  # over the frequency; one interpolation of the response covers at most this band
 TOLERANCE = 2e-2  # of the response and of the truncated ring-down, relative to the steady amplitude
@@ -84,8 +84,8 @@ def switched(driven: "DrivenContact") -> tuple[RingUp | None, str]:
 def ring_up(scene: Scene, point: tuple[float, float]) -> RingUp:
     """Return the ring-up at a point (x, y) in m of a scene with transducers, a burst and a frequency."""
     scene, x = fem_model.first_section(scene, point)
-    driven = scene.driven_transducer
-    half_band = min(LOBES / driven.finger_pairs, MAX_HALF_BAND) * scene.frequency
+    fewest = min(each.finger_pairs for each in scene.driven_transducers)
+    half_band = min(LOBES / fewest, MAX_HALF_BAND) * scene.frequency
     low, high = scene.frequency - half_band, scene.frequency + half_band
     over_band = response(scene, low, high, positions=(x,), tolerance=TOLERANCE)
     LOGGER.info("stator: ring-up of the burst")

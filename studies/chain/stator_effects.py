@@ -19,6 +19,7 @@ import numpy as np
 import fem
 from studies.chain import fem_model
 from studies.record import Record
+from studies.scene.blocks import Transducer
 
 # Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for 3 to 30 finger
 # pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms
@@ -77,7 +78,8 @@ def _aperture(record: Record) -> Effects:
     if covered:
         return
     if motion.beam is None:
-        worst = max(_spread(record, *zip(*positions, strict=True)) - 1, key=abs)
+        spreads = [_spread(record, each, *zip(*positions, strict=True)) for each in record.scene.driven_transducers]
+        worst = max(np.concatenate(spreads) - 1, key=abs)
         how = "angular spectrum of the driven aperture, on the cut's slowness curve"
         yield "finite aperture", "u_z", float(worst), how
         return
@@ -104,12 +106,12 @@ def _crossed(record: Record, positions) -> Effects:
     yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
 
 
-def _spread(record: Record, x, y) -> np.ndarray:
-    """Return the amplitude radiated by the driven aperture, relative to a plane wave.
+def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
+    """Return the amplitude radiated by the aperture of a driven transducer, relative to a plane wave.
 
     ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
     """
-    driven, stator = record.scene.driven_transducer, fem_model.stator(record.scene.stator)
+    stator = fem_model.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
@@ -139,7 +141,8 @@ def _finger_ends(record: Record) -> Effects:
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
     changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
     yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
-    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * record.scene.driven_transducer.finger_pairs)
+    most = max(each.finger_pairs for each in record.scene.driven_transducers)
+    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * most)
     how = f"error that remains with static charge at the ends, {ceramic}"
     yield "ripple of the charge along the fingers", "u_z", remainder, how
 

@@ -61,22 +61,27 @@ def _strength(scene: Scene):
 
 def _drive(record: Record) -> Iterator[str]:
     """Yield warnings about breakdown of solid or air between the fingers and about fracture of the stator."""
-    scene, driven, electrical = record.scene, record.scene.driven_transducer, record.electrical
-    highest, limits = max(scene.levels), _strength(scene)
-    gap = (1 - driven.metallisation) * driven.wavelength * driven.finger_pairs / driven.fingers
-    voltages = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
-    volts = highest * max(map(abs, [electrical["comb_voltage_per_volt"], *voltages]))
-    if limits is not None and limits.field is not None and volts > limits.field * gap:
-        yield (
-            f"the field between the fingers, {volts:.3g} V over {gap * 1e6:.3g} um, is {volts / gap / 1e6:.3g} MV/m; "
-            f"{limits.field / 1e6:g} MV/m is the limit ({limits.field_source}): "
-            f"keep the voltage below {limits.field * gap:.3g} V, or widen the gaps"
-        )
-    if volts > (breakdown := breakdown_voltage(gap)):
-        yield (
-            f"{volts:.3g} V between fingers {gap * 1e6:.3g} um apart exceed the breakdown voltage of air there, "
-            f"{breakdown:.3g} V (Paschen's law): keep below it, widen the gaps or cover the fingers"
-        )
+    scene, limits, circuit = record.scene, _strength(record.scene), record.surface_motion.circuit
+    highest = max(scene.levels)
+    between = dict(zip(circuit.names, np.abs(circuit.voltages).tolist(), strict=True))  # V per V, terminated ones too
+    several = len(between) > 1
+    for each in scene.transducer:
+        gap, volts = each.gap, highest * between.get(each.name, 0.0)
+        whose = f" of transducer {each.name}" if several else ""
+        if gap is None or volts == 0.0:
+            continue
+        if limits is not None and limits.field is not None and volts > limits.field * gap:
+            yield (
+                f"the field between the fingers{whose}, {volts:.3g} V over {gap * 1e6:.3g} um, is "
+                f"{volts / gap / 1e6:.3g} MV/m; {limits.field / 1e6:g} MV/m is the limit ({limits.field_source}): "
+                f"keep the drive below {highest * limits.field * gap / volts:.3g} V, or widen the gaps"
+            )
+        if volts > (breakdown := breakdown_voltage(gap)):
+            yield (
+                f"{volts:.3g} V between fingers{whose} {gap * 1e6:.3g} um apart exceed the breakdown voltage of air "
+                f"there, {breakdown:.3g} V (Paschen's law): keep the drive below {highest * breakdown / volts:.3g} V, "
+                "widen the gaps or cover the fingers"
+            )
     if limits is None or limits.tensile_stress is None:
         return
     c = fem_model.solid(scene.stator).stiffness
@@ -103,26 +108,34 @@ def breakdown_voltage(gap: float) -> float:
 
 
 def _off_resonance(record: Record) -> Iterator[str]:
-    """Yield a warning if the coupled-mode model of the driven transducer has a larger wave at another frequency."""
-    scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
-    if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
+    """Yield a warning for each design of a driven transducer whose wave is larger at another frequency.
+
+    The amplitudes are those of the coupled-mode model.
+    """
+    scene, drive = record.scene, record.scene.drive
+    if drive.source_impedance or drive.match != "none":
         return
-    stator, present = fem_model.stator(scene.stator), scene.frequency
-    half_band = 2 / max(driven.finger_pairs, 4)
-    frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
-    try:
-        size = fem.relative_amplitude(stator.solid, fem_model.driven(scene), frequencies, surface=stator.bare_surface)
-    except fem.ConvergenceError:
-        return  # the half-space of this cut has no surface wave: no estimate is possible
-    best = int(np.argmax(size))
-    gain = float(size[best] / max(size[-1], size[best] * 1e-3))
-    if gain > OFF_RESONANCE:
-        more = f"about {100 * (gain - 1):.0f} % larger" if gain < 10 else "ten times as large or more"
-        yield (
-            f"the drive is off the transducer's resonance: u_z would be {more} at {frequencies[best] / 1e6:.4g} MHz "
-            f'(estimate by coupled modes): set drive.frequency = "center" with '
-            f'period = "{driven.wavelength * 1e3:.6g} mm", or period = "auto"'
-        )
+    stator, present, driven = fem_model.stator(scene.stator), scene.frequency, scene.driven_transducers
+    plain = (each for each in driven if each.pattern is None and not each.split)
+    designs = {(each.wavelength, each.finger_pairs, each.metallisation): each for each in plain}
+    for each in designs.values():
+        half_band = 2 / max(each.finger_pairs, 4)
+        frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
+        transducer = fem_model.unturned(each, each.wavelength)
+        try:
+            size = fem.relative_amplitude(stator.solid, transducer, frequencies, surface=stator.bare_surface)
+        except fem.ConvergenceError:
+            return  # the half-space of this cut has no surface wave: no estimate is possible
+        best = int(np.argmax(size))
+        gain = float(size[best] / max(size[-1], size[best] * 1e-3))
+        if gain > OFF_RESONANCE:
+            more = f"about {100 * (gain - 1):.0f} % larger" if gain < 10 else "ten times as large or more"
+            whose = "the transducer's resonance" if len(driven) == 1 else f"the resonance of transducer {each.name}"
+            yield (
+                f"the drive is off {whose}: u_z would be {more} at {frequencies[best] / 1e6:.4g} MHz "
+                f'(estimate by coupled modes): set drive.frequency = "center" with '
+                f'period = "{each.wavelength * 1e3:.6g} mm", or period = "auto"'
+            )
 
 
 def _section(record: Record) -> Iterator[str]:

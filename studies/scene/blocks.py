@@ -325,6 +325,22 @@ class Transducer(Block):
         return self.finger_pairs * (4 if self.split else 2)
 
     @property
+    def gap(self) -> float | None:
+        """Smallest free surface between fingers of both electrodes, without open strips, m; None if it has only one."""
+        signs = self.pattern or ("++--" if self.split else "+-") * self.finger_pairs
+        pitch = self.finger_pairs * self.wavelength / self.fingers
+        gap, last, last_at, metal = None, "", 0, 0.0
+        for at, sign in enumerate(signs):
+            if sign == "o":
+                metal += self.metallisation * pitch
+            elif sign in "+-":
+                if last not in ("", sign):
+                    free = (at - last_at - self.metallisation) * pitch - metal
+                    gap = free if gap is None else min(gap, free)
+                last, last_at, metal = sign, at, 0.0
+        return gap
+
+    @property
     def has_two_electrodes(self) -> bool:
         """Whether it has fingers of both electrodes, so that it can have a voltage."""
         return self.pattern is None or {"+", "-"} <= set(self.pattern)

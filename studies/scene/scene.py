@@ -171,6 +171,13 @@ class Scene(Block):
         return next(each for each in self.transducer if each.name == self.drive.transducer)
 
     @property
+    def driven_transducers(self) -> tuple[Transducer, ...]:
+        """The transducers whose source has an amplitude that is not 0, that of `driven_transducer` first."""
+        first, driven = self.driven_transducer, self.drive.driven
+        others = (each for each in self.transducer if driven.get(each.name) and each is not first)
+        return (first, *others)
+
+    @property
     def frequency(self) -> float:
         """Frequency of the drive or the prescribed wave, Hz; "center" must have been resolved."""
         frequency = self.source.frequency

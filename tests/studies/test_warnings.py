@@ -51,7 +51,13 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
         phase_velocity=velocity,
         transfer_length=transfer_length,
         relative_error=2e-4,
-        circuit=SimpleNamespace(admittance=1e-3 + 1e-3j, voltage=1.0 + 0.0j, power=5e-4),
+        circuit=SimpleNamespace(
+            admittance=1e-3 + 1e-3j,
+            voltage=1.0 + 0.0j,
+            power=5e-4,
+            names=(chosen.drive.transducer,),
+            voltages=np.ones(1, complex),
+        ),
     )
     return Record(
         scene=chosen,
@@ -362,3 +368,45 @@ def test_a_contact_damper_that_pulls_is_remarked_and_no_error(chi, pulls):
         assert answer.warnings == ()
         return
     only(answer.warnings, "slider.damping.contact, 20 s/m", "up to 1.84 mN during 20 % of a cycle")
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_each_transducer_has_the_field_of_its_own_voltage_in_its_own_gaps(order):
+    """60 V at the wide gaps of the one, 30 V at gaps a twentieth as wide of the other, in either order."""
+    narrow = record("twente", "transducer.1.metallisation=0.975", "drive.voltage=60")
+    gap = narrow.scene.transducer[1].period / 80
+    circuit = narrow.surface_wave.circuit
+    circuit.names, circuit.voltages = ("left", "right")[::order], np.array([1.0, 0.5j])[::order]
+    scene = replace(narrow.scene, transducer=narrow.scene.transducer[::order])
+    found = [text for text in warnings_of(replace(narrow, scene=scene)) if "MV/m" in text]
+    only(tuple(found), f"transducer right, 30 V over {gap * 1e6:.3g} um", f"{30 / gap / 1e6:.3g} MV/m",
+         f"keep the drive below {1.5e6 * gap * 2:.3g} V")  # fmt: skip
+    circuit.voltages = np.array([1.0, 0.3])[::order]  # and not the largest voltage in the narrowest gaps
+    assert not [text for text in warnings_of(replace(narrow, scene=scene)) if "MV/m" in text]
+
+
+@pytest.mark.parametrize(
+    ("keys", "gap"),
+    [
+        ({}, 0.2 / 2),
+        ({"split": True}, 0.2 / 4),
+        ({"pattern": "+-+-+-"}, 0.2 / 2),
+        ({"pattern": "+00--0"}, 3 / 2 - 0.8 / 2),
+        ({"pattern": "++o-00"}, 2 * 0.2 / 2),
+        ({"pattern": "+0+0+0"}, None),
+    ],
+)
+def test_the_gap_between_fingers_of_both_electrodes(keys, gap):
+    """Three periods of 1 mm, fingers of 0.8 of the pitch; an open strip divides the gap into two."""
+    block = replace(scene("twente").transducer[0], period=1e-3, finger_pairs=3, metallisation=0.8, **keys)
+    assert block.gap == (None if gap is None else pytest.approx(1e-3 * gap, rel=1e-12))
+
+
+def test_a_second_source_off_its_resonance_is_said_by_its_name():
+    """Both are driven; the first is at its centre."""
+    settings = ("drive.frequency=2.21 MHz", "transducer.0.period=0.98736 mm", "transducer.1.period=0.93 mm")
+    made = record("twente", *settings)
+    drive = replace(made.scene.drive, sources=(("left", 1.0), ("right", 1.0)))
+    found = warnings_of(replace(made, scene=replace(made.scene, drive=drive)))
+    only(tuple(text for text in found if "resonance" in text), "off the resonance of transducer right")
+    assert not [text for text in warnings_of(made) if "resonance" in text]  # the right one is not driven
