@@ -13,19 +13,22 @@ DECIBELS = {"dB": 1.0}
 # Quantities by the letters of their heads, without signs and blanks: the kind of parameter and its part
 NAMES = {
     ("frequency", ""): ("f", "freq", "frequency", "frequenz"),
-    ("z", "magnitude"): ("z", "absz", "magz", "zmag", "zabs", "zmagnitude", "impedance", "impedanz", "modz"),
+    ("z", "magnitude"): ("z", "absz", "magz", "zmag", "zabs", "zmagnitude", "modz", "impedance", "impedancemagnitude",
+                         "impedanz", "betragz", "impedanzbetrag"),
     ("z", "real"): ("r", "rs", "rez", "zre", "zreal", "realz", "z'", "resistance"),
     ("z", "imag"): ("x", "xs", "imz", "zim", "zimag", "imagz", "z''", 'z"', "reactance"),
     ("y", "magnitude"): ("y", "absy", "magy", "ymag", "yabs", "ymagnitude", "admittance"),
     ("y", "real"): ("g", "gp", "rey", "yre", "yreal", "realy", "conductance"),
     ("y", "imag"): ("b", "bp", "imy", "yim", "yimag", "imagy", "susceptance"),
     ("s", "magnitude"): ("s11", "abss11", "mags11", "s11mag", "s11abs", "s11magnitude", "s11logmag", "logmags11",
-                         "s11linmag", "linmags11", "dbs11", "s11db"),
+                         "s11linmag", "linmags11", "dbs11", "s11db", "reflectionmagnitude"),
     ("s", "real"): ("res11", "s11re", "s11real", "reals11"),
     ("s", "imag"): ("ims11", "s11im", "s11imag", "imags11"),
-    ("z", "phase"): ("phasez", "zphase", "thetaz", "argz", "anglez", "zangle", "phiz"),
+    ("z", "phase"): ("phasez", "zphase", "thetaz", "argz", "anglez", "zangle", "phiz", "impedancephase",
+                     "impedanzphase"),
     ("y", "phase"): ("phasey", "yphase", "thetay", "argy", "angley", "yangle"),
-    ("s", "phase"): ("phases11", "s11phase", "args11", "angs11", "s11ang", "s11angle", "s11arg"),
+    ("s", "phase"): ("phases11", "s11phase", "args11", "angs11", "s11ang", "s11angle", "s11arg",
+                     "reflectionphase"),
     ("", "phase"): ("phase", "theta", "angle", "phi", "phasewinkel"),
 }  # fmt: skip
 QUANTITIES = {name: quantity for quantity, names in NAMES.items() for name in names}
@@ -52,8 +55,10 @@ def unit_of(text: str) -> str:
     ('kohm', 'MHz', 'deg', 'mohm', '')
     """
     plain = text.strip().replace("µ", "u").replace("μ", "u")
-    plain = re.sub(r"(?i)ohms?$|[ΩΩ]$", "ohm", plain)
-    plain = {"°": "deg", "degree": "deg", "degrees": "deg", "siemens": "S", "db": "dB"}.get(plain.lower(), plain)
+    plain = re.sub("(?i)ohms?$|[\u03a9\u2126]$", "ohm", plain)  # both signs of the ohm
+    plain = {"°": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "siemens": "S", "db": "dB"}.get(
+        plain.lower(), plain
+    )
     for units in (FREQUENCIES, ANGLES):
         for unit in units:
             if plain.lower() == unit.lower():
@@ -79,7 +84,8 @@ def head_of(cell: str) -> Head | None:
         .replace("φ", "phi")
         .replace("ϕ", "phi")
     )
-    word = word.replace("″", "''").replace("′", "'").removeprefix("trace")
+    word = word.replace("″", "''").replace("′", "'")
+    word = re.sub(r"trace\d*|(?:trc|tr|ch)\d+", "", word)  # names of an instrument's traces
     if word not in QUANTITIES:
         return None
     kind, part = QUANTITIES[word]

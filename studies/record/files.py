@@ -97,19 +97,26 @@ class Motion(NamedTuple):
     position: np.ndarray  # of the slider along z, m
 
 
+class DamagedRunError(RunError):
+    """A run.json that is no JSON: cut off, or changed by hand."""
+
+
 def read_run(folder: Path) -> dict:
     """Return the fields of the record that a run left in a directory.
 
     Raises
     ------
     RunError
-        If the directory holds no run.
+        If the directory holds no run; `DamagedRunError` if its run.json is cut off.
     """
     try:
         whole = json.loads((folder / "run.json").read_text(encoding="utf-8"))
         scene = Scene.from_table("", whole["scene"])
     except FileNotFoundError:
         raise RunError(f"{str(folder)!r} holds no run.json: name a directory that a run left") from None
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno}, column {error.colno}: {error.msg}"
+        raise DamagedRunError(f"{str(folder / 'run.json')!r} is damaged or cut off: {where}") from None
     except (OSError, ValueError, KeyError) as error:
         raise RunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
     fields = {

@@ -16,6 +16,7 @@ from studies.chain import run as run_chain
 from studies.chain.solver_errors import as_run_errors
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
+from studies.record.files import DamagedRunError
 from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene
 
@@ -121,9 +122,11 @@ class RunField:
 
 
 def saved_run(folder: str | Path) -> Record:
-    """Return the record of a run; raise an error if the directory contains none."""
+    """Return the record of a run; raise an error if the directory contains none, or a damaged one."""
     try:
         return Record.load(folder)
+    except DamagedRunError as error:
+        raise SceneError("", str(error)) from None
     except (RunError, TypeError):
         raise SceneError("", f"{shown(str(folder))} is no directory that sawmotor run left") from None
 

@@ -63,13 +63,25 @@ PREAMBLE = '!CSV A.01.01\n!Agilent Technologies, E4990A\n"Title: PZT chip",\nDat
               ("S11 (deg)", DEGREES * np.angle(REFLECTION))),
         table(("Freq(Hz)", FREQUENCY), ("S11 Log Mag(dB)", 20 * np.log10(abs(REFLECTION))),
               ("S11 Phase(deg)", DEGREES * np.angle(REFLECTION))),
+        table(("freq[Hz]", FREQUENCY), ("re:Trc1_S11", REFLECTION.real), ("im:Trc1_S11", REFLECTION.imag),
+              separator=";"),
+        table(("freq[Hz]", FREQUENCY), ("db:Trc1_S11", 20 * np.log10(abs(REFLECTION))),
+              ("ang:Trc1_S11", DEGREES * np.angle(REFLECTION)), separator=";"),
+        table(*z_and_phase("f (Hz)", "Trace 1: Impedance: Magnitude (\u2126)", "Trace 2: Impedance: Phase (\u00b0)"),
+              separator=";"),
+        table(*z_and_phase("Frequenz / kHz", "Betrag Z / k\u03a9", "Phase Z / Grad", (1e3, 1e3, DEGREES)),
+              separator="\t", decimal=","),
+        "\n".join(",".join(f'"{cell}"' for cell in line.split(";"))
+                  for line in table(*z_and_phase(), separator=";", decimal=",").splitlines()),
+        table(("Frequency(Hz)", FREQUENCY), ("Return Loss(dB)", FREQUENCY), ("Phase(deg)", FREQUENCY),
+              ("Rs", IMPEDANCE.real), ("Xs", IMPEDANCE.imag), ("|Z|", abs(IMPEDANCE))),
         table(("Frequency (Hz)", FREQUENCY), ("Re(S11)", REFLECTION.real), ("Im(S11)", REFLECTION.imag)),
         table(*z_and_phase("Frequency (Hz)", "|Z| (Ohm)", "Phase (deg)"))[:-1],
     ],
 )  # fmt: skip
 def test_a_table_is_the_reflection_of_the_circuit(text, tmp_path):
     file = tmp_path / "lab.csv"
-    for encoding in ("utf-8", "utf-8-sig", "utf-16", *(() if "Ω" in text or "θ" in text else ("latin-1",))):
+    for encoding in ("utf-8", "utf-8-sig", "utf-16", *(() if any(ord(sign) > 255 for sign in text) else ("latin-1",))):
         file.write_bytes(text.encode(encoding))
         measured = read_measured(file)
         assert measured.quantity == "network"

@@ -773,11 +773,18 @@ def test_a_stuck_slider_is_drawn_at_rest(prescribed_run):
     assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
 
 
-@pytest.mark.parametrize("content", [None, "{}", "[]", "no json"])
-def test_what_is_no_run_is_refused(tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        *((content, "no directory that sawmotor run left") for content in (None, "{}", "[]")),
+        ("no json", "is damaged or cut off: line 1, column 1"),
+        ('{"scene": {},\n"points": [1.2, ', "is damaged or cut off: line 2, column 17"),
+    ],
+)  # fmt: skip
+def test_what_is_no_run_is_refused(tmp_path, content, said):
     if content is not None:
         (tmp_path / "run.json").write_text(content)
-    with pytest.raises(SceneError, match="no directory that sawmotor run left"):
+    with pytest.raises(SceneError, match=said):
         run_field(tmp_path)
 
 
