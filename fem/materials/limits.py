@@ -14,23 +14,35 @@ from fem.materials.solids import VACUUM_PERMITTIVITY, Solid
 
 DENSITY = (50.0, 25e3)  # kg/m3
 STIFFNESS = (1e6, 1.4e12)  # Pa, of the largest eigenvalue
+YOUNGS_MODULUS = (1e4, 1.3e12)  # Pa; diamond has 1.14 TPa
 PERMITTIVITY = (1.0, 1e5)  # relative to vacuum, of every eigenvalue
 COUPLING = (1e-4, 100.0)  # C/m2, of the largest entry
 COUPLED_ENERGY = 20.0  # largest e^2/(c eps) of any strain
 
 
-def refuse_impossible(solid: Solid) -> None:
-    """Raise an InputError for constants that no solid has; it names the probable unit."""
-    for key, rule in impossible(solid):
+def refuse_impossible(solid: Solid, youngs_modulus: float | None = None) -> None:
+    """Raise an InputError for constants that no solid has; it names the probable unit.
+
+    ``youngs_modulus``: in Pa, of an isotropic solid; it is then judged in place of the stiffness, which grows beyond
+    all bounds towards a Poisson ratio of 0.5.
+    """
+    for key, rule in impossible(solid, youngs_modulus):
         raise InputError(key, rule)
 
 
-def impossible(solid: Solid) -> Iterator[tuple[str, str]]:
-    """Yield table and rule of each constant that no solid has."""
+def impossible(solid: Solid, youngs_modulus: float | None = None) -> Iterator[tuple[str, str]]:
+    """Yield table and rule of each constant that no solid has; arguments as of `refuse_impossible`."""
     low, high = DENSITY
     if not low <= solid.density <= high:
         hint = _density_hint(solid.density)
         yield "density", f"must be {low:g} to {high:g} kg/m^3, as of any solid, got {solid.density:.6g} kg/m^3{hint}"
+    if youngs_modulus is not None:
+        low, high = YOUNGS_MODULUS
+        if not low <= youngs_modulus <= high:
+            hint = f': is it in GPa? Then write "{youngs_modulus:g} GPa"' if youngs_modulus <= high / 1e9 else ""
+            rule = f"must be {low:g} to {high:g} Pa, as of any solid, got {youngs_modulus:.6g} Pa{hint}"
+            yield "youngs_modulus", rule
+        return
     largest = float(np.linalg.eigvalsh(solid.stiffness)[-1])
     low, high = STIFFNESS
     if not low <= largest <= high:

@@ -28,6 +28,7 @@ def crystal(material: str | PiezoelectricSolid | IsotropicSolid):
             name=material.name, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio,
             density=material.density, **own,
         )  # fmt: skip
+        fem.refuse_impossible(solid, material.youngs_modulus)
     else:
         stiffness, coupling, permittivity = _stress_charge(material)
         own = {name: getattr(material, name) for name in LOSSES if getattr(material, name) is not None}
@@ -35,7 +36,7 @@ def crystal(material: str | PiezoelectricSolid | IsotropicSolid):
             name=material.name, stiffness=stiffness, coupling=coupling, density=material.density,
             permittivity=permittivity / fem.VACUUM_PERMITTIVITY, **own,
         )  # fmt: skip
-    fem.refuse_impossible(solid)
+        fem.refuse_impossible(solid)
     return solid
 
 

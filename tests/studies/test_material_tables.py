@@ -101,7 +101,7 @@ IMPOSSIBLE = {
     "less than vacuum": (changed(permittivity=np.eye(3) * 0.9), "permittivity", "in every direction, got 0.9"),
     "e^2/(c eps)": (changed(coupling=LN.coupling * 10), "coupling", "e^2/(c eps) is at most 20 for every strain, got"),
     "GPa of an isotropic solid": (
-        {"youngs_modulus": 70.0, "poisson_ratio": 0.3, "density": 2700.0}, "stiffness", "as of any solid"
+        {"youngs_modulus": 70.0, "poisson_ratio": 0.3, "density": 2700.0}, "youngs_modulus", 'Then write "70 GPa"'
     ),
 }  # fmt: skip
 
