@@ -12,6 +12,7 @@ from fem.exceptions import InputError
 
 FORMS = ("stress-charge", "strain-charge")
 ORDER = "11 22 33 23 13 12"  # of the six components of stress and strain
+COMPLIANT = 1e-6  # 1/Pa, of a table's largest entry: a larger one is a stiffness
 # Orders of other programs: that of Ansys, that of Abaqus
 ORDERS = (ORDER, "11 22 33 12 23 13", "11 22 33 12 13 23")
 
@@ -30,6 +31,41 @@ def in_order(table: ArrayLike, order: str) -> np.ndarray:
     picked = [names.index(each) for each in ORDER.split()]
     table = np.array(table, dtype=float)
     return table[np.ix_(picked, picked)] if len(table) == 6 else table[:, picked]
+
+
+def stress_charge(
+    elastic: np.ndarray,
+    coupling: np.ndarray,
+    permittivity: np.ndarray,
+    *,
+    form: str = FORMS[0],
+    order: str = ORDER,
+    stiffness_at: str = "constant E",
+    permittivity_at: str | None = None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return c^E in Pa, e in C/m2 and eps^S in F/m, in `ORDER`, of tables in SI units in another form.
+
+    Parameters
+    ----------
+    elastic : ndarray, shape (6, 6)
+        Stiffness; in strain-charge form the compliance, or c^E where its entries are larger than any compliance.
+    coupling, permittivity : ndarray, shapes (3, 6) and (3, 3)
+        e and eps^S, or d and eps^T.
+    form, order : str
+        Of `FORMS`, and as `in_order` takes it.
+    stiffness_at, permittivity_at : str
+        "constant D" and "constant stress" where the tables of the stress-charge form are c^D or eps^T.
+    """
+    elastic, coupling = in_order(elastic, order), in_order(coupling, order)
+    if form == "strain-charge":
+        if abs(elastic).max() > COMPLIANT:
+            elastic = np.linalg.inv(_regular("stiffness", elastic))
+        return from_strain_charge(elastic, coupling, permittivity)
+    if stiffness_at == "constant D":
+        elastic = at_constant_field(elastic, coupling, permittivity)
+    if permittivity_at == "constant stress":
+        permittivity = at_constant_strain(elastic, coupling, permittivity)
+    return elastic, coupling, permittivity
 
 
 def from_strain_charge(

@@ -7,11 +7,10 @@ import numpy as np
 
 import fem
 from studies.scene import Scene
-from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid
+from studies.scene.blocks import MATERIAL, IsotropicSolid, PiezoelectricSolid
 from studies.scene.quantity import si_value
 
 LOSSES = ("mechanical_quality", "dielectric_loss")
-COMPLIANT = 1e-6  # of a table's largest entry: a smaller one is a compliance in 1/Pa, whatever its key
 
 
 @lru_cache(64)
@@ -40,28 +39,39 @@ def crystal(material: str | PiezoelectricSolid | IsotropicSolid):
     return solid
 
 
+def named_solid(name: str) -> tuple:
+    """Return a material as a scene takes it, and its ``fem.Solid``.
+
+    ``name``: of the catalogue, or a file of constants.
+    """
+    material = MATERIAL.read("material", name)
+    return material, crystal(material)
+
+
 def _stress_charge(material: PiezoelectricSolid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return c^E in Pa, e in C/m2 and eps^S in F/m of a table."""
-    key = "stiffness" if material.compliance is None else "compliance"
-    elastic, coupling, permittivity = (_in_si(material, name) for name in (key, "coupling", "permittivity"))
-    elastic, coupling = (fem.in_order(each, material.order) for each in (elastic, coupling))
-    if material.form == "strain-charge":
-        if key == "stiffness" and abs(elastic).max() > COMPLIANT:
-            elastic = np.linalg.inv(elastic)
-        return fem.from_strain_charge(elastic, coupling, permittivity)
-    if material.stiffness_at == "constant D":
-        elastic = fem.at_constant_field(elastic, coupling, permittivity)
-    if material.permittivity_at == "constant stress":
-        permittivity = fem.at_constant_strain(elastic, coupling, permittivity)
-    return elastic, coupling, permittivity
+    compliant = material.form == "strain-charge"
+    if material.constants is None:
+        key = "stiffness" if material.compliance is None else "compliance"
+        tables = (getattr(material, name) for name in (key, "coupling", "permittivity"))
+        elastic, coupling, permittivity = (np.array(each, dtype=float) for each in tables)
+    else:
+        key = "compliance" if compliant else "stiffness"
+        elastic, coupling, permittivity = fem.class_tables(
+            str(material.crystal_class), dict(material.constants), compliant=compliant
+        )
+    return fem.stress_charge(
+        elastic * _factor(material, key), coupling * _factor(material, "coupling"),
+        permittivity * _factor(material, "permittivity"), form=material.form, order=material.order,
+        stiffness_at=material.stiffness_at, permittivity_at=material.permittivity_at,
+    )  # fmt: skip
 
 
-def _in_si(material: PiezoelectricSolid, key: str) -> np.ndarray:
-    """Return a table in SI units."""
+def _factor(material: PiezoelectricSolid, key: str) -> float:
+    """Return the SI unit of a table's numbers."""
     usual = "relative" if key == "permittivity" else material.table_units[key]
     unit = dict(material.units or ()).get(key, usual)
-    factor = fem.VACUUM_PERMITTIVITY if unit == "relative" else si_value(key, f"1 {unit}", material.table_units[key])
-    return np.array(getattr(material, key), dtype=float) * factor
+    return fem.VACUUM_PERMITTIVITY if unit == "relative" else si_value(key, f"1 {unit}", material.table_units[key])
 
 
 def solid_remarks(scene: Scene) -> Iterator[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
+from studies.chain.solid_constants import named_solid
 from studies.chain.solver_errors import as_run_errors
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
@@ -46,7 +47,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     """
     orientation = ORIENTATION.read("--orientation", orientation)
     try:
-        solid = fem.rotated(fem.material(material), orientation)
+        solid = fem.rotated(named_solid(material)[1], orientation)
         surface = surface_named(surface)
     except fem.InputError as error:
         raise SceneError(error.key, error.rule) from None

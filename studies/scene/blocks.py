@@ -4,6 +4,7 @@ Everything is in SI units once read.  x runs along the surface from the
 stator's left end, z out of the surface.  The sentence beside each key is its entry in ``studies/scenes/README.md``.
 """
 
+import tomllib
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar
@@ -13,12 +14,13 @@ from studies.refusal import SceneError, shown
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, impedance, matrix, surface_position
 from studies.scene.quantity import si_value
-from studies.scene.rule import FLAG, TEXT, Count, Named, Plain, choice, signs
+from studies.scene.rule import FLAG, TEXT, Count, Named, Plain, Rule, choice, signs
 
-# As in `fem.FORMS`, `fem.ORDERS` and `fem.CONVENTIONS`, without the import of numpy
+# As in `fem.FORMS`, `fem.ORDERS`, `fem.CONVENTIONS` and `fem.CLASSES`, without the import of numpy
 FORMS = ("stress-charge", "strain-charge")
 ORDERS = ("11 22 33 23 13 12", "11 22 33 12 23 13", "11 22 33 12 13 23")
 CONVENTIONS = ("SAW", "COMSOL", "sawsim")
+CLASSES = ("6mm", "4mm", "3m", "32", "mm2", "-43m", "m3m", "-3m", "6/mmm", "4/mmm")
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
 CUTS = choice("Z", "X", "YZ", "128YX", "ST-X")
 ORIENTATION = (
@@ -42,6 +44,10 @@ class PiezoelectricSolid(Block):
 
     block: ClassVar[str] = "stator.material"
     name: Annotated[str, TEXT, "Name of the material in results."] = "user's table"
+    source: Annotated[str | None, TEXT, "Where the constants come from."] = None
+    axes: Annotated[str | None, TEXT, "The crystal's axes 1, 2, 3 in words."] = None
+    aliases: Annotated[tuple | None, Listed(TEXT, distinct=True), "Other names, in the catalogue's files."] = None
+    remark: Annotated[str | None, TEXT, "What else is to be known of the constants."] = None
     form: Annotated[
         str,
         choice(*FORMS),
@@ -54,12 +60,20 @@ class PiezoelectricSolid(Block):
     compliance: Annotated[
         tuple | None, matrix(6, 6), "Compliance at constant electric field, s^E, in 1/Pa; with form = strain-charge."
     ] = None
-    coupling: Annotated[tuple, matrix(3, 6), "Piezoelectric constants: e in C/m^2, or d in C/N (form)."]
+    coupling: Annotated[tuple | None, matrix(3, 6), "Piezoelectric constants: e in C/m^2, or d in C/N (form)."] = None
     permittivity: Annotated[
-        tuple,
+        tuple | None,
         matrix(3, 3),
         "Permittivity relative to that of vacuum: eps^S at constant strain, or eps^T at constant stress (form).",
-    ]
+    ] = None
+    crystal_class: Annotated[
+        str | None, choice(*CLASSES), "Crystal class whose tables constants fill, in the axes of IEEE 176."
+    ] = None
+    constants: Annotated[
+        tuple | None,
+        Named("a table of constants by name such as { c11 = 139e9, e31 = -5.2, eps11 = 730 }", NUMBER),
+        "Independent constants of crystal_class in place of the tables: c11, e15, eps11 ..., or s11, d15 ... (form).",
+    ] = None
     order: Annotated[
         str,
         choice(*ORDERS),
@@ -88,15 +102,32 @@ class PiezoelectricSolid(Block):
     ] = None
 
     def check_form(self) -> Any:
+        elastic = "compliance" if self.form == "strain-charge" else "stiffness"
         tables = [name for name in ("stiffness", "compliance") if getattr(self, name) is not None]
-        if len(tables) != 1:
-            rule = f"is required and missing: give {keys_of(type(self))['stiffness'].rule.expected}"
-            if tables:
-                yield "compliance", "must be absent beside stiffness"
-            else:
-                yield "compliance" if self.form == "strain-charge" else "stiffness", rule
+        if self.constants is not None:
+            tables += [name for name in ("coupling", "permittivity") if getattr(self, name) is not None]
+            yield from ((name, "must be absent beside constants") for name in tables)
+            if self.crystal_class is None:
+                yield "crystal_class", f"is required and missing beside constants: give one of {', '.join(CLASSES)}"
+            elif self.order != ORDERS[0]:
+                yield "order", "must be absent beside constants, whose names have two indices"
+            return
+        if len(tables) == 2:
+            yield "compliance", "must be absent beside stiffness"
         elif tables == ["compliance"] and self.form != "strain-charge":
             yield "form", 'must be "strain-charge" with compliance, got "stress-charge": the coupling is then d'
+        for name in ("coupling", "permittivity") if tables else (elastic, "coupling", "permittivity"):
+            if getattr(self, name) is None:
+                rule = keys_of(type(self))[name].rule.expected
+                yield name, f"is required and missing: give {rule}, or the constants of a crystal_class"
+
+    def check_constants(self) -> Any:
+        if self.constants is None or self.crystal_class is None:
+            return
+        try:
+            fem.class_tables(self.crystal_class, dict(self.constants), compliant=self.form == "strain-charge")
+        except fem.InputError as error:
+            yield error.key, error.rule
 
     def check_conditions(self) -> Any:
         at_stress = self.permittivity_at == "constant stress"
@@ -133,6 +164,9 @@ class IsotropicSolid(Block):
 
     block: ClassVar[str] = "stator.material"
     name: Annotated[str, TEXT, "Name of the material in results."] = "user's isotropic solid"
+    source: Annotated[str | None, TEXT, "Where the constants come from."] = None
+    aliases: Annotated[tuple | None, Listed(TEXT, distinct=True), "Other names, in the catalogue's files."] = None
+    remark: Annotated[str | None, TEXT, "What else is to be known of the constants."] = None
     youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
     poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
     density: DENSITY
@@ -143,7 +177,37 @@ class IsotropicSolid(Block):
             yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
 
 
-MATERIAL = TEXT | Within(PiezoelectricSolid, IsotropicSolid)
+SOLID = Within(PiezoelectricSolid, IsotropicSolid)
+
+
+class MaterialFile(Rule):
+    """A file with a table of constants, as in the scene; a scene that is written back holds the table."""
+
+    expected = 'a file such as "my-ceramic.toml", from the scene\'s folder'
+
+    def takes(self, value: Any) -> Any:
+        return isinstance(value, str) and value.endswith(".toml")
+
+    def read(self, path: Any, value: Any) -> Any:
+        file = PurePath(value)
+        try:
+            with open(file, "rb") as opened:
+                table = tomllib.load(opened)
+        except OSError as error:
+            raise SceneError(path, f"names the file {shown(value)}, which cannot be read: {error.strerror}") from None
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+            raise SceneError(path, f"names the file {shown(value)}, which is no TOML: {str(error)[:120]}") from None
+        try:
+            return SOLID.read(path, {"name": file.stem} | table)
+        except SceneError as error:
+            found = [SceneError(each.path, each.rule, each.location or file.name) for each in error.problems]
+            raise SceneError.together(found) from None
+
+    def schema(self) -> Any:
+        return {"type": "string", "pattern": r"\.toml$"}
+
+
+MATERIAL = MaterialFile() | TEXT | SOLID
 SOLIDS = Named('a table of solids by surface group such as { strip = "aluminium" }', MATERIAL)
 CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
@@ -157,7 +221,7 @@ class Stator(Block):
     material: Annotated[
         str | PiezoelectricSolid | IsotropicSolid,
         MATERIAL,
-        "Name of a material of the catalogue below, or a table of material constants.",
+        "Name of a material of the catalogue below, a file with a table of constants, or the table itself.",
     ]
     orientation: Annotated[
         str | tuple,

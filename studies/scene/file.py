@@ -14,8 +14,12 @@ from studies.scene.override import replaced, setting_of, walk
 from studies.scene.syntax import explained
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-# Keys that name a file, slider.law only with a value that ends with .py
-FILES = re.compile(r"piece\.\d+\.file|slider\.law|slider\.pillars\.file")
+# Keys that name a file, with the ending that its name must have to be one
+FILES = {
+    re.compile(r"piece\.\d+\.file|slider\.pillars\.file"): "",
+    re.compile(r"slider\.law"): ".py",
+    re.compile(r"stator\.material|piece\.\d+\.materials\.[^.]+"): ".toml",
+}
 SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their first line
 
 
@@ -70,8 +74,8 @@ class SceneFile:
 def _with_absolute_paths(table: dict, scene: Path) -> dict:
     """Return a scene's table with absolute paths of its files, so that it runs in any working directory."""
     for key, name in walk(table):
-        is_file = FILES.fullmatch(key) is not None and isinstance(name, str) and name != ""
-        if is_file and (key != "slider.law" or name.endswith(".py")) and not Path(name).is_absolute():
+        endings = [ending for keys, ending in FILES.items() if keys.fullmatch(key)]
+        if endings and isinstance(name, str) and name and name.endswith(endings[0]) and not Path(name).is_absolute():
             table = replaced(table, key, str((scene.parent / name).resolve()))
     return table
 

@@ -195,7 +195,7 @@ def _unknown_solids(table: dict) -> Iterator[SceneError]:
     """Yield refusals of solids that the catalogue lacks, so that they appear together with the faults of the text."""
     for block, key in (("stator", "material"), ("slider", "ball")):
         name = table[block].get(key) if isinstance(table.get(block), dict) else None
-        if isinstance(name, str):
+        if isinstance(name, str) and not (key == "material" and name.endswith(".toml")):
             try:
                 fem.material(name)
             except fem.InputError as error:

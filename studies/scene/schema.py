@@ -13,13 +13,11 @@ from studies.scene.scene import Scene
 
 def schema() -> dict:
     """Return the JSON Schema of a scene."""
-    solids = fem.catalogue()
+    isotropic = [name for name in fem.material_names() if "youngs_modulus" in fem.catalogue_table(name)]
     whole = block_schema(Scene)
     stator, slider = (whole["properties"][name]["properties"] for name in ("stator", "slider"))
-    stator["material"]["anyOf"][0] = {"enum": list(solids)}
-    slider["ball"] = {"description": slider["ball"]["description"]} | {
-        "enum": [name for name, solid in solids.items() if not solid.coupling.any()]
-    }
+    stator["material"]["anyOf"][1] = {"enum": list(fem.material_names())}
+    slider["ball"] = {"description": slider["ball"]["description"], "enum": isotropic}
     slider_block, drive = whole["properties"]["slider"], whole["properties"]["drive"]
     slider_block["anyOf"] = [{"required": ["ball"]}, {"required": ["effective_modulus", "tangential_modulus"]}]
     driven = {"anyOf": [{"required": ["transducer"]}, {"required": ["sources"]}]}

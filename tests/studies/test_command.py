@@ -64,7 +64,7 @@ def test_warnings_about_a_scene_come_before_its_run_and_once(call):
 def test_only_what_resembles_is_suggested(call):
     assert "did you mean" not in call("help", "nonsense")[2]
     assert "nearest" not in call("wave", "nosuch")[2]
-    assert "the nearest known one is 'PZT-8'" in call("wave", "PZT8")[2]
+    assert "the nearest known one is 'PZT-8'" in call("wave", "PTZ8")[2]
 
 
 def test_a_run_says_what_it_replaced_and_leaves_other_files(call, tmp_path):

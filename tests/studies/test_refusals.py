@@ -140,7 +140,8 @@ drive.recovery.receiver=right; transducer.1.termination=50 | transducer.1.termin
 NO_MODULI; slider.ball=steal | slider.ball ... steel
 NO_MODULI; slider.ball=PZT-4 | slider.ball ... isotropic
 NO_MODULI; slider.ball=LiNbO3 (Ogi) | slider.ball ... isotropic
-stator.material=PZT8 | stator.material ... PZT-8
+stator.material=PTZ8 | stator.material ... PZT-8
+stator.material=no.toml | stator.material names the file 'no.toml', which cannot be read: No such file
 stator.material=steel | transducer ... not piezoelectric
 transducer.0.center=2 mm | transducer.0
 transducer.0.center=136 mm | transducer.1.center ... off those of

@@ -36,7 +36,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "stator.dielectric_loss": [0, 0.01],
     "stator.diffraction": [True, False],
     "stator.sides": ["mirror"],
-    "stator.material": [{"youngs_modulus": "70 GPa", "poisson_ratio": 0.3, "density": 2700, "name": "x"}],
+    "stator.material": ["LiNbO3", {"youngs_modulus": "70 GPa", "poisson_ratio": 0.3, "density": 2700, "name": "x"}],
     "transducer.0.period": ["auto", "0.99 mm"],
     "transducer.0.termination": ["short", "50 ohm", [50, -3]],
     "transducer.0.pattern": ["+-" * 10],
