@@ -149,6 +149,8 @@ def _binary_values(
         return np.stack([table[name].astype(float) for name in table.dtype.names or ()], axis=1).ravel()
     closing = CLOSING.search(reading.content, reading.at)
     held = (closing.start() if closing else len(reading.content)) - reading.at
+    if closing is None and held in [count * sum(each.itemsize for each in layout) for layout in layouts]:
+        raise reading.error(f"the closing -1 of the dataset 58b that begins in line {first} is missing")
     needs = " or ".join(str(count * sum(each.itemsize for each in layout)) for layout in layouts)
     rule = f"the dataset 58b that begins in line {first} must hold {needs} bytes of values before its closing -1"
     raise reading.error(f"{rule}, got {held}: is it cut off, or were its line ends converted?")

@@ -1,5 +1,6 @@
 """Lines of a Universal File, with their numbers: text between delimiters of -1, and numbers in any columns."""
 
+import math
 import re
 from pathlib import Path
 
@@ -57,5 +58,8 @@ def numbers(reading: UffLines, lines: list[tuple[int, str]]) -> list[float]:
         rest = NUMBER.sub("", plain).strip()
         if rest:
             raise reading.error(f"must hold numbers, got {shown(text.strip())}", number)
-        values += [float(each.upper().replace("D", "E")) for each in NUMBER.findall(plain)]
+        found = [float(each.upper().replace("D", "E")) for each in NUMBER.findall(plain)]
+        if not all(map(math.isfinite, found)):
+            raise reading.error(f"must hold finite numbers, got {shown(text.strip())}", number)
+        values += found
     return values

@@ -245,6 +245,7 @@ def without_line(number):
         (without_line(9), "line 9: must hold data type, number of points and spacing"),
         (without_line(13), "line 13: must hold a data type, label and unit of an axis"),
         (TEXT[:300], "is cut off in its head"),
+        (TEXT.replace("2.06193860810E-10", "2.06193860810E+910"), "line 15: must hold finite numbers"),
         (TEXT[:-60], "line 15: the dataset 58 that begins in line 1 is cut off: its closing -1 is missing"),
         (TEXT.replace("  -2.48060457985E-10", ""), "must hold 6 numbers, got 5: is it cut off?"),
         (TEXT.replace("2.06193860810E-10", "          *******"), "line 15: must hold numbers, got '1.75564E-02"),
@@ -280,6 +281,9 @@ def test_binary_values_of_single_and_double_precision_on_an_uneven_abscissa(form
     scan = scan_of_uff(file, "--measured")
     np.testing.assert_array_equal(scan.x, [0.25, 0.5])
     np.testing.assert_array_equal(scan.values, [1.5 - 2j, 3 + 4j])
+    file.write_bytes(file.read_bytes().removesuffix(b"    -1\n"))
+    with pytest.raises(SceneError, match="the closing -1 of the dataset 58b that begins in line 1 is missing"):
+        scan_of_uff(file, "--measured")
     # the byte of a line end within the numbers is no line
     file.write_bytes(binary(form, struct.pack(code, *POINTS)[:-1], order))
     with pytest.raises(SceneError, match=r"must hold \d+( or \d+)? bytes of values before its closing -1, got \d+"):
