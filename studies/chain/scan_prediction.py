@@ -51,9 +51,18 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
 
 
 def component_and_error(motion: SurfaceMotion, scan: Scan) -> tuple[np.ndarray, float]:
-    """Return the component of a scan at its positions, complex, m per V, and the largest relative error there."""
+    """Return the component of a scan at its positions, complex, m per V, and its rms error over its rms size.
+
+    The error of a place is relative to the larger of |u_x| and |u_z| there, and large where a beam has ended.
+    """
     positions = _positions(scan)
-    return motion.at(positions)[COMPONENTS.index(scan.component)], motion.relative_error(positions)
+    values = motion.at(positions)
+    sizes = np.max(np.abs(values[[0, 2]]), axis=0)
+    return values[COMPONENTS.index(scan.component)], _rms(motion.errors(positions) * sizes) / _rms(sizes)
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _positions(scan: Scan) -> tuple[tuple[float, float], ...]:
@@ -89,7 +98,7 @@ def predicted_scan(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
 
 
 def scan_and_error(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
-    """Return the motion at the points of a placed scan, m per V, and its estimated relative error."""
+    """Return the motion at the points of a placed scan, m per V, and its estimated relative error, rms."""
     if scan.kind == "frequency":
         return over_frequency(scene, scan, tolerance=tolerance)
     # solved for one position: all others, also off the axis, are evaluated from the same solution

@@ -187,7 +187,9 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
         points, name="scan", values=recording.noisy(motion),
         deviation=np.full(len(motion), size) if size > 0.0 else None,
     )  # fmt: skip
-    accuracy = f"estimated numerical error {100 * error:.2g} % of the motion, for a tolerance of {100 * tolerance:g} %"
+    accuracy = (
+        f"estimated numerical error {100 * error:.2g} % rms of the motion, for a tolerance of {100 * tolerance:g} %"
+    )
     convention = "u_z per volt of the source, peak, exp(+i omega t)"
     return scan, (resolved.title or "untitled", convention, accuracy, *recording.remark)
 

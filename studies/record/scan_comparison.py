@@ -105,7 +105,7 @@ def scan_comparison(block: dict):
     yield "", f"deviation {whole} rms; {shape} after a fit of size and phase"
     if "predicted_relative_error" in block:
         error = share.with_unit(block["predicted_relative_error"])
-        yield "", f"numerical error of the prediction {error}"
+        yield "", f"numerical error of the prediction {error} rms"
     if "measured_standing_wave_ratio" in block:
         ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
         yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios)

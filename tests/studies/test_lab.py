@@ -135,6 +135,17 @@ def test_a_comparison_states_size_phase_velocity_ripple_and_place_of_the_beam():
     assert abs(block["beam_center_predicted_m"]) < 1e-9
 
 
+def test_an_exported_scan_states_its_numerical_error():
+    """Against a solution a hundred times as accurate: at most twice the stated error, relative to the rms motion."""
+    _, remarks = virtual_scan(SMALL, Recording(), 1e-2)
+    (stated,) = [float(each.split()[3]) / 100 for each in remarks if each.startswith("estimated numerical error")]
+    exact, fine = virtual_scan(SMALL, Recording(), 1e-4)
+    found = np.sqrt(np.mean(abs(clean().values - exact.values) ** 2) / np.mean(abs(exact.values) ** 2))
+    assert found <= 2.0 * stated <= 2e-2
+    assert found > 1e-5  # there is one to be stated
+    assert any("for a tolerance of 0.01 %" in each for each in fine)
+
+
 def test_another_wave_velocity_turns_the_phase_along_the_way():
     chosen = resolve.resolved(SMALL)
     scan = Scan(name="", x=np.array([0.03, 0.05]), y=np.zeros(2), values=np.ones(2, complex))
