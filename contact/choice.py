@@ -25,6 +25,7 @@ from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
 
 OK, ABOVE_TOLERANCE = "ok", "above tolerance"
+EXCEEDS = "estimated error"  # begins the reason of an answer that misses its tolerance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +64,11 @@ class Answer:
         return f"{self.value:.6g} +- {self.error:.2g} ({self.status}{reasons})"
 
     @property
+    def why(self) -> str:
+        """The reasons as one sentence, without that of the size of the error against the tolerance."""
+        return "; ".join(reason for reason in self.reasons if not reason.startswith(EXCEEDS))
+
+    @property
     def message(self) -> str:
         """The reasons as one sentence."""
         return "; ".join(self.reasons)
@@ -72,9 +78,10 @@ class Answer:
         relative = self.error / reference if reference > 0.0 else (math.inf if self.error > 0.0 else 0.0)
         if not relative > tolerance:
             return self
-        reason = f"estimated error {relative:.2g} exceeds {tolerance:.2g}{advice and f'; {advice}'}"
+        reason = f"{EXCEEDS} {relative:.2g} exceeds {tolerance:.2g}"
+        reasons = (*self.reasons, reason, *((advice,) if advice else ()))
         status = ABOVE_TOLERANCE if self.status == OK else self.status
-        return Answer(value=self.value, error=self.error, status=status, reasons=(*self.reasons, reason))
+        return Answer(value=self.value, error=self.error, status=status, reasons=reasons)
 
 
 class Answered:

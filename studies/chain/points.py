@@ -138,7 +138,7 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
     nearby = _nearby(driven.slider, state, steady)
     sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
     from_stator = driven.stator_error * math.hypot(*sensitivities)
-    from_contact, status, message = state.relative_error, state.status, state.message
+    from_contact, answer = state.relative_error, state.answer
     values, trajectory = {"velocity_m_per_s": state.velocity, "regime": state.regime}, None
     if driven.stator_error > 0:
         values["amplitude_sensitivity"] = sensitivities[0]
@@ -148,14 +148,10 @@ def _point_on_balls(driven: DrivenContact, level: float, tolerance: float, burst
         values |= moved | burst_values(trajectory)
         tally |= burst_tally(trajectory)
         from_stator += 0.0 if driven.ringing is None else driven.ringing.error
-        if trajectory.relative_error > from_contact or status == Status.OK:
-            from_contact = max(from_contact, trajectory.relative_error)
-            status, message = trajectory.status, trajectory.message
-    if status == Status.ABOVE_TOLERANCE and from_stator + from_contact <= tolerance:
-        status = Status.OK.value  # the contact exceeds its fraction, but the sum of both errors is within the tolerance
-    elif status != Status.OK:
-        status = f"{status}: {message}"
-    values |= judged(tolerance, from_stator, from_contact, status)
+        if trajectory.relative_error > from_contact or answer.status == Status.OK:
+            from_contact, answer = max(from_contact, trajectory.relative_error), trajectory.answer
+    # the contact may exceed its fraction of the tolerance: the sum of both errors decides
+    values |= judged(tolerance, from_stator, from_contact, "" if answer.status == Status.OK else answer.why)
     return PointAnswer(values | tally, (from_stator, from_contact), trajectory)
 
 

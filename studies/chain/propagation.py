@@ -20,11 +20,15 @@ MAX_AXIS_RATIO = 1e3
 MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
-def judged(tolerance: float, of_stator: float, of_contact: float, status: str = Status.OK.value) -> dict:
-    """Return ``relative_error`` and ``status`` of a velocity whose error has two parts, over the reference speed."""
-    error = of_stator + of_contact
-    if error > tolerance and status == Status.OK:
-        status = Status.ABOVE_TOLERANCE.because(f"stator {of_stator:.1e}, contact {of_contact:.1e}")
+def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "") -> dict:
+    """Return ``relative_error`` and ``status`` of a velocity whose error has two parts, over the reference speed.
+
+    ``why``: reasons for the contact's part, which follow the sizes of both in the status.
+    """
+    error, status = of_stator + of_contact, Status.OK.value
+    if error > tolerance:
+        sizes = f"stator {of_stator:.1e}, contact {of_contact:.1e}"
+        status = Status.ABOVE_TOLERANCE.because(f"{sizes}; {why}" if why else sizes)
     return {"relative_error": error, "status": status}
 
 

@@ -42,8 +42,7 @@ def description(motor: AveragedMotor) -> list[str]:
     drives = ", ".join(f"{'+-'[k]} {drive.name}" for k, drive in enumerate(motor.drives))
     return [
         motor.title,
-        f"drive: {drives}; a level of 1 {motor.unit} makes "
-        + ", ".join(f"{drive.amplitude:.6g} m" for drive in motor.drives),
+        f"drive: {drives}; {_level_in_words(motor)}",
         "interpolation of the mean force: error over mu preload {:.1e}, at kinks {:.1e}".format(
             *reversed(motor.interpolation_error)
         ),
@@ -51,6 +50,14 @@ def description(motor: AveragedMotor) -> list[str]:
         f"{motor.averaging_error:.1e}",
         *motor.left_out,
     ]
+
+
+def _level_in_words(motor: AveragedMotor) -> str:
+    """Return what a level is: the amplitude of a prescribed wave itself, or a voltage that makes one."""
+    if motor.scene.wave is not None:
+        return "the level is the amplitude of u_z under the contacts, in m"
+    made = ", ".join(f"{drive.amplitude:.6g} m" for drive in motor.drives)
+    return f"1 V (peak) of the source makes an amplitude of u_z of {made} under the contacts"
 
 
 def comment_safe(text: str) -> str:

@@ -46,17 +46,16 @@ class Design:
 
     def __str__(self) -> str:
         """Return what `sawmotor design` prints."""
-        rows = [["variable", "best", "5 % (or 1) off leaves", "constraints"]]
+        rows = [["variable", "best", "if changed by", "goal left", "constraints"]]
         for each in self.variables:
             robust, best = self.robustness[each.key], each.text(self.optimum[each.key], 5)
-            constraints = "kept" if robust["keeps_constraints"] else "broken"
-            rows.append([each.key, best, f"{100 * robust['least_share_of_goal']:.4g} %", constraints])
+            constraints = "all kept" if robust["keeps_constraints"] else "not all kept"
+            left = f"{100 * robust['least_share_of_goal']:.4g} % or more"
+            rows.append([each.key, best, _change_in_words(each), left, constraints])
         notes: list[tuple[str, str | list[str]]] = [("at the best", [
             f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
             if isinstance(value, float) and "." not in name and name != "relative_error"
         ])]  # fmt: skip
-        if any(coordinate(each.key) for each in self.variables):
-            notes.append(("", "a position is 5 % of a wavelength off, an angle 1 degree"))
         if len(self.front) > 1:
             notes.append(("front", f"{len(self.front)} motors on the Pareto front of {' and '.join(self.goals)}"))
         ends = (each.end_in_words(self.optimum[each.key], NEAR_END) for each in self.variables)
@@ -96,3 +95,10 @@ class Design:
             coordinates = [[points.index(point) for point in some], *values] if single else values
             ax.plot(*coordinates, marks, color=COLOURS[colour], markersize=4, label=name)
         return finished(ax, "evaluation" if single else axes[0][1], axes[-1][1], "")
+
+
+def _change_in_words(variable: Parameter) -> str:
+    """Return by how much a variable is changed, up and down, for the robustness."""
+    if coordinate(variable.key):
+        return "1 degree" if variable.key.endswith("angle") else "5 % of a wavelength"
+    return "1" if variable.counted else "5 %"

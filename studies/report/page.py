@@ -60,6 +60,7 @@ def report(record: Record) -> str:
     """Return the HTML page of a record."""
     scene = record.scene
     columns, points = points_table(record, missing="\u2013")
+    points, remarks = _short_statuses(record, columns, points)
     known = [point for point in record.points if "velocity_m_per_s" in point]
     return rendered(
         TEMPLATE,
@@ -68,12 +69,31 @@ def report(record: Record) -> str:
         fastest=max(known, key=lambda point: abs(point["velocity_m_per_s"]), default=None),
         columns=columns,
         points=points,
+        remarks=remarks,
         pictures=_pictures(record),
         numbers=intermediate_numbers(record),
         balances=energies.balances(record),
         provenance=provenance() | {"machine": _machine()},
         scene=scene_text(scene),
     )
+
+
+def _short_statuses(record: Record, columns: list[str], rows: list[list[str]]) -> tuple[list, list[str]]:
+    """Return the rows with the kinds of their statuses, and one sentence for each kind that is not ok."""
+    if "status" not in columns:
+        return rows, []
+    at = columns.index("status")
+    reasons: dict[str, list[str]] = {}
+    for point, row in zip(record.points, rows, strict=True):
+        kind, colon, reason = row[at].partition(": ")
+        if colon:
+            reasons.setdefault(kind, []).append(f"{record.scene.named(point[record.level])}: {reason}")
+    short = [[cell.partition(": ")[0] if k == at else cell for k, cell in enumerate(row)] for row in rows]
+    remarks = []
+    for kind, several in reasons.items():
+        more = f" ({len(several) - 1} more in run.json)" if len(several) > 1 else ""
+        remarks.append(f"{kind}, at {several[0]}{more}")
+    return short, remarks
 
 
 def _pictures(record: Record) -> list[dict]:

@@ -101,6 +101,15 @@ def test_the_load_of_the_scene_opposes_a_motor_of_either_direction(side):
     assert whole.load == pytest.approx(-side * 3e-5, rel=1e-12)
 
 
+def test_a_level_is_explained_in_its_unit():
+    """A prescribed wave's level is its amplitude: "a level of 1 m makes 1 m" said nothing."""
+    assert "the level is the amplitude of u_z under the contacts, in m" in header(motor())
+    drives = tuple(replace(each, orbits=tuple(one.scaled(2.5e-10) for one in each.orbits)) for each in motor().drives)
+    scene = Scene.load("twente-left")
+    text = header(replace(motor(), scene=scene, drives=drives))
+    assert "1 V (peak) of the source makes an amplitude of u_z of 2.5e-10 m, 2.5e-10 m under the contacts" in text
+
+
 def test_a_load_step_brakes_as_the_exact_mean_traction_says():
     slider, load = motor().slider, 2.5e-5
     _, state = run([(0.1, AMPLITUDE, 0.0)])

@@ -131,6 +131,15 @@ def test_the_atlas_leaves_tables_pictures_and_numbers(tmp_path):
     }  # fmt: skip
 
 
+def test_a_part_of_the_atlas_is_not_judged_by_its_number_of_cases():
+    """`--quick` takes one case of two parts."""
+    made = rows()
+    few, wrong = stability.atlas_findings(made, whole=False)
+    assert (few.confirmed, wrong.confirmed) == (None, True)
+    assert few.expected == "at least 150 in the whole study"
+    assert stability.atlas_findings(made)[0].confirmed is False
+
+
 def test_one_wrong_answer_contradicts_the_atlas():
     made = rows()
     assert [finding.confirmed for finding in stability.atlas_findings(made * 13)] == [True, True]
