@@ -44,13 +44,7 @@ class Envelope:
         amplitude = np.interp(time, self.time, self.amplitude)
         return amplitude * np.exp(1j * np.interp(time, self.time, self.phase))
 
-    def bend(self, cycles: int, frequency: float) -> float:
-        """Return the sum over the cycles of the mean distance from a factor that is linear within each cycle.
-
-        Fixed time steps take such a factor; a kink of the envelope within a cycle is lost to them.
-        """
-        fraction = (np.arange(8) + 0.5) / 8.0
-        ends = self.at(np.arange(cycles + 1) / frequency)
-        inside = self.at((np.arange(cycles)[:, None] + fraction) / frequency)
-        straight = ends[:-1, None] + (ends[1:] - ends[:-1])[:, None] * fraction
-        return float(np.abs(inside - straight).mean(axis=1).sum())
+    def largest(self, duration: float) -> float:
+        """Return the largest amplitude in the first `duration` seconds."""
+        inside = self.time[(self.time > 0.0) & (self.time < duration)]
+        return float(np.max(np.abs(self.at(np.array([0.0, *inside, duration])))))

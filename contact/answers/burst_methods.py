@@ -16,7 +16,8 @@ from contact.averaged.burst import COMPARED, averaged_run, refusals
 from contact.averaged.event_equilibrium import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
-from contact.error_estimate import calibrated_error, envelope_error, event_driven_error, reference_speed, stepped_error
+from contact.envelope import Envelope
+from contact.error_estimate import calibrated_error, event_driven_error, reference_speed, stepped_error
 from contact.events.collocation import collocation
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
@@ -111,8 +112,7 @@ def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RI
     cycles = max(0, math.ceil(min(spent(envelope), longest) * frequency))
     stride = max(1, cycles // samples) if samples else 1
     cycles -= cycles % stride
-    shape = envelope.at(np.arange(cycles + 1) / frequency)
-    record = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
+    record = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=envelope)
     return stride * np.arange(1, len(record) + 1) / frequency, record
 
 
@@ -130,7 +130,7 @@ def spent(envelope):
 
 
 class Burst(NamedTuple):
-    """A burst from rest that returns a sample every `stride` cycles; `envelope` as in `time_stepping.steps`."""
+    """A burst from rest that returns a sample every `stride` cycles."""
 
     slider: Slider
     orbits: tuple[Orbit, ...]
@@ -138,8 +138,12 @@ class Burst(NamedTuple):
     cycles: int
     stride: int
     tolerance: float
-    envelope: np.ndarray
-    bend: float = 0.0  # `Envelope.bend`
+    envelope: Envelope | None
+
+    @property
+    def duration(self) -> float:
+        """Length of the burst, s."""
+        return 2.0 * math.pi * self.cycles / self.problem.omega
 
     @property
     def cycles_per_compared_sample(self) -> int:
@@ -199,7 +203,7 @@ def _compared(record, state):
 
 
 def _exact_refusals(burst):
-    reasons = ("it takes no envelope",) if burst.envelope.size else ()
+    reasons = ("it takes no envelope",) if burst.envelope is not None else ()
     if burst.cycles * burst.problem.segments > MAX_SEGMENTS:
         reasons += (
             f"{burst.cycles} cycles of at least {burst.problem.segments:.3g} segments of the motion are too many "
@@ -234,17 +238,13 @@ def _stepped(burst):
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
-    gains = np.diff(record[:, Column.VELOCITY], prepend=0.0) / burst.cycles_per_compared_sample
     every = burst.compared_per_returned_sample
-    return result._replace(
-        run=(motion, record[every - 1 :: every]), statistics=statistics,
-        error=result.error + envelope_error(burst.bend, float(np.max(np.abs(gains)))),
-    )  # fmt: skip
+    return result._replace(run=(motion, record[every - 1 :: every]), statistics=statistics)
 
 
 def _every_step(burst, level):
     """Return (velocities to compare, motion, record) of one run with the fixed time steps of a level of `STEPS`."""
-    factor = burst.envelope[0] if burst.envelope.size else 1.0
+    factor = complex(burst.envelope.at(np.zeros(1))[0]) if burst.envelope is not None else 1.0
     motion = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
     number, stride = STEPS[level][0], burst.cycles_per_compared_sample
     record = steps(burst.problem, motion.state, burst.cycles, number, stride=stride, envelope=burst.envelope)
@@ -274,7 +274,7 @@ def _averaged(burst):
 
 def _averaged_refusals(burst):
     reasons = refusals(burst.slider, burst.orbits)
-    if burst.envelope.size:
+    if burst.envelope is not None:
         reasons += ("it takes no envelope",)
     return (*reasons, f"{burst.cycles} cycles are too few") if burst.cycles < 3 else reasons
 
@@ -293,11 +293,11 @@ class Window(NamedTuple):
     @classmethod
     def of(cls, burst: Burst) -> "Window":
         """Return the window of a burst."""
-        size = float(np.max(np.abs(burst.envelope))) if burst.envelope.size else 1.0
+        size = burst.envelope.largest(burst.duration) if burst.envelope is not None else 1.0
         cycles = burst.cycles if burst.cycles <= EXACT_CYCLES else WINDOW
         problem = burst.problem._replace(paths=_times(burst.problem.paths, size))
-        short = burst._replace(problem=problem, cycles=cycles, stride=cycles, envelope=np.empty(0, complex))
-        whole = cycles == burst.cycles and not burst.envelope.size
+        short = burst._replace(problem=problem, cycles=cycles, stride=cycles, envelope=None)
+        whole = cycles == burst.cycles and burst.envelope is None
         try:
             if _exact_refusals(short):
                 return cls(short, None, math.inf, whole)
@@ -377,7 +377,7 @@ def run(method: str, burst: Burst) -> Choice:
     Method "auto" uses the exact method up to `EXACT_CYCLES` cycles; if it fails, and for longer bursts, the cheapest
     one within the tolerance. Only the exact method accumulates the energies in the motion's sums.
     """
-    way = "leave the envelope out and use method exact" if burst.envelope.size else "shorten the burst"
+    way = "leave the envelope out and use method exact" if burst.envelope is not None else "shorten the burst"
     return choose(
         BURST_METHODS, burst, method, what="a burst", exact=burst.cycles <= MAX_EXACT_CYCLES,
         exact_first=burst.cycles <= EXACT_CYCLES, way=way,

@@ -28,7 +28,7 @@ from contact.answers.burst_methods import (
 from contact.choice import Answer
 from contact.codes import Event, Regime
 from contact.envelope import Envelope
-from contact.error_estimate import envelope_error, travel_error
+from contact.error_estimate import travel_error
 from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
@@ -121,24 +121,20 @@ def step(
     cycles = parameter_check.count("cycles", cycles, 1)
     if slider.static_friction(len(listed)) <= slider.load:
         raise ConvergenceError("runaway", "friction cannot hold the load, so the slider never stops; lower slider.load")
-    (fine, fine_steps), (coarse, coarse_steps) = (
+    (fine, fine_steps, fine_way), (coarse, coarse_steps, coarse_way) = (
         _step_at(slider, listed, cycles, envelope, after, level) for level in (FINE, COARSE)
     )
+    # the two displacements may agree by chance, the ways to them do not
+    apart = np.abs(fine_way - coarse_way)[fine_way.size // 2 :]
     scale = max(abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed)))
-    frequency, bend, amplitude_left = listed[0].frequency, 0.0, 0.0
-    if envelope is not None:
-        bend += envelope.bend(cycles, frequency)
+    amplitude_left = 0.0
     if after is not None:
-        bend += after.bend(math.ceil(after.time[-1] * frequency), frequency)
         largest = max(abs(amplitude) for each in listed for amplitude in (each.normal, each.tangential))
         amplitude_left = abs(complex(after.at(np.array([spent(after)]))[0])) * largest
-    # A change of the wave in one cycle changes the speed by at most that cycle's gain, at constant acceleration
-    # 2 travel/N^2 per cycle.  Over the N cycles of the burst this moves the slider by 2 travel/N.
     error = travel_error(
-        abs(fine.displacement - coarse.displacement),
+        float(np.max(apart, initial=abs(fine.displacement - coarse.displacement))),
         [(f, c) for f, c in zip(fine_steps, coarse_steps, strict=True) if f and c],
-        scale=scale, ring=fine.ring if slider.law == "hysteretic" else 0.0,
-        change=envelope_error(bend, 2.0 * scale / cycles), cut=amplitude_left,
+        scale=scale, ring=fine.ring if slider.law == "hysteretic" else 0.0, cut=amplitude_left,
     )  # fmt: skip
     return replace(fine, error=error)
 
@@ -167,22 +163,24 @@ def _shaped_steps(slider, problem, least, coarsest):
 
 
 def _step_at(slider, orbits, cycles, envelope, after, level):
-    """Return (step at one level without its error, fixed steps per cycle in the burst and in the ring-down).
+    """Return (step at one level without its error, fixed steps per cycle in the burst and in the ring-down, way).
 
-    The number of steps is 0 where no fixed steps were used.
+    The number of steps is 0 where no fixed steps were used. The way is the travel in m from rest to the ends of the
+    cycles that were followed in fixed steps.
     """
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
     problem = problem._replace(longest=level.longest * problem.longest)
     factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
     motion = rest(slider, driven, problem, nodes=level.nodes, truncation=level.truncation, factor=factor)
-    burst_travel, burst_steps = _drive(slider, motion, cycles, envelope, level.steps)
+    burst_travel, burst_steps, way = _drive(slider, motion, cycles, envelope, level.steps)
     velocity, ringing_time, ringing_travel, ringing_steps = float(motion.state[2]), 0.0, 0.0, 0
     if after is not None:
         ringing_steps = _shaped_steps(slider, problem, level.ringing_steps, COARSE.ringing_steps)
         times, record = ring_down(slider, motion, after, least=ringing_steps)
         ringing_time = float(times[-1]) if times.size else 0.0
-        ringing_travel = _distance(record)
+        ringing = _way(record)
+        ringing_travel, way = float(np.sum(ringing[-1:])), np.append(way, burst_travel + ringing)
     still_travel, last_slip, ring = _stopped(slider, motion)
     during, stopping = (side * problem.length * burst_travel, side * problem.length * (ringing_travel + still_travel))
     result = Step(
@@ -190,7 +188,7 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
         velocity=side * velocity * problem.speed, stopping_time=ringing_time + last_slip / problem.omega,
         ring=ring * problem.length, error=0.0,
     )  # fmt: skip
-    return result, (burst_steps, ringing_steps)
+    return result, (burst_steps, ringing_steps), problem.length * way
 
 
 def cycles_for(
@@ -227,7 +225,7 @@ def cycles_for(
 
     def at(number):
         if number not in known:
-            known[number], _ = _step_at(slider, listed, number, *shape(number), FINE)
+            known[number], *_ = _step_at(slider, listed, number, *shape(number), FINE)
         return known[number]
 
     def with_error(number):
@@ -258,21 +256,21 @@ def cycles_for(
 
 
 def _drive(slider, motion, cycles, envelope, per_cycle):
-    """Advance the motion through the burst; return (scaled travel, fixed steps per cycle or 0)."""
+    """Advance the motion through the burst; return (scaled travel, fixed steps per cycle or 0, their `_way`)."""
     problem = motion.problem
     if envelope is None:
         if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, per_cycle):
             motion.turn(cycles)
-            return float(motion.sums[Sum.DISPLACEMENT]), 0
-        return _distance(steps(problem, motion.state, cycles, per_cycle)), per_cycle
-    number = _shaped_steps(slider, problem, per_cycle, COARSE.steps)
-    shape = envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
-    return _distance(steps(problem, motion.state, cycles, number, envelope=shape)), number
+            return float(motion.sums[Sum.DISPLACEMENT]), 0, np.empty(0)
+    else:
+        per_cycle = _shaped_steps(slider, problem, per_cycle, COARSE.steps)
+    way = _way(steps(problem, motion.state, cycles, per_cycle, envelope=envelope))
+    return float(way[-1]), per_cycle, way
 
 
-def _distance(record) -> float:
-    """Return the scaled travel over cycles, one per sample."""
-    return float(2.0 * math.pi * np.sum(record[:, Column.MEAN_VELOCITY]))
+def _way(record):
+    """Return the scaled travel to the end of each cycle, one per sample."""
+    return 2.0 * math.pi * np.cumsum(record[:, Column.MEAN_VELOCITY])
 
 
 @dataclass

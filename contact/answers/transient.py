@@ -140,10 +140,7 @@ def burst(
     share = cycles / frequency / (cycles / frequency + after)
     stride = max(1, round(cycles / max(1.0, samples * share)))
     side, driven = towards_plus(listed)
-    request = Burst(slider, driven, rest_problem(slider, driven), cycles, stride, tolerance, np.empty(0, complex))
-    if envelope is not None:
-        at_ends = envelope.at(np.arange(cycles + 1) / frequency)
-        request = request._replace(envelope=at_ends, bend=envelope.bend(cycles, frequency))
+    request = Burst(slider, driven, rest_problem(slider, driven), cycles, stride, tolerance, envelope)
     result, method, reasons = run(method, request)
     (motion, record), statistics, problem = result.run, result.statistics, request.problem
     end, parts = side * float(motion.state[At.VELOCITY]) * problem.speed, _during(request, motion, record)
@@ -184,7 +181,9 @@ def _during(burst, motion, record):
 def _advice(method, envelope):
     """Return what to do about a burst's error that exceeds the tolerance."""
     if envelope is not None:
-        return "fixed steps do not follow what the envelope does within a cycle: smooth it"
+        return (
+            "even the shortest fixed steps do not follow this motion closely enough; an envelope excludes method exact"
+        )
     return "" if method == "exact" else "ask for method exact"
 
 

@@ -6,7 +6,8 @@ release, end of stick, and x = 0. They are therefore located within the step, on
 the deformation is computed from there. The trapezoidal sums of the forces get the terms of a fractional power at an
 edge (`end_corrections`). The surface motion of one cycle is tabulated.
 
-An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U exp(i phi)).
+An envelope scales the wave, u = Re(e U exp(i phi)). Amplitude and phase of e are linear between its knots; they are
+evaluated at every step.
 
 The method does not apply with a stick band (creep) or if the step does not resolve the contact resonance.
 """
@@ -56,6 +57,14 @@ class Own(IntEnum):
     SLIP = 2
 
 
+class Knots(NamedTuple):
+    """An envelope: amplitude and phase of the factor on the wave, linear between its knots and constant beyond them."""
+
+    at: np.ndarray  # (k,): phase of the wave, rad, rising
+    amplitude: np.ndarray  # (k,)
+    angle: np.ndarray  # (k,), rad
+
+
 class Task(NamedTuple):
     """What a run does and records."""
 
@@ -63,7 +72,7 @@ class Task(NamedTuple):
     per_cycle: int  # steps
     stride: int  # cycles per recorded sample; 0: none
     record: np.ndarray  # (number // stride, len(Column))
-    envelope: np.ndarray  # (number + 1,), complex: factor on the wave at the ends of the cycles; empty for none
+    envelope: Knots
 
 
 class Work(NamedTuple):
@@ -90,23 +99,38 @@ class Passage(NamedTuple):
 
 
 @compiled
-def tabulate_cycle(paths, per_cycle, before, after, table):
-    """Fill scaled displacement and velocity of the surface in one cycle under an envelope from `before` to `after`.
+def factor(envelope, phase, j):
+    """Return (factor on the wave, its rate, knot before this phase); the search for this knot begins at knot j."""
+    at, amplitude, angle = envelope.at, envelope.amplitude, envelope.angle
+    while j + 1 < at.size and at[j + 1] <= phase:
+        j += 1
+    a, p, a_rate, p_rate = amplitude[j], angle[j], 0.0, 0.0
+    if j + 1 < at.size and phase >= at[j]:
+        width = at[j + 1] - at[j]
+        a_rate, p_rate = (amplitude[j + 1] - a) / width, (angle[j + 1] - p) / width
+        a, p = a + a_rate * (phase - at[j]), p + p_rate * (phase - at[j])
+    turn = complex(np.cos(p), np.sin(p))
+    return a * turn, complex(a_rate, a * p_rate) * turn, j
 
-    `table` (4, per_cycle + 1, contacts) is in the order of `Plane`; `before` and `after` are the complex
-    factors on the wave at the ends of the cycle, between which the envelope is linear.
+
+@compiled
+def tabulate_cycle(paths, per_cycle, cycle, envelope, j, table):
+    """Fill scaled displacement and velocity of the surface in one cycle under an envelope; return the knot at its end.
+
+    `table` (4, per_cycle + 1, contacts) is in the order of `Plane`; `cycle` is the number of the cycle, j the knot of
+    the envelope from which `factor` searches.
     """
     h = 2.0 * np.pi / per_cycle
-    turn = (after - before) / (2.0 * np.pi)
     for k in range(per_cycle + 1):
         co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
-        e = before + (after - before) * (k / per_cycle)
+        e, turn, j = factor(envelope, 2.0 * np.pi * cycle + h * k, j)
         for i in range(paths.height.size):
             u_z, w_z, u_x, w_x = at_phase(paths, i, co, si)
             table[Plane.U_Z, k, i] = e.real * u_z + e.imag * w_z
             table[Plane.W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
             table[Plane.U_X, k, i] = e.real * u_x + e.imag * w_x
             table[Plane.W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
+    return j
 
 
 @compiled
@@ -284,20 +308,20 @@ def _step(problem, k, work):
     "t f1 t t",
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "state": "3+n", "task.record": "m 3",
+        "task.envelope.at": "k", "task.envelope.amplitude": "k", "task.envelope.angle": "k",
         "work.table": "4 s n", "work.contact": "3 n", "work.slider": "9",
     },
 )  # fmt: skip
 def _run(problem, state, task, work):
     """Do the work of `steps`; return True if all is finite."""
     per_cycle, slider, envelope = task.per_cycle, work.slider, task.envelope
-    shaped = envelope.size > 0
-    e = envelope[0] if shaped else 1.0 + 0.0j
-    tabulate_cycle(problem.paths, per_cycle, e, e, work.table)
+    knot = tabulate_cycle(problem.paths, per_cycle, 0, envelope, 0, work.table)
     _begin(problem, state, per_cycle, work)
     for cycle in range(task.number):
         slider[Index.TRAVELLED] = 0.0
-        if shaped:
-            tabulate_cycle(problem.paths, per_cycle, envelope[cycle], envelope[cycle + 1], work.table)
+        if cycle > 0 and envelope.at.size > 1:
+            # the last knot of a cycle may lie at its end, where the next cycle begins
+            knot = tabulate_cycle(problem.paths, per_cycle, cycle, envelope, max(knot - 1, 0), work.table)
         for k in range(per_cycle):
             _step(problem, k, work)
         if not np.isfinite(slider[Index.POSITION] + slider[Index.NORMAL_VELOCITY] + slider[Index.VELOCITY]):
@@ -344,14 +368,15 @@ def _begin(problem, state, per_cycle, work):
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
     """Move the slider through whole cycles of equal steps; return the record (number // stride, len(`Column`)).
 
-    `state` (3 + n,) holds z_s, z_s', v, x_1..x_n and is overwritten. `envelope` (number + 1,) is the factor on the
-    wave at the ends of the cycles, None for none. A sample every `stride` cycles (0: none) has v, z_s and the mean v of
-    the last one.
+    `state` (3 + n,) holds z_s, z_s', v, x_1..x_n and is overwritten. `envelope` is the `contact.Envelope` from the
+    first cycle on, None for none. A sample every `stride` cycles (0: none) has v, z_s and the mean v of the last one.
     """
     n = problem.contacts
     work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Index)))
     record = np.empty((number // stride if stride else 0, len(Column)))
-    envelope = np.empty(0, complex) if envelope is None else envelope
-    if not _run(problem, state, Task(number, per_cycle, stride, record, envelope), work):
+    knots = Knots(np.zeros(1), np.ones(1), np.zeros(1))
+    if envelope is not None:
+        knots = Knots(problem.omega * envelope.time, envelope.amplitude.copy(), envelope.phase.copy())
+    if not _run(problem, state, Task(number, per_cycle, stride, record, knots), work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
     return record

@@ -104,8 +104,7 @@ def test_the_error_of_a_step_holds(cycles, shaped):
     problem = burst_methods.rest_problem(body, driven)
     motion = burst_methods.rest(body, driven, problem, nodes=20, truncation=1e-13, factor=0.0 if shaped else 1.0)
     if shaped:
-        factors = shape.at(np.arange(cycles + 1) / f)
-        rows = burst_methods.steps(problem, motion.state, cycles, 384, envelope=factors)
+        rows = burst_methods.steps(problem, motion.state, cycles, 384, envelope=shape)
         during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
     else:
         motion.turn(cycles)
