@@ -20,17 +20,17 @@ EPS0 = fem.VACUUM_PERMITTIVITY
 
 def listed() -> tuple[dict, str]:
     """Return the materials of the catalogue as JSON content and as text."""
-    rows, answer = [("name", "class", "kg/m^3", "source")], {}
+    rows, answer = [("name", "class", "kg/m^3", "confirmed", "source")], {}
     for name, solid in fem.catalogue().items():
         own = fem.catalogue_table(name)
         kind = own.get("crystal_class", "isotropic")
         answer[name] = {
             "class": kind, "density_kg_per_m3": solid.density, "source": solid.source,
-            "aliases": list(own.get("aliases", ())),
+            "aliases": list(own.get("aliases", ())), "confirmed": own.get("confirmed"),
         }  # fmt: skip
-        rows.append((name, kind, f"{solid.density:g}", solid.source))
-    widths = [max(len(row[k]) for row in rows) for k in range(3)]
-    lines = ["  ".join([*(row[k].ljust(widths[k]) for k in range(3)), row[3]]) for row in rows]
+        rows.append((name, kind, f"{solid.density:g}", "yes" if "confirmed" in own else "-", solid.source))
+    widths = [max(len(row[k]) for row in rows) for k in range(4)]
+    lines = ["  ".join([*(row[k].ljust(widths[k]) for k in range(4)), row[4]]) for row in rows]
     note = "sawmotor materials NAME shows one; --copy FILE writes its file, to change it"
     return {"materials": answer}, "\n".join([*lines, "", note])
 
@@ -46,7 +46,8 @@ def material_answer(name: str) -> dict:
     kind = own.get("crystal_class") or ("isotropic" if "youngs_modulus" in own else "")
     answer = {
         "name": solid.name, "class": kind, "source": own.get("source", ""), "axes": own.get("axes", ""),
-        "remark": own.get("remark", ""), "aliases": list(own.get("aliases") or ()),
+        "confirmed": own.get("confirmed", ""), "remark": own.get("remark", ""),
+        "aliases": list(own.get("aliases") or ()),
         "density_kg_per_m3": solid.density, "stiffness_Pa": solid.stiffness,
         "coupling_C_per_m2": solid.coupling, "permittivity_relative": solid.permittivity / EPS0,
         "mechanical_quality": solid.mechanical_quality if math.isfinite(solid.mechanical_quality) else None,
@@ -71,7 +72,8 @@ def material_text(answer: dict) -> str:
     """Return what ``sawmotor materials NAME`` prints."""
     lines = [
         ("also called", ", ".join(answer["aliases"])), ("class", answer["class"]), ("axes", answer["axes"]),
-        ("source", answer["source"]), ("remark", answer["remark"]),
+        ("source", answer["source"]), ("confirmed by", answer["confirmed"] or "nothing published that was found"),
+        ("remark", answer["remark"]),
         ("density", f"{answer['density_kg_per_m3']:g} kg/m^3"),
         ("losses", _losses(answer)),
     ]  # fmt: skip

@@ -47,6 +47,7 @@ class PiezoelectricSolid(Block):
     source: Annotated[str | None, TEXT, "Where the constants come from."] = None
     axes: Annotated[str | None, TEXT, "The crystal's axes 1, 2, 3 in words."] = None
     aliases: Annotated[tuple | None, Listed(TEXT, distinct=True), "Other names, in the catalogue's files."] = None
+    confirmed: Annotated[str | None, TEXT, "Published values that the constants give; absent: none was found."] = None
     remark: Annotated[str | None, TEXT, "What else is to be known of the constants."] = None
     form: Annotated[
         str,
@@ -166,6 +167,7 @@ class IsotropicSolid(Block):
     name: Annotated[str, TEXT, "Name of the material in results."] = "user's isotropic solid"
     source: Annotated[str | None, TEXT, "Where the constants come from."] = None
     aliases: Annotated[tuple | None, Listed(TEXT, distinct=True), "Other names, in the catalogue's files."] = None
+    confirmed: Annotated[str | None, TEXT, "Published values that the constants give; absent: none was found."] = None
     remark: Annotated[str | None, TEXT, "What else is to be known of the constants."] = None
     youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
     poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]

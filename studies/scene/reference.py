@@ -59,14 +59,20 @@ def _written(rule, default) -> str:
 
 
 def _materials() -> str:
-    rows = [("name", "kind", "density (kg/m^3)", "Q", "tan delta", "source")]
+    rows = [("name", "also", "class", "density (kg/m^3)", "Q", "tan delta", "source", "confirmed by")]
     for name, solid in fem.catalogue().items():
         lossless = solid.mechanical_quality == float("inf")
-        kind, quality = "piezoelectric" if solid.coupling.any() else "isotropic", f"{solid.mechanical_quality:g}"
+        own, quality = fem.catalogue_table(name), f"{solid.mechanical_quality:g}"
         numbers = (f"{solid.density:g}", "lossless" if lossless else quality, f"{solid.dielectric_loss:g}")
-        rows.append((f"`{name}`", kind, *numbers, solid.source))
+        aliases = ", ".join(f"`{each}`" for each in own.get("aliases", ())) or "-"
+        kind, confirmed = own.get("crystal_class", "isotropic"), own.get("confirmed", "-")
+        rows.append((f"`{name}`", aliases, kind, *numbers, solid.source, confirmed))
     text = "`stator.mechanical_quality` and `stator.dielectric_loss` replace a material's own Q and tan delta. "
-    text += "Sets of constants of one material differ between authors by more than this program's errors.\n\n"
+    text += (
+        "Sets of constants of one material differ between authors by more than this program's errors. The last column "
+    )
+    text += "has published values that a test computes from the constants; - where none was found. "
+    text += "Second-hand: quoted from other works, not compared with the paper itself.\n\n"
     return text + _table(rows)
 
 

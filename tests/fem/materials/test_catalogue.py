@@ -32,9 +32,58 @@ ISOTROPIC = {  # Young's modulus in Pa, Poisson ratio, density
     "aluminium": (70e9, 0.34, 2700),
     "silicon": (162e9, 0.22, 2330),
 }
-VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 # One generator of each point group besides the threefold or continuous axis 3.
 MIRROR_1, TWOFOLD_1 = np.diag([-1.0, 1.0, 1.0]), np.diag([1.0, -1.0, -1.0])
+DIAGONAL = np.eye(3)[[1, 2, 0]]  # threefold axis [111]
+CRYSTALS = {
+    # class, density, constants in GPa, C/m2 and relative to vacuum, by their names
+    "LiTaO3 (Warner)": ("3m", 7450, """
+        c11 233 c33 275 c44 94 c12 47 c13 80 c14 -11 e15 2.6 e22 1.6 e33 1.9 eps11 41 eps33 43
+        """),
+    "AlN (Tsubouchi)": ("6mm", 3260, """
+        c11 345 c33 395 c44 118 c12 125 c13 120 e15 -.48 e31 -.58 e33 1.55 eps11 9.04 eps33 10.73
+        """),
+    "AlN (McNeil)": ("6mm", 3260, """
+        c11 410 c33 388.5 c44 124.6 c12 148.5 c13 98.9 e15 -.48 e31 -.58 e33 1.55 eps11 9.04 eps33 10.73
+        """),
+    "ZnO (Bateman)": ("6mm", 5680, """
+        c11 209.7 c33 210.9 c44 42.47 c12 121.1 c13 105.1 e15 -.48 e31 -.573 e33 1.32 eps11 8.55 eps33 10.2
+        """),
+    "ScAlN 30 % (Caro)": ("6mm", 3400, """
+        c11 331.6 c33 241.1 c44 108.1 c12 146.3 c13 134.3 e15 -.32 e31 -.72 e33 2.24 eps11 14.1 eps33 14.1
+        """),
+    "langasite (Bungo)": ("32", 5739, """
+        c11 188.75 c33 261.4 c44 53.5 c12 104.75 c13 95.89 c14 14.12 e11 -.437 e14 .104 eps11 18.92 eps33
+        50.7
+        """),
+    "GaAs (McSkimin)": ("-43m", 5316.9, """
+        c11 118.77 c33 118.77 c44 59.44 c12 53.72 c13 53.72 e14 -.16 eps11 12.5 eps33 12.5
+        """),
+    "silicon (cubic)": ("m3m", 2331, """
+        c11 165.7 c22 165.7 c66 79.56 c23 63.9 eps11 11.7 eps33 11.7
+        """),
+    "diamond (McSkimin)": ("m3m", 3515, """
+        c11 1079 c22 1079 c66 578 c23 124 eps11 5.67 eps33 5.67
+        """),
+    "sapphire (Wachtman)": ("-3m", 3980, """
+        c11 496.8 c33 498.1 c44 147.4 c12 163.6 c13 110.9 c14 -23.5 eps11 9.4 eps33 11.5
+        """),
+    "fused silica": ("m3m", 2203, """
+        c11 78.5 c22 78.5 c66 31.2 c23 16.1 eps11 3.78 eps33 3.78
+        """),
+}  # fmt: skip
+# 1/TPa, pC/N, relative to vacuum; class 4mm
+RELAXOR = "s11 69.0 s12 -11.1 s13 -55.7 s33 119.6 s44 14.5 s66 15.2 d15 146 d31 -1330 d33 2820 eps11 1600 eps33 8200"
+GENERATORS = {  # angle of a turn about 3, another operation
+    "3m": (120.0, MIRROR_1), "6mm": (37.0, MIRROR_1), "32": (120.0, TWOFOLD_1), "-3m": (120.0, MIRROR_1),
+    "-43m": (180.0, DIAGONAL), "m3m": (90.0, DIAGONAL),
+}  # fmt: skip
+METALS = {
+    "SU-8": (4.4e9, 0.22, 1190), "epoxy": (4.25e9, 0.38, 1160), "gold": (78.9e9, 0.42, 19300),
+    "platinum": (167e9, 0.304, 21400), "chromium": (279e9, 0.21, 7190), "titanium": (116e9, 0.32, 4500),
+}  # fmt: skip
+ISOTROPIC |= METALS
+VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
 def about_axis_3(degrees: float) -> np.ndarray:
@@ -130,6 +179,37 @@ def test_isotropic_solids(name):
     assert not solid.is_lossy
 
 
+def by_name(text: str) -> dict[str, float]:
+    parts = text.split()
+    return {name: float(value) for name, value in zip(parts[::2], parts[1::2], strict=True)}
+
+
+@pytest.mark.parametrize("name", CRYSTALS)
+def test_other_crystals(name):
+    kind, density, text = CRYSTALS[name]
+    values, solid = by_name(text), material(name)
+    relative = values.pop("eps11"), values.pop("eps33")
+    stiffness = {each[1:]: value for each, value in values.items() if each[0] == "c"}
+    coupling = {each[1:]: value for each, value in values.items() if each[0] == "e"}
+    assert_entries(solid, stiffness, coupling, relative, density)
+    degrees, other = GENERATORS[kind]
+    assert_invariant(solid, (about_axis_3(degrees), other))
+
+
+def test_a_relaxor_is_the_inverse_of_its_compliances():
+    """Class 4mm from s^E, d and eps^T: c s = 1, e = d c, eps^S + e d^T = eps^T."""
+    values, solid = by_name(RELAXOR), material("PMN-33PT (Zhang)")
+    compliance = np.linalg.inv(solid.stiffness) * 1e12
+    charge = solid.coupling @ compliance
+    free = solid.permittivity / VACUUM_PERMITTIVITY + charge * 1e-12 @ solid.coupling.T / VACUUM_PERMITTIVITY
+    tables = {"s": compliance, "d": charge, "e": free}
+    for name, value in values.items():
+        row, column = int(name[-2]) - 1, int(name[-1]) - 1
+        assert tables[name[0]][row, column] == pytest.approx(value, rel=1e-9), name
+    assert solid.density == 8060
+
+
 def test_no_solid_escapes_the_tables():
-    assert set(catalogue()) == {*CERAMICS, *NIOBATES, "quartz (Bechmann)", *ISOTROPIC}
+    known = {*CERAMICS, *NIOBATES, "quartz (Bechmann)", *ISOTROPIC, *CRYSTALS, "PMN-33PT (Zhang)"}
+    assert set(catalogue()) == known
     assert all(solid.name == name and solid.source for name, solid in catalogue().items())
