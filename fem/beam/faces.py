@@ -315,6 +315,6 @@ def with_all_displacements(fields: PortFields) -> Section:
         fields.stator,
         fields.resolution,
         wavelength=fields.section.length_unit,
-        surface_scale=min((each.finger_width / 2 for each in fields.transducers), default=np.inf),
+        surface_scale=fields.section.full.surface_scale,
         lateral=True,
     )

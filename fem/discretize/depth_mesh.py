@@ -89,6 +89,7 @@ def discretise(
         dofs=_numbered(names, solid_elements, len(media), resolution.order, stator),
         surface=solid_elements * resolution.order,
         bottom=len(below) * resolution.order,
+        surface_scale=surface_scale,
         surface_speed=_surface_speed(stator.solid),
     )
 

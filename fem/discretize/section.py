@@ -86,6 +86,8 @@ class Section:
     dofs: np.ndarray = field(repr=False)
     surface: int  # node of the surface
     bottom: int  # node of the solid's lower end: 0, or where an absorbing layer begins
+    # m; shortest length over which fields vary along the surface, to which the elements below it are graded
+    surface_scale: float
     # velocity of the half-space's Rayleigh wave in m/s, used to identify the surface wave among the modes;
     # None where the cut has none
     surface_speed: float | None

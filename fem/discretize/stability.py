@@ -70,5 +70,6 @@ def _trial_section(solid: Solid, body: Medium, layer: Layer, order: int) -> Sect
         dofs=dofs,
         surface=len(dofs) - 1,
         bottom=len(layer) * order,
+        surface_scale=np.inf,
         surface_speed=None,
     )

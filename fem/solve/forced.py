@@ -9,11 +9,12 @@ its received current produces across its termination.
 import numpy as np
 
 from fem.circuit import Drive
-from fem.discretize.error_estimate import refine_stator
+from fem.discretize.error_estimate import GAIN_NEAR_FORCE, NEAR_FORCE, refine_stator
 from fem.discretize.grading import Resolution
 from fem.exceptions import InputError, refuse_above, refuse_unless_positive
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
+from fem.materials.christoffel import slowest_wavelength
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
@@ -77,20 +78,38 @@ def forced_wave(
         refuse_unless_positive(name, value, unit)
     _refuse_forces(stator, forces)
     at = np.array(places)
+    nearest = _nearest(forces, at)
     amplitudes = np.array([each.amplitude for each in forces])
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
-        cascade = stator_cascade(stator, transducers, frequency=frequency, resolution=resolution, forces=forces)
+        cascade = stator_cascade(
+            stator, transducers, frequency=frequency, resolution=resolution, forces=forces, nearest=nearest
+        )
         solution = driven_solution(cascade.solved(), drive, amplitudes)
         return solution, surface_of(solution).motion(at)
 
+    beside = nearest < NEAR_FORCE * slowest_wavelength(stator.solid, frequency)
     refined = refine_stator(
-        stator, at_level, differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),), tolerance=tolerance
+        stator,
+        at_level,
+        differences=lambda fine, coarse: (motion_difference(fine[1], coarse[1]),),
+        tolerance=tolerance,
+        least_gain=GAIN_NEAR_FORCE if beside else np.inf,
     )
     wave = surface_wave(refined.answer[0], relative_error=refined.errors[0], admittance_error=np.nan)
     advice = "ask for less, or at positions farther from the forces"
     refuse_above(wave.relative_error, tolerance, "the surface motion is", advice=advice, reached=wave)
     return wave
+
+
+def _nearest(forces: tuple[LineForce, ...], places: np.ndarray) -> float:
+    """Smallest distance in m of the places from a force; an InputError if a place is that of a force."""
+    distances = [float(abs(places - each.position).min()) for each in forces]
+    for each, distance in zip(forces, distances, strict=True):
+        if not distance:
+            rule = "must lie beside the forces: under a line force the motion is infinite"
+            raise InputError("places", rule, each.position, "m")
+    return min(distances)
 
 
 def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> None:

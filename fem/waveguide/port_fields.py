@@ -180,8 +180,13 @@ def stator_cascade(
     frequency: float,
     resolution: Resolution,
     forces: tuple[LineForce, ...] = (),
+    nearest: float = np.inf,
 ) -> StatorCascade:
     """Discretise and condense a stator at a frequency in Hz, with line forces on its bare surface.
+
+    ``nearest``: smallest distance in m from a force of the places at which its motion is asked for.  The motion beside
+    a line force grows as the logarithm of the distance, so that the elements are graded towards the surface down to
+    this length, as below the edge of a finger.
 
     A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
     """
@@ -195,7 +200,7 @@ def stator_cascade(
         )
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min((each.finger_width / 2 for each in transducers if not drawn), default=np.inf)
-    section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
+    section = discretise(stator, resolution, wavelength=unit, surface_scale=min(scale, nearest))
     superelements = (
         [] if drawn else transducer_superelements(Condensation(section, frequency), stator, transducers, resolution)
     )

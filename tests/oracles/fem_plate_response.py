@@ -22,6 +22,7 @@ import numpy as np
 
 __all__ = ["PlateResponse"]
 
+TURN = np.exp(-0.3j)  # direction of the rays in `PlateResponse.forced`
 _ROWS = {0: (0, 4), 2: (4, 2)}  # Voigt strain that d_x and d_z of u_x and u_z feed
 
 
@@ -100,7 +101,7 @@ class PlateResponse:
     @cached_property
     def high_wavenumber(self) -> complex:
         """Factor c of c / |k| in phi per charge as k -> infinity: the static half-space, m/F."""
-        return complex(self._solved(np.array([1.0 / self._units[2]]), static=True)[0, 2] / self._units[2])
+        return complex(self._solved(np.array([1.0 / self._units[2]]), 2, static=True)[0, 2] / self._units[2])
 
     def surface(self, wavenumbers: np.ndarray) -> np.ndarray:
         """u_x, u_z (m) and phi (V) at the surface for unit charge (C/m2) at wavenumbers (rad/m).
@@ -113,9 +114,52 @@ class PlateResponse:
         -------
         ndarray, shape (n, 3)
         """
-        return self._solved(np.asarray(wavenumbers), static=False)
+        return self._solved(np.asarray(wavenumbers), 2, static=False)
 
-    def _solved(self, wavenumbers, *, static: bool) -> np.ndarray:
+    def forced(self, component: str, distances: np.ndarray) -> np.ndarray:
+        """u_x and u_z (m) at the surface beside a line force of 1 N/m along "x" or "z" (outwards), shape (2, n).
+
+        The integral over k runs along the real axis, where loss keeps the poles off, to a wavenumber beyond all slow
+        modes, and then along rays where exp(-i k |x|) decays, turned by less than the partial waves' own angles.
+
+        Parameters
+        ----------
+        component : "x" or "z"
+        distances : ndarray, shape (n,)
+            x of the places less that of the force, m, not zero.
+        """
+        slow = self._bulk_wavenumber
+        corner = 4 * slow + (12 / self.thickness if np.isfinite(self.thickness) else 0.0)
+        loss = float(np.min(self.stiffness.imag.diagonal() / self.stiffness.real.diagonal()))
+        out = np.empty((2, len(distances)), dtype=complex)
+        for number, x in enumerate(distances):
+            reach = abs(x)
+            step = min(0.7 * slow * loss, 2.0 / reach, corner / 40)
+            k, weights = _panels(np.linspace(-corner, corner, int(2 * corner / step)))
+            last = max(45.0 / reach / abs(TURN.imag), corner)
+            t, down = _panels(np.append(0.0, np.geomspace(corner / 8, last, int(4 + 4 * np.log(8 * last / corner)))))
+            paths = (
+                (k, weights),
+                (corner + TURN * t, TURN * down),
+                (-corner - TURN.conjugate() * t, TURN.conjugate() * down),
+            )
+            total = np.zeros(2, dtype=complex)
+            for at, weight in paths:
+                spectrum = self._solved(at, ("x", "z").index(component), static=False)[:, :2]
+                if x < 0:  # u(-x): the mirrored spectrum, k -> -k, on the same path
+                    spectrum = self._solved(-at, ("x", "z").index(component), static=False)[:, :2]
+                total += (weight * np.exp(-1j * at * reach)) @ spectrum
+            out[:, number] = total / (2 * np.pi)
+        return out
+
+    @property
+    def _bulk_wavenumber(self) -> float:
+        """Wavenumber of the slowest shear wave without piezoelectric stiffening, rad/m."""
+        softest = float(np.linalg.eigvalsh(self.stiffness.real[np.ix_([0, 2, 4], [0, 2, 4])]).min())
+        return float(2 * np.pi * self.frequency / np.sqrt(softest / self.density))
+
+    def _solved(self, wavenumbers, row: int, *, static: bool) -> np.ndarray:
+        """u_x, u_z and phi for a unit of the load ``row``: a force along x, along z, or a charge."""
         stress, potential, length = self._units
         k = (wavenumbers * length)[:, None, None].astype(complex)
         xx, xz, zx, zz = self._tables
@@ -142,10 +186,17 @@ class PlateResponse:
         at_bottom[:, :3] = decay if static else decay[:, :3]
         conditions = np.concatenate([waves[:, 3:] * at_top[:, None], waves[:, 3:] * at_bottom[:, None]], axis=1)
         load = np.zeros((len(k), 6, 1), dtype=complex)
-        load[:, 2, 0] = -1.0 / scale[:, 0]
+        load[:, row, 0] = (-1.0 if row == 2 else 1.0) / scale[:, 0]
         amplitudes = np.linalg.solve(conditions, load)
         fields = ((waves[:, :3] * at_top[:, None]) @ amplitudes)[:, :, 0]
-        # scaled: D = stress / potential, U = length for displacements, length * potential for phi
-        fields = fields * (potential / stress * length)
+        # scaled: T = stress, D = stress / potential, U = length for displacements, length * potential for phi
+        fields = fields * ((potential if row == 2 else 1.0) / stress * length)
         fields[:, 2] *= potential
         return fields
+
+
+def _panels(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights of Gauss's rule of 12 points on each panel."""
+    points, weights = np.polynomial.legendre.leggauss(12)
+    half = np.diff(edges)[:, None] / 2
+    return ((edges[:-1] + edges[1:])[:, None] / 2 + half * points).ravel(), (half * weights).ravel()
