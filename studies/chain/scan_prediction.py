@@ -41,7 +41,7 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
             here = quantity("x_m")
             rule = f"{scan.name!r}: {name} must lie on the stator, {here.with_unit(low)} to {here.with_unit(high)}"
             found = f"{here.with_unit(np.min(values))} to {here.with_unit(np.max(values))}"
-            raise SceneError(option, f"{rule}, got {found}")
+            raise SceneError(option, "; ".join((f"{rule}, got {found}", *scan.remarks)))
     if complete.frequency is not None and complete.kind != "frequency":
         taken = complete.frequency[0]
         if abs(taken / scene.frequency - 1.0) > scan.resolution:
@@ -131,7 +131,8 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
     """
     names = [each.name for each in scene.transducer if each.has_two_electrodes]
     if data.ports != len(names):
-        rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two electrodes"
+        hint = ": port=N behind the file takes one of them" if len(names) == 1 else ""
+        rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two electrodes{hint}"
         raise SceneError("--data", rule)
     refuse_other_range(scene, data, "--data")
     return scattering_matrix(scene, data.frequency, data.reference, tolerance)[2]

@@ -214,15 +214,16 @@ def _keyword(file: TouchstoneFile, number: int, text: str, pending) -> None:
     elif name == "matrix format":
         file.matrix = value.lower()
     elif name == "reference":
-        values = _floats(value)
-        while len(values) < file.ports:
-            number, more = next(pending, (number, "[end]"))
-            if not (found := _floats(more.partition("!")[0])):
-                raise file.error(f"must state the references of {file.ports} ports, got {len(values)}", number)
-            values += found
-        file.references = [complex(each) for each in values]
-        if min(values) <= 0.0:
-            raise file.error("must state positive references", number)
+        words = value.split()
+        while len(words) < file.ports:
+            number, more = next(pending, (number, "[End]"))
+            if more.startswith("["):
+                raise file.error(f"must state the references of {file.ports} ports, got {len(words)}", number)
+            words += more.partition("!")[0].split()
+        values = [_impedance(word) for word in words]
+        if any(each is None or each.real <= 0.0 for each in values):
+            raise file.error(f"must state references with positive real parts, got {shown(' '.join(words))}", number)
+        file.references = [each for each in values if each is not None]
     elif name == "begin information":
         while not next(pending, (0, "[end information]"))[1].lower().startswith("[end information]"):
             pass

@@ -134,7 +134,11 @@ def _binary_values(
     The number of bytes follows from the head; what the identifier says is not used, as pyuff 2.5.8 writes there that
     of a real function on an even abscissa.  The abscissa of doubles may be single, as record 12 defines it.
     """
-    order = "<" if (binary.split() or ["1"])[0] == "1" else ">"
+    fields = binary.split()
+    if len(fields) >= 3 and (fields[0] not in "12" or fields[1] != "2" or fields[2] != str(HEAD_LINES)):
+        rule = f"the dataset 58b that begins in line {first} must have byte order 1 or 2, IEEE numbers (2) and"
+        raise reading.error(f"{rule} {HEAD_LINES} lines of text, got {' '.join(fields[:3])}", first + 1)
+    order = ">" if fields and fields[0] == "2" else "<"
     forms = [np.dtype(f"{order}f{size}")] * columns
     layouts = [forms, [np.dtype(f"{order}f4"), *forms[1:]]] if size == 8 and not even else [forms]
     for layout in layouts:

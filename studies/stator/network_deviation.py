@@ -18,6 +18,7 @@ from studies.lab.network import NetworkData
 UNITS = {"resonance": ("MHz", 1e-6), "G": ("mS", 1e3), "C0": ("pF", 1e12), "K2": ("", 1.0), "loss": ("", 1.0)}
 # Deviation after an exchange of ports over the one before, below which the exchange is remarked
 EXCHANGED = 0.5
+MIN_GAP = 1e-3  # rms deviation of S below which no exchange is looked for
 MAX_PERMUTED = 4  # ports whose orders are all tried
 EDGE = 0.1  # share of the band at either end from which C0 is taken
 
@@ -46,7 +47,7 @@ def _gap(measured: NetworkData, predicted: np.ndarray) -> float:
 
 def _exchanged(measured: NetworkData, predicted: np.ndarray, gap: float) -> list[str]:
     """Return a remark on ports in another order that would agree much better."""
-    if not measured.complete or measured.ports > MAX_PERMUTED:
+    if not measured.complete or measured.ports > MAX_PERMUTED or gap < MIN_GAP:
         return []
     orders = list(permutations(range(measured.ports)))[1:]
     gaps = [_gap(measured, predicted[:, order][:, :, order]) for order in orders]

@@ -91,6 +91,24 @@ def test_a_table_is_the_reflection_of_the_circuit(text, tmp_path):
         np.testing.assert_allclose(data.admittance[:, 0, 0], ADMITTANCE, rtol=1e-10)
 
 
+@pytest.mark.parametrize(
+    ("real", "imag", "unit", "size", "invert"),
+    [
+        *(("R", "X", unit, size, False) for unit, size in
+          (("Ohm", 1.0), ("kOhm", 1e3), ("MOhm", 1e6), ("mOhm", 1e-3), ("k\u03a9", 1e3), ("M\u2126", 1e6))),
+        *(("G", "B", unit, size, True) for unit, size in
+          (("S", 1.0), ("mS", 1e-3), ("uS", 1e-6), ("\u00b5S", 1e-6), ("nS", 1e-9), ("Siemens", 1.0))),
+    ],
+)  # fmt: skip
+def test_every_unit_of_impedance_and_admittance_is_its_prefix(real, imag, unit, size, invert, tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_text(f"f (Hz),{real} ({unit}),{imag} ({unit})\n2e6,3,-4\n", encoding="utf-8")
+    (found,) = read_network(file, "--measured").admittance[:, 0, 0]
+    value = (3 - 4j) * size
+    # the reflection is 1 less something small: its digits are lost in the admittance of a large impedance
+    assert found == pytest.approx(value if invert else 1.0 / value, rel=1e-6)
+
+
 def test_another_reference_of_s11_is_that_of_the_file(tmp_path):
     reflection = (IMPEDANCE - 75.0) / (IMPEDANCE + 75.0)
     text = table(("Frequency (Hz)", FREQUENCY), ("Re(S11)", reflection.real), ("Im(S11)", reflection.imag))

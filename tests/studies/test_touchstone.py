@@ -157,6 +157,11 @@ def test_references_of_each_port_in_the_option_line_and_one_that_is_complex(tmp_
     np.testing.assert_allclose(read_network(file, "--measured").scattering, expected(2, 50.0), atol=1e-12)
     file.write_text(text("s", skrf.network.y2s(admittance(2), 50.0 + 5j, s_def="power"), "MHz S RI R 50+5j"))
     np.testing.assert_allclose(read_network(file, "--measured").scattering, expected(2, 50.0), atol=1e-12)
+    head = ("[Version] 2.0", "[Number of Ports] 2", "[Two-Port Data Order] 21_12", "[Reference] 50+5j", "75-2j",
+            "[Network Data]")  # fmt: skip
+    values = skrf.network.y2s(admittance(2), np.array([50 + 5j, 75 - 2j]), s_def="power")
+    file.write_text(text("s", values, "MHz S RI R 50", head=head))
+    np.testing.assert_allclose(read_network(file, "--measured").scattering, expected(2, 50.0), atol=1e-12)
 
 
 def test_parameters_normalised_to_references_of_each_port_are_theirs_over_square_roots():
@@ -270,6 +275,7 @@ HEAD = "[Version] 2.0\n# MHz S RI R 50\n[Number of Ports] 2\n"
         ("a.s2p", HEAD + "[Mixed-Mode Order] D1,2 C1,2\n", "line 4: holds mixed-mode parameters"),
         ("a.s3p", HEAD, "line 3: must state 3 ports, got '2'"),
         ("a.s2p", HEAD + "[Reference] 50\n[End]\n", "must state the references of 2 ports, got 1"),
+        ("a.s2p", HEAD + "[Reference] 50\n0\n[End]\n", "line 5: must state references with positive real parts"),
     ],
 )  # fmt: skip
 def test_a_damaged_file_is_one_true_sentence(name, content, said, tmp_path):

@@ -181,6 +181,13 @@ def test_what_a_file_does_not_say_is_refused(datasets, said, tmp_path):
     assert said in str(caught.value)
 
 
+def test_nodes_in_mm_without_a_unit_lie_beside_the_stator_and_that_is_said(tmp_path):
+    spectra = [function(spectrum(k), rsp_node=k + 1) for k in range(3)]
+    scan = read_measured(written(tmp_path, nodes(scale=1e3), *spectra)).scan
+    with pytest.raises(SceneError, match=r"must lie on the stator, .*coordinates of nodes are taken as m"):
+        placed(resolved(SCENE), scan)
+
+
 def test_a_drive_between_the_spectral_lines_is_refused(tmp_path):
     spectra = [function(spectrum(k), LINES + 5e3, rsp_node=k + 1) for k in range(3)]
     scan = read_measured(written(tmp_path, nodes(), *spectra)).scan
@@ -281,7 +288,12 @@ def test_binary_values_of_single_and_double_precision_on_an_uneven_abscissa(form
     scan = scan_of_uff(file, "--measured")
     np.testing.assert_array_equal(scan.x, [0.25, 0.5])
     np.testing.assert_array_equal(scan.values, [1.5 - 2j, 3 + 4j])
-    file.write_bytes(file.read_bytes().removesuffix(b"    -1\n"))
+    file.write_bytes(
+        binary(form, struct.pack(code, *POINTS), order).replace(b"     2          11", b"     1          11")
+    )
+    with pytest.raises(SceneError, match=r"must have byte order 1 or 2, IEEE numbers \(2\)"):
+        scan_of_uff(file, "--measured")
+    file.write_bytes(binary(form, struct.pack(code, *POINTS), order).removesuffix(b"    -1\n"))
     with pytest.raises(SceneError, match="the closing -1 of the dataset 58b that begins in line 1 is missing"):
         scan_of_uff(file, "--measured")
     # the byte of a line end within the numbers is no line
