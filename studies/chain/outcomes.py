@@ -148,15 +148,16 @@ def start_up_time(
 ) -> float | None:
     """Return the time in s from rest to 63 % of the steady velocity ``final``, or None if the burst does not reach it.
 
-    The burst is four times as long as the blocked ``thrust`` would need to reach ``final``. ``averaged`` is for
-    differences between nearly equal times: the error of averaging cancels, and the exact motion takes 100 times as
-    long to compute.
+    The burst is four times as long as the blocked ``thrust`` less the load would need to reach ``final``. ``averaged``
+    is for differences between nearly equal times: the error of averaging cancels, and the exact motion takes 100 times
+    as long to compute.
     """
     from scipy.interpolate import CubicSpline
 
-    if not final * thrust > 0.0:
+    force = thrust - slider.load
+    if not (final > 0.0 and force > 0.0):
         return None
-    duration = 4.0 * slider.mass * final / thrust
+    duration = 4.0 * slider.mass * final / force
     options = {"duration": duration, "after": 0.0, "tolerance": tolerance, "samples": 400}
     try:
         motion = contact.burst(slider, orbits, method="averaged" if averaged else "auto", **options)

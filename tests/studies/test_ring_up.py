@@ -150,3 +150,23 @@ def test_the_error_of_a_burst_is_the_envelopes_while_it_settles(settling, share)
     assert found.error == pytest.approx(0.02 * share, rel=1e-12)
     assert found.envelope.amplitude == pytest.approx(np.full(5, 0.5))
     assert found.ring_down.time[0] == pytest.approx(0.0, abs=1e-18)
+
+
+@pytest.mark.parametrize("first", ["left", "right"])
+def test_the_band_of_several_sources_is_that_of_the_transducer_of_fewest_pairs(monkeypatch, first):
+    """Its main lobe is the widest; whichever of both is the first, and only if it is driven."""
+
+    class FoundError(Exception):
+        pass
+
+    def response(scene, low, high, **_):
+        raise FoundError(low / scene.frequency, high / scene.frequency)
+
+    monkeypatch.setattr("studies.chain.ring_up.response", response)
+    scene = resolved(Scene.load("twente").replace(transducer={"right": {"finger_pairs": 6}}))
+    scene = scene.with_source(burst=1e-3)
+    for sources, pairs in (({first: 1.0, {"left": "right", "right": "left"}[first]: 0.3}, 6), ({"left": 1.0}, 10)):
+        drive = replace(scene.drive, transducer=None, sources=tuple(sources.items()))
+        with pytest.raises(FoundError) as found:
+            ring_up(replace(scene, drive=drive), (0.08, 0.0))
+        assert found.value.args == pytest.approx((1 - 1.2 / pairs, 1 + 1.2 / pairs), rel=1e-12)

@@ -701,3 +701,21 @@ def test_an_outcome_without_an_answer_does_not_hide_the_others(monkeypatch):
             )
         assert answer["thrust_N"] > 0.0
         assert {name for name in names.values() if name in answer} == set(names.values()) - {column}
+
+
+def test_a_start_against_a_load_is_followed_to_its_end():
+    """At 0.85 of the thrust the load leaves 0.15 of it to accelerate: the start takes longer than without a load."""
+    light = {"wave.normal_amplitude": 10e-9, "slider.mass": 3.5e-6, "slider.preload": 0.873e-3}
+    light["slider.damping.normal"] = 0.02
+    motor = Predictor(read_table("twente-contact"), tolerance=1e-3)
+    (free,) = motor.answers([light], ("thrust", "start-up"), averaged=True)
+    loaded = light | {"slider.load": 0.85 * free["thrust_N"]}
+    (answer,) = motor.answers([loaded], ("start-up",), averaged=True)
+    driven = motor.contact(loaded)
+    path = contact.burst(
+        driven.slider, driven.at(driven.level), duration=6 * answer["start_up_time_s"], after=0.0, tolerance=1e-3,
+        samples=4000, method="averaged",
+    )  # fmt: skip
+    risen = np.interp(0.632, np.abs(path.velocity) / abs(answer["velocity_m_per_s"]), path.time)
+    assert answer["start_up_time_s"] == pytest.approx(float(risen), rel=5e-3)
+    assert answer["start_up_time_s"] > 1.5 * free["start_up_time_s"]
