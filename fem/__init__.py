@@ -28,6 +28,8 @@ _PUBLIC = {
     "layout": "check_layout check_plan",
     "analytic.wave_compliance": "spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
+    "analytic.layered": "Bond Layer",
+    "analytic.layered_wave": "layered_waves LayeredWave principal_wave shorted_velocity",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
     "analytic.quasistatic": "end_excess surface_permittivity transducer_estimate TransducerEstimate",

@@ -84,7 +84,7 @@ class HalfSpaceWave:
         if not np.all(depth >= 0):
             raise InputError("depth", "must be 0 or positive", depth.min(), "wavelengths")
         amplitudes = expm(2j * np.pi * depth[:, None, None] * self._decay) @ self._amplitude
-        return _expanded(amplitudes, self.fields, self._potential_unit)
+        return expanded(amplitudes, self.fields, self._potential_unit)
 
 
 def surface_named(word: str) -> Surface:
@@ -123,7 +123,7 @@ def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
         angle = falling_root(lambda angle, i=index: impedance.eigenvalues(limit * np.sin(angle))[i], top)
         velocity = limit * np.sin(angle)
         amplitude = impedance.mode(velocity, index)
-        displacement, potential = _expanded(amplitude, names, body.potential_unit)
+        displacement, potential = expanded(amplitude, names, body.potential_unit)
         if 2 * abs(displacement[1]) ** 2 > np.linalg.norm(displacement) ** 2:
             continue
         scale = displacement[2]
@@ -192,7 +192,7 @@ def falling_root(function, top: float) -> float:
     raise ConvergenceError(f"surface impedance has no root after {_ROOT_STEPS} steps")
 
 
-def _expanded(amplitudes: np.ndarray, names: tuple[str, ...], potential_unit: float):
+def expanded(amplitudes: np.ndarray, names: tuple[str, ...], potential_unit: float):
     """Displacement (..., 3) and potential (...) in V/m of scaled amplitudes (..., fields)."""
     displacement = np.zeros((*amplitudes.shape[:-1], 3), dtype=complex)
     potential = np.zeros(amplitudes.shape[:-1], dtype=complex)

@@ -1,0 +1,273 @@
+"""Bound waves of layers on a half-space: all of them, named, with their motion against depth.
+
+Each eigenvalue of the surface's impedance (layered.py) falls with v and jumps from -inf to +inf at a pole, where the
+stack resonates with its top held. On a circle that joins -inf to +inf all eigenvalues turn one way, and each passage
+through zero is a wave (the count of Wittrick and Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). Intervals are halved
+until the eigenvalues turn little in each; so no wave is missed, and none is found at a pole. Only waves slower than the
+slowest bulk wave of the half-space are bound; a faster one leaks and is refused.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.analytic.half_space import BELOW_LIMIT, surface_named
+from fem.analytic.layered import Layer, LayeredImpedance, Stack
+from fem.exceptions import ConvergenceError, InputError
+from fem.materials import Solid
+
+GRID, GRID_PER_WAVELENGTH, MAX_GRID = 24, 16, 4000  # velocities of the first search: in all, and of layers
+SHORTED_GRID, LOWEST_SHORTED = 5, 0.8  # velocities of the search for a shorted wave, and their range below the free one
+SHORTEST = 1e-9  # rad: shorter intervals with a wave beside a pole are not searched any further
+SCALE, NOISE = 0.3, 1e-12  # typical eigenvalue, and rounding of one, over the half-space's stiffest modulus
+MAX_ROTATION = 1.5  # of the eigenvalues within an interval, rad
+MAX_WAVELENGTHS = 3.0  # a thicker layer holds the whole wave
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayeredWave:
+    """A wave bound to layers on a half-space, normalised to u_z = 1 at the top (u_y = 1 for a transverse wave).
+
+    Attributes
+    ----------
+    name : str
+        "Rayleigh", "Sezawa" and "sagittal 3" and so on; "Love", "Love 2" and so on; from slow to fast.
+    surface : str
+        "vacuum", "open" or "metallised".
+    shorted : int or None
+        Number of layers above an electrode that is shorted at an interface.
+    velocity : float
+        m/s.
+    limiting_velocity : float
+        Of the slowest bulk wave of the half-space along the surface, m/s.
+    displacement : ndarray, shape (3,), complex
+        u_x, u_y, u_z at the top.
+    potential : complex
+        V per m of displacement, at the top.
+    impedance, stack : LayeredImpedance, Stack
+        Of the layers, and at this velocity.
+    amplitude : ndarray, shape (fields,), complex
+        Scaled fields at the top.
+    """
+
+    name: str
+    surface: str
+    shorted: int | None
+    velocity: float
+    limiting_velocity: float
+    displacement: np.ndarray
+    potential: complex
+    impedance: LayeredImpedance = field(repr=False, compare=False)
+    stack: Stack = field(repr=False, compare=False)
+    amplitude: np.ndarray = field(repr=False, compare=False)
+
+    @property
+    def surface_ratio(self) -> float:
+        """|u_x / u_z| at the top."""
+        return float(abs(self.displacement[0] / self.displacement[2]))
+
+    @property
+    def thickness(self) -> float:
+        """Of all layers, in wavelengths."""
+        return float(self.stack.depth.sum() / (2.0 * np.pi))
+
+    def profile(self, depth) -> tuple[np.ndarray, np.ndarray]:
+        """Return displacement (n, 3) and potential (n,) in V/m at depths (n,) below the top, in wavelengths."""
+        depth = np.atleast_1d(np.asarray(depth, dtype=float))
+        if not np.all(depth >= 0.0):
+            raise InputError("depth", "must be 0 or positive", depth.min(), "wavelengths")
+        impedance, top = self.impedance, self.amplitude
+        remaining = 2.0 * np.pi * depth  # k times the depth below the top of the layer at hand
+        values, inside = np.zeros((len(depth), len(top)), dtype=complex), np.ones(len(depth), dtype=bool)
+        velocity = np.array([self.velocity])
+        for number, (waves, reflection, displacement) in reversed(list(enumerate(self.stack.parts))):
+            down = np.linalg.solve(displacement[0], top)
+            up, height = reflection[0] @ down, waves.depth[0]
+            here = inside & (remaining <= height)
+            below = np.exp(1j * waves.wavenumber_down[0] * remaining[here, None]) * down
+            above = np.exp(-1j * waves.wavenumber_up[0] * (height - remaining[here, None])) * up
+            values[here] = below @ waves.down[0].T + above @ waves.up[0].T
+            inside, remaining = inside & ~here, remaining - height
+            bottom = waves.down[0] @ (waves.factor_down[0, 0] * down) + waves.up[0] @ up
+            traction = waves.down_traction[0] @ (waves.factor_down[0, 0] * down) + waves.up_traction[0] @ up
+            compliance = impedance.bond_compliance(number, velocity)
+            top = bottom if compliance is None else bottom - compliance[0] @ traction
+        values[inside] = impedance.decayed(self.velocity, top, remaining[inside])
+        return impedance.expanded(values)
+
+
+def layered_waves(
+    substrate: Solid,
+    layers: Sequence[Layer],
+    *,
+    surface: str = "vacuum",
+    shorted: int | None = None,
+    frequency: float | None = None,
+    number: int | None = None,
+) -> tuple[LayeredWave, ...]:
+    """Return all bound waves of layers on a half-space, from slow to fast.
+
+    Parameters
+    ----------
+    substrate : Solid
+        In the frame x along the propagation, z out of the surface; losses are ignored.
+    layers : sequence of Layer
+        From the substrate upwards; the last is the surface.
+    surface : str
+        "vacuum" (or "free"), "open" (D_n = 0), "metallised" (phi = 0) at the top.
+    shorted : int, optional
+        An electrode with phi = 0 below so many layers; 0 is the same as ``surface="metallised"``.
+    frequency : float, optional
+        Hz; needed for layers with a thickness in m and for bonds.
+    number : int, optional
+        Only so many of the slowest waves.
+
+    Raises
+    ------
+    InputError
+        For an unknown surface, an electrode that is at no interface, or a missing frequency.
+    ConvergenceError
+        If no wave is bound: what propagates leaks into the half-space.
+    """
+    surface = surface_named(surface)
+    if shorted == 0:
+        surface, shorted = "metallised", None
+    if shorted is not None and not 1 <= shorted <= len(layers):
+        raise InputError("shorted", f"must be the number of layers above the electrode, 0 to {len(layers)}", shorted)
+    impedance = LayeredImpedance(substrate, layers, frequency=frequency)
+
+    def eigenvalues(velocity: np.ndarray) -> np.ndarray:
+        top = impedance.stack(velocity, shorted).impedance
+        return np.linalg.eigvalsh(impedance.mechanical(top, surface=surface))
+
+    waves_across = float(impedance.stack(np.array([impedance.slowest()])).depth.sum()) / (2.0 * np.pi)
+    points = min(GRID + int(GRID_PER_WAVELENGTH * waves_across), MAX_GRID)
+    brackets = _brackets(eigenvalues, impedance.slowest(), impedance.limit, impedance.limit, points)
+    roots = [_root(eigenvalues, *bracket) for bracket in sorted(brackets)[:number]]
+    if not roots:
+        thickest = max(layers, key=lambda each: each.thickness or each.wavelengths or 0.0, default=None)
+        what = "" if thickest is None else f" {thickest.solid.name} on"
+        raise ConvergenceError(
+            f"no bound wave:{what} {substrate.name} makes every wave faster than the half-space's slowest bulk wave, "
+            f"{impedance.limit:.1f} m/s: it leaks. A thinner or slower layer, or another orientation, helps"
+        )
+    waves = [_wave(impedance, velocity, index, surface, shorted) for velocity, index in sorted(roots)]
+    return tuple(_named(waves))
+
+
+def shorted_velocity(wave: LayeredWave, shorted: int) -> float:
+    """Return the velocity in m/s of a free wave once an electrode below so many layers holds phi = 0; 0 is at the top.
+
+    A short lowers every wave, at most to the velocity of the one below it (interlacing of a problem with one constraint
+    more), and so is looked for just below.
+
+    Raises
+    ------
+    ConvergenceError
+        If no wave lies within a fifth below the free one.
+    """
+    impedance = wave.impedance
+    surface, plane = ("metallised", None) if shorted == 0 else (wave.surface, shorted)
+    if not impedance.electric:
+        return wave.velocity
+
+    def eigenvalues(velocity: np.ndarray) -> np.ndarray:
+        return np.linalg.eigvalsh(impedance.mechanical(impedance.stack(velocity, plane).impedance, surface=surface))
+
+    top = min(wave.velocity * (1.0 + 1e-12), impedance.limit * (1.0 - BELOW_LIMIT))
+    brackets = _brackets(eigenvalues, LOWEST_SHORTED * wave.velocity, top, impedance.limit, SHORTED_GRID)
+    if not brackets:
+        raise ConvergenceError(f"no shorted wave within a fifth below {wave.velocity:.6g} m/s")
+    return max(_root(eigenvalues, *bracket)[0] for bracket in brackets)
+
+
+def principal_wave(waves: Sequence[LayeredWave]) -> LayeredWave:
+    """Return the first wave with sagittal motion, which for a vanishing film is the Rayleigh wave.
+
+    Raises
+    ------
+    ConvergenceError
+        If there are transverse waves alone.
+    """
+    for each in waves:
+        if not each.name.startswith("Love"):
+            return each
+    raise ConvergenceError("only transverse (Love) waves are bound: the wave with sagittal motion leaks")
+
+
+def _brackets(eigenvalues: Callable, low: float, high: float, limit: float, points: int):
+    """Return intervals in m/s with one wave each, and the index of the eigenvalue that falls through zero there."""
+    # in the angle whose sine is v over the limit the impedance is smooth up to the limit
+    angles = np.linspace(np.arcsin(low / limit), np.arcsin(min(high / limit, 1.0 - BELOW_LIMIT)), points)
+    values = eigenvalues(limit * np.sin(angles))
+    todo, found = list(zip(angles[:-1], angles[1:], values[:-1], values[1:], strict=True)), []
+    while todo:
+        cut = []
+        for a, b, at_a, at_b in todo:
+            poles, rotation = _poles(at_a, at_b)
+            first = int(np.sum(at_a < 0.0))
+            crossings = int(np.sum(at_b < 0.0)) - first + poles
+            if rotation < MAX_ROTATION and (crossings == 0 or (crossings == 1 and poles == 0)):
+                if crossings:
+                    found.append((limit * np.sin(a), limit * np.sin(b), first))
+            elif b - a > SHORTEST:
+                cut.append((a, b, at_a, at_b))
+            elif poles == 0:  # waves that coincide
+                found += [(limit * np.sin(a), limit * np.sin(b), first + k) for k in range(crossings)]
+        middles = np.array([0.5 * (a + b) for a, b, _, _ in cut])
+        between = eigenvalues(limit * np.sin(middles)) if cut else ()
+        todo = []
+        for (a, b, at_a, at_b), middle, at_middle in zip(cut, middles, between, strict=True):
+            todo += [(a, middle, at_a, at_middle), (middle, b, at_middle, at_b)]
+    return found
+
+
+def _poles(before: np.ndarray, after: np.ndarray) -> tuple[int, float]:
+    """Return how many eigenvalues jumped from -inf to +inf between two velocities, and their rotation altogether.
+
+    Eigenvalues are points arctan(value/SCALE) on a circle of circumference pi, which all turn one way as the velocity
+    rises. The least number of jumps is taken for which every other eigenvalue falls; it is right where the rotation is
+    small.
+    """
+    count = len(before)
+    poles = next(q for q in range(count + 1) if np.all(after[: count - q] <= before[q:] + NOISE))
+    angles = np.arctan(np.stack([before, after]) / SCALE).sum(axis=1)
+    return poles, float(angles[0] - angles[1] + np.pi * poles)
+
+
+def _root(eigenvalues: Callable, low: float, high: float, index: int) -> tuple[float, int]:
+    """Return the velocity at which a falling eigenvalue is zero, and its index."""
+    from scipy.optimize import brentq
+
+    def value(velocity: float) -> float:
+        return float(eigenvalues(np.array([velocity]))[0, index])
+
+    return float(brentq(value, low, high, xtol=1e-12 * high, rtol=4e-15)), index
+
+
+def _wave(impedance: LayeredImpedance, velocity: float, index: int, surface: str, shorted: int | None) -> LayeredWave:
+    stack = impedance.stack(np.array([velocity]), shorted)
+    amplitude = impedance.mode(stack.impedance[0], index, surface=surface)
+    displacement, potential = impedance.expanded(amplitude)
+    transverse = 2.0 * abs(displacement[1]) ** 2 > np.linalg.norm(displacement) ** 2
+    scale = displacement[1 if transverse else 2]
+    return LayeredWave(
+        name="Love" if transverse else "Rayleigh", surface=surface, shorted=shorted, velocity=velocity,
+        limiting_velocity=impedance.limit, displacement=displacement / scale, potential=complex(potential / scale),
+        impedance=impedance, stack=stack, amplitude=amplitude / scale,
+    )  # fmt: skip
+
+
+def _named(waves: Sequence[LayeredWave]):
+    """Yield the waves with names: the sagittal ones are Rayleigh, Sezawa, sagittal 3 and so on."""
+    from dataclasses import replace
+
+    counts = {"Love": 0, "Rayleigh": 0}
+    for each in waves:
+        counts[each.name] += 1
+        number = counts[each.name]
+        if each.name == "Love":
+            yield replace(each, name="Love" if number == 1 else f"Love {number}")
+        else:
+            yield replace(each, name=("Rayleigh", "Sezawa")[number - 1] if number < 3 else f"sagittal {number}")
