@@ -156,11 +156,10 @@ class LayeredImpedance:
         rank = np.where(real, -np.sign(power) * 1e-300, p.imag)  # power upwards counts as decay upwards
         order = np.argsort(rank, axis=1)
         up, down = order[:, :n, None].swapaxes(1, 2), order[:, n:, None].swapaxes(1, 2)
-        k_h = (
-            np.full(len(velocity), 2.0 * np.pi * layer.wavelengths)
-            if layer.thickness is None
-            else self.wavenumber(velocity) * layer.thickness
-        )
+        if layer.wavelengths is not None:
+            k_h = np.full(len(velocity), 2.0 * np.pi * layer.wavelengths)
+        else:
+            k_h = self.wavenumber(velocity) * (layer.thickness or 0.0)
         return PartialWaves(
             down=np.take_along_axis(u, down, 2), down_traction=np.take_along_axis(t, down, 2),
             up=np.take_along_axis(u, up, 2), up_traction=np.take_along_axis(t, up, 2),

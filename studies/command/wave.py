@@ -5,7 +5,7 @@ import argparse
 from studies.command.output import print_answer
 from studies.scene.override import toml_value
 
-HELP = "compute the Rayleigh wave of a half-space, without a mesh and without loss"
+HELP = "compute the Rayleigh wave of a half-space, bare or under layers, without a mesh and without loss"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -14,6 +14,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     orientation = "Z, X, YZ, 128YX, ST-X or three angles phi,theta,psi in degrees (Z)"
     parser.add_argument("--orientation", default="Z", metavar="O", help=orientation)
     parser.add_argument("--surface", default="vacuum", metavar="S", help="vacuum (or free), open, metallised (vacuum)")
+    parser.add_argument(
+        "--layer", action="append", default=[], metavar="L", help='a layer, from the half-space up, once for each: '
+        '"SiO2, 0.05 lambda", "LiNbO3 (Kovacs) 128YX, 2 um", "AlN.toml, 500 nm"'
+    )  # fmt: skip
+    parser.add_argument("--frequency", metavar="F", help='of layers with a thickness in metres, such as "10 MHz"')
     parser.add_argument("--json", action="store_true", help="the answer as JSON")
     parser.add_argument("--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file")
 
@@ -25,10 +30,29 @@ def call(arguments: argparse.Namespace) -> int:
     orientation = arguments.orientation
     if "," in orientation:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
+    if arguments.layer:
+        return _layered(arguments, orientation)
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
     print_answer(arguments, answer, half_space_answer(answer))
     if arguments.plot is not None:
         from studies.report.free_surface import save_axes
 
         save_axes(answer, arguments.plot)
+    return 0
+
+
+def _layered(arguments: argparse.Namespace, orientation) -> int:
+    """Print the bound waves of layers on a half-space."""
+    from studies.refusal import SceneError
+    from studies.report.layered_surface import layered_answer, layered_surface_wave
+    from studies.scene.quantity import si_value
+
+    if arguments.plot is not None:
+        raise SceneError("--plot", "must be absent with --layer: it draws the crystal axes of one solid")
+    frequency = None
+    if arguments.frequency is not None:
+        frequency = si_value("--frequency", toml_value(arguments.frequency), "Hz")
+    options = {"orientation": orientation, "surface": arguments.surface, "frequency": frequency}
+    answer = layered_surface_wave(arguments.material, arguments.layer, **options)
+    print_answer(arguments, answer, layered_answer(answer))
     return 0

@@ -84,7 +84,9 @@ def test_a_thin_film_shifts_the_velocity_by_its_thickness():
 @pytest.mark.parametrize("solid", [LN128, PZT8])
 def test_layers_of_one_solid_are_its_half_space(solid, surface):
     bare = fem.rayleigh(solid, surface)
-    wave = principal_wave(layered_waves(solid, [Layer(solid=solid, wavelengths=w) for w in (0.7, 0.3)], surface=surface))
+    wave = principal_wave(
+        layered_waves(solid, [Layer(solid=solid, wavelengths=w) for w in (0.7, 0.3)], surface=surface)
+    )
     assert wave.velocity == pytest.approx(bare.velocity, rel=1e-12)
     depth = [0.0, 0.1, 0.3, 0.5, 1.0, 1.5]
     for found, expected in zip(wave.profile(depth), bare.profile(depth), strict=True):

@@ -1,0 +1,155 @@
+"""``sawmotor wave --layer``: the bound waves of layers on a lossless half-space."""
+
+import math
+
+import fem
+from studies.chain.solid_constants import named_solid
+from studies.chain.solver_errors import as_run_errors
+from studies.record.quantities import quantity
+from studies.record.text import labelled, table
+from studies.refusal import SceneError
+from studies.report.free_surface import DEPTHS
+from studies.report.intermediate import si
+from studies.results.content import plain
+from studies.scene.blocks import ORIENTATION
+from studies.scene.quantity import si_value
+
+MAX_WAVELENGTHS = 3.0  # a layer that is thicker holds the whole wave
+FORM = 'must be "MATERIAL [ORIENTATION], THICKNESS" such as "SiO2, 0.05 lambda", "LiNbO3 (Kovacs) 128YX, 2 um"'
+
+
+def read_layer(text: str) -> fem.Layer:
+    """Return the layer that a text such as "LiNbO3 (Kovacs) 128YX, 0.3 lambda" or "AlN.toml, 2 um" describes."""
+    what, comma, thickness = text.rpartition(",")
+    if not comma:
+        raise SceneError("--layer", f"{FORM}, got {text!r}")
+    solid, thickness = _solid(what.strip()), thickness.strip()
+    if thickness.endswith(("lambda", "\u03bb")):
+        number = thickness.removesuffix("lambda").removesuffix("\u03bb").strip()
+        try:
+            sizes = {"wavelengths": float(number)}
+        except ValueError:
+            raise SceneError("--layer", f"{FORM}, got {text!r}: {number!r} is no number of wavelengths") from None
+    else:
+        sizes = {"thickness": si_value("--layer", thickness, "m")}
+    try:
+        return fem.Layer(solid=solid, **sizes)
+    except fem.InputError as error:
+        raise SceneError("--layer", f"{error} in {text!r}") from None
+
+
+def _solid(text: str) -> fem.Solid:
+    """Return the rotated solid that a name describes, with an orientation behind it where the name alone is unknown."""
+    name, space, cut = text.rpartition(" ")
+    try:
+        return fem.rotated(named_solid(text)[1], "Z")
+    except (SceneError, fem.InputError) as refusal:
+        if not space:
+            raise SceneError("--layer", f"{refusal.key} {refusal.rule}") from None
+        unknown = refusal
+    try:
+        return fem.rotated(named_solid(name)[1], ORIENTATION.read("--layer", cut))
+    except (SceneError, fem.InputError):
+        raise SceneError("--layer", f"{unknown.key} {unknown.rule}") from None
+
+
+def layered_surface_wave(
+    material: str, layers: list[str], *, orientation="Z", surface: str = "vacuum", frequency: float | None = None
+) -> dict:
+    """Return the bound waves of layers on a half-space as JSON-compatible data.
+
+    Parameters
+    ----------
+    material : str
+        The half-space: a catalogue name or a file of constants.
+    layers : list of str
+        From the half-space upwards; see `read_layer`.
+    orientation : str or sequence of 3 floats
+        Of the half-space.
+    surface : str
+        "vacuum" (or "free"), "open" or "metallised".
+    frequency : float, optional
+        Hz; needed for thicknesses in m.
+
+    Returns
+    -------
+    dict
+        The keys of ``free_surface.half_space_wave``, of the first wave with sagittal motion, without ``crystal``;
+        ``layers``: name, orientation and thickness of each; ``waves``: all bound waves; ``shorted_velocity_m_per_s``:
+        the velocity with an electrode at "surface" or below so many layers, and ``coupling_K2`` that of each plane.
+    """
+    orientation = ORIENTATION.read("--orientation", orientation)
+    stack = [read_layer(text) for text in layers]
+    try:
+        solid = fem.rotated(named_solid(material)[1], orientation)
+        with as_run_errors():
+            waves = fem.layered_waves(solid, stack, surface=surface, frequency=frequency)
+            wave = fem.principal_wave(waves)
+    except fem.InputError as error:
+        key = "--frequency" if error.key == "frequency" else error.key
+        raise SceneError(key, error.rule) from None
+    thicknesses = wave.stack.depth[:, 0] / (2.0 * math.pi)
+    for text, each in zip(layers, thicknesses, strict=True):
+        if each > MAX_WAVELENGTHS:
+            rule = f"{text!r} is {each:.3g} wavelengths thick: it is the substrate; make it MATERIAL"
+            raise SceneError("--layer", rule)
+    planes = {"surface": 0} | {str(above): above for above in range(1, len(stack) + 1)}
+    shorted, coupling = {}, {}
+    if surface in ("vacuum", "free") and wave.impedance.electric:
+        with as_run_errors():
+            shorted = {name: fem.shorted_velocity(wave, above) for name, above in planes.items()}
+        coupling = {name: 2.0 * (wave.velocity - each) / wave.velocity for name, each in shorted.items()}
+    displacement, potential = wave.profile(DEPTHS)
+    profile = {"depth_wavelengths": DEPTHS}
+    profile |= {f"u_{axis}": displacement[:, k] for k, axis in enumerate("xyz")}
+    if wave.impedance.electric:
+        profile["potential_V_per_m"] = potential
+    answer = {
+        "material": {"name": solid.name, "orientation": solid.frame, "source": solid.source},
+        "layers": [
+            {"name": each.solid.name, "orientation": each.solid.frame, "thickness_wavelengths": float(thick),
+             "thickness_m": each.thickness if frequency is None else float(thick) * wave.velocity / frequency}
+            for each, thick in zip(stack, thicknesses, strict=True)
+        ],
+        "surface": wave.surface,
+        "velocity_m_per_s": wave.velocity,
+        "limiting_velocity_m_per_s": wave.limiting_velocity,
+        "surface_ratio": wave.surface_ratio,
+        "retrograde": wave.displacement[0].imag > 0,
+        "shorted_velocity_m_per_s": shorted,
+        "coupling_K2": coupling,
+        "waves": [
+            {"name": each.name, "velocity_m_per_s": each.velocity, "surface_ratio": each.surface_ratio}
+            for each in waves
+        ],
+        "depth_profile": profile,
+    }  # fmt: skip
+    return {key: plain(key, value) for key, value in answer.items()}
+
+
+def layered_answer(answer: dict) -> str:
+    """Return the waves of `layered_surface_wave` as text."""
+    material, sense = answer["material"], "retrograde" if answer["retrograde"] else "prograde"
+    title = f"layers on {material['name']}, {material['orientation']}, surface {answer['surface']}"
+    rows = [["layer", "orientation", "thickness"]]
+    for each in reversed(answer["layers"]):  # as they lie, the surface first
+        size = f"{each['thickness_wavelengths']:.4g} wavelengths"
+        absolute = each["thickness_m"]
+        rows.append([each["name"], each["orientation"], size if absolute is None else f"{si(absolute, 'm')}, {size}"])
+    lines = [
+        ("velocity", f"{answer['velocity_m_per_s']:.8g} m/s"),
+        ("surface ratio", f"{answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})"),
+        ("limit", f"{answer['limiting_velocity_m_per_s']:.6g} m/s: the half-space's slowest bulk wave"),
+    ]
+    for plane, velocity in answer["shorted_velocity_m_per_s"].items():
+        where = "at the surface" if plane == "surface" else f"below {plane} layer{'s' * (plane != '1')}"
+        coupling = 100.0 * answer["coupling_K2"][plane]
+        lines.append(("electrode", f"{where}: {velocity:.8g} m/s, K2 {coupling:.4g} %"))
+    for each in answer["waves"]:
+        lines.append((each["name"], f"{each['velocity_m_per_s']:.8g} m/s, |u_x/u_z| {each['surface_ratio']:.4g}"))
+    profile = answer["depth_profile"]
+    depths = [[quantity("depth_wavelengths").axis, "|u_x|", "|u_y|", "|u_z|"]]
+    for row in range(0, len(profile["depth_wavelengths"]), 5):
+        sizes = [f"{abs(complex(*profile[f'u_{axis}'][row])):.5f}" for axis in "xyz"]
+        depths.append([f"{profile['depth_wavelengths'][row]:g}", *sizes])
+    return "\n".join([title, *table(rows), "", *labelled(lines, 15), "", *table(depths)])
