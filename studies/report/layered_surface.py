@@ -45,12 +45,12 @@ def _solid(text: str) -> fem.Solid:
         return fem.rotated(named_solid(text)[1], "Z")
     except (SceneError, fem.InputError) as refusal:
         if not space:
-            raise SceneError("--layer", f"{refusal.key} {refusal.rule}") from None
+            raise SceneError("--layer", str(refusal)) from None
         unknown = refusal
     try:
         return fem.rotated(named_solid(name)[1], ORIENTATION.read("--layer", cut))
     except (SceneError, fem.InputError):
-        raise SceneError("--layer", f"{unknown.key} {unknown.rule}") from None
+        raise SceneError("--layer", str(unknown)) from None
 
 
 def layered_surface_wave(
