@@ -94,6 +94,8 @@ def file_lines(path: Path, option: str) -> list[str]:
 def analyser_table(lines: list[str]) -> AnalyserTable | None:
     """Return the first table of lines with a frequency and a network quantity among its heads; None without one."""
     for number, line in enumerate(lines):
+        if "f" not in line.lower():  # as every word for a frequency has: lines of numbers are passed over quickly
+            continue
         text = line.strip()
         for sign in COMMENTS:
             text = text.removeprefix(sign).strip()
