@@ -12,7 +12,7 @@ import numpy as np
 
 from studies.chain import fem_model, passband
 from studies.chain.scan_prediction import placed, scan_and_error
-from studies.chain.scattering import reference_impedance, scattering_matrix
+from studies.chain.scattering import converged_scattering, reference_impedance
 from studies.export.exported import Exported
 from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import recorded, travelled_distance
@@ -146,14 +146,19 @@ def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance
     resolved = passband.driven_scene(scene)
     reference = reference_impedance(50.0 if recording.z0 is None else recording.z0)
     at = _frequencies(resolved, recording.band)
-    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance)
-    remarks = (resolved.title or name, "ports: " + ", ".join(names), *recording.remark)
+    names, ports, scattering, failures = converged_scattering(resolved, at, reference, tolerance)
+    at, missing = ports.frequency, tuple(f"no answer {each}" for each in failures)
+    remarks = (resolved.title or name, "ports: " + ", ".join(names), *recording.remark, *missing)
     text = fem.touchstone(at, recording.noisy(scattering), reference, remarks)
     span = f"{at[0] / 1e6:.5g} to {at[-1] / 1e6:.5g} MHz"
     summary = f"{len(at)} frequencies, {span}, ports {', '.join(names)}, {reference:g} ohm"
     return Exported(
         files={f"{name}.s{len(names)}p": text},
-        answer=(("network", summary), *(("noise", each) for each in recording.remark)),
+        answer=(
+            ("network", summary),
+            *(("noise", each) for each in recording.remark),
+            *(("", each) for each in missing),
+        ),
     )
 
 

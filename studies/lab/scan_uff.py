@@ -89,7 +89,7 @@ def scan_of_uff(path: Path, option: str) -> Scan:
     if over_nodes and not file.nodes and not placed_by_text:
         rule = f"holds spectra of {len(functions)} nodes, and their positions are missing: dataset 15 or 2411"
         raise file_error(path, option, rule)
-    _refuse_tall(file, path, option)
+    _refuse_tall(file, {each.node for each in functions}, path, option)
     parts = [_scan_of_function(each, file, path, option) for each in functions]
     first = parts[0]
     for name, noun in (("component", "directions"), ("motion", "motions"), ("per_volt", "denominators"),
@@ -112,14 +112,14 @@ def scan_of_uff(path: Path, option: str) -> Scan:
     return replace(first, x=x, y=y, values=values, frequency=frequency, remarks=tuple(remarks))
 
 
-def _refuse_tall(file: UniversalFile, path: Path, option: str) -> None:
-    """Refuse nodes that do not lie in a plane of constant z, as the surface does."""
-    if file.nodes:
-        x, y, z = np.ptp(np.array(list(file.nodes.values())), axis=0)
+def _refuse_tall(file: UniversalFile, measured: set[int], path: Path, option: str) -> None:
+    """Refuse measured nodes that do not lie in a plane of constant z, as the surface does."""
+    places = [place for label, place in file.nodes.items() if label in measured]
+    if places:
+        x, y, z = np.ptp(np.array(places), axis=0)
         if z > 0.1 * max(x, y):
-            raise file_error(
-                path, option, f"must hold nodes in a plane of constant z, got z over {z:g} and x over {x:g}"
-            )
+            got = f"z over {z:g} and x over {x:g}"
+            raise file_error(path, option, f"must hold nodes in a plane of constant z, got {got}")
 
 
 def _scan_of_function(function: Function, file: UniversalFile, path: Path, option: str) -> Scan:

@@ -176,6 +176,14 @@ def test_frequencies_without_an_answer_do_not_lose_the_others(monkeypatch, tmp_p
     said = dict(done.answer)
     assert "from 2.4 to 2.4 MHz the field does not converge" in said["no answer"]
     assert said["measured"].startswith("lab.s1p: 2 frequencies, 2.1 to 2.2 MHz")
+    from studies.export.instruments import Recording, touchstone_files
+
+    made = touchstone_files(single(), "chip", Recording(band="2.1:2.5:3"), tolerance=2e-2)
+    assert [line.split()[0] for line in made.files["chip.s1p"].splitlines() if line[0] not in "!#"] == [
+        "2100000.0",
+        "2300000.0",
+    ]
+    assert "no answer from 2.5 to 2.5 MHz the field does not converge" in dict(made.answer)[""]
     with pytest.raises(RunError, match="the field does not converge"):
         spectrum.port_admittances(resolved(single()), at, 2e-2)
 

@@ -171,7 +171,10 @@ def test_coherences_beside_the_responses_are_left_out(tmp_path):
             [nodes(), *(function(spectrum(k), rsp_node=k + 1, rsp_dir=1 + k) for k in range(3))],
             "must hold one motion in one unit, got several directions",
         ),
-        ([{**nodes(), "z": [0.0, 0.1, 0.2]}, function(spectrum(0))], "must hold nodes in a plane of constant z"),
+        (
+            [{**nodes(), "z": [0.0, 0.1, 0.2]}, *(function(spectrum(k), rsp_node=k + 1) for k in range(3))],
+            "must hold nodes in a plane of constant z",
+        ),
         ([nodes()], "must hold a dataset 58, got 15"),
     ],
 )
