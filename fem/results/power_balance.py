@@ -5,13 +5,18 @@ incident and outgoing waves; the loss between them, from the imaginary moduli, e
 the input, from the circuit's voltages and currents.  The input of a line force is the power that the waves carry away
 on both of its sides.
 
+In the plane section each transducer sends waves over its own aperture, and what one receives from another is that of
+the narrower of the two (`fem.waveguide.port_fields`).  The stator therefore consists of strips along y, each as wide as
+the difference of two apertures, on which those transducers are driven or loaded that reach over it, and the others are
+shorted.  On each strip the section balances; the sum over the strips is the circuit's power.
+
 With finite apertures (fem.beam.reception) the lines carry the mean wave over each transducer's aperture.  Power that
 one transducer radiates and the next does not receive then counts as lost, in the solid or past the aperture.  A
 transducer's finite aperture changes the radiated power against that of the section; this excess is divided equally
 between its two sides.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -26,10 +31,7 @@ from fem.waveguide.port_fields import PortFields
 
 @dataclass(frozen=True, kw_only=True)
 class PowerBalance:
-    """Power of a solution in W per V^2 of the drive (peak).
-
-    Over the aperture of the (first) driven transducer; with finite apertures, over each transducer's own.
-    """
+    """Power in W per V^2 of the drive (peak), over each transducer's own aperture; of forces over the widest."""
 
     input: float  # from the sources' circuit into the driven transducers, and from forces
     # lost in the solid and an absorbing bottom, under the fingers, between the transducers and before
@@ -39,8 +41,9 @@ class PowerBalance:
     # left, right: radiated through the absorbing ends
     left: float
     right: float
-    # worst over pieces and forces of |power in - flux out - power lost between the lines|, over the apparent power
-    # |V I| / 2 of the sources and omega |F u| / 2 of the forces
+    # |input - solid - loads - left - right| or, if that is larger, the worst over pieces and forces of |power in - flux
+    # out - power lost between the lines|; over the apparent power |V I| / 2 of the sources and omega |F u| / 2 of the
+    # forces
     residual: float
 
     @property
@@ -70,18 +73,68 @@ class _Crossing:
         return abs(self.taken - self.excess - (self.right - self.left) - self.lost)
 
 
+@dataclass(frozen=True, kw_only=True)
+class _SectionPowers:
+    """Powers of a section of some width along y, in W."""
+
+    from_forces: float
+    solid: float
+    left: float
+    right: float
+    imbalance: float  # worst of a piece or a force
+    apparent: float  # omega |F u| / 2 of the forces
+
+
 def power_balance(solution: Solution) -> PowerBalance:
-    """Input, lost and radiated power, and the worst imbalance at a piece or a force."""
-    fields, circuit = solution.fields, solution.circuit
-    crossings, load_power, force_power = [], 0.0, 0.0
+    """Input, lost and radiated power, and the worst imbalance of the whole, of a piece or of a force."""
+    circuit = solution.circuit
+    parts = [_section_powers(strip, width) for width, strip in _strips(solution)]
+    powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
+    loads = -sum(float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven)
+    solid, left, right, from_forces, imbalance, apparent = (
+        float(sum(getattr(each, name) for each in parts))
+        for name in ("solid", "left", "right", "from_forces", "imbalance", "apparent")
+    )
+    taken = circuit.power + from_forces
+    return PowerBalance(
+        input=taken,
+        solid=solid,
+        loads=loads,
+        left=left,
+        right=right,
+        residual=max(imbalance, abs(taken - solid - loads - left - right)) / (circuit.apparent_power + apparent),
+    )
+
+
+def _strips(solution: Solution) -> list[tuple[float, Solution]]:
+    """Widths in m of the strips along y, and the solution on each: a voltage is zero beside its transducer's aperture.
+
+    A single one without transducers, and where the fields are those of each transducer's own aperture.
+    """
+    circuit, fields = solution.circuit, solution.fields
+    if fields.own_apertures or not circuit.names:
+        return [(circuit.aperture, solution)]
+    by_name = {each.name: each.aperture for each in fields.transducers}
+    apertures = np.array([by_name[name] for name in circuit.names])
+    edges = np.unique(apertures)
+    strips = []
+    for width, outer in zip(np.diff(edges, prepend=0.0), edges, strict=True):
+        voltages = np.where(apertures >= outer, circuit.voltages, 0.0)
+        strips.append((float(width), replace(solution, circuit=replace(circuit, voltages=voltages))))
+    return strips
+
+
+def _section_powers(solution: Solution, width: float) -> _SectionPowers:
+    """Powers of a solution over a width in m; with finite apertures those of each transducer's own."""
+    fields = solution.fields
+    crossings, force_power = [], 0.0
     for index, parts in enumerate(fields.segments):
         for number, (before, after) in zip(fields.network.forces_on(index), pairwise(parts), strict=True):
-            crossings.append(_at_force(solution, number, before, after))
+            crossings.append(_at_force(solution, width, number, before, after))
             force_power += crossings[-1].taken
         if index < len(fields.network.scatterers):
-            crossings.append(_at_piece(solution, index))
-            load_power += _load_power(solution, index, crossings[-1].taken)
-    to_watts = fields.section.solid.stress_unit * circuit.aperture  # scaled power per aperture to W
+            crossings.append(_at_piece(solution, width, index))
+    to_watts = fields.section.solid.stress_unit * width  # scaled power per metre to W
     radiated = [-(crossings[0].left - crossings[0].excess / 2), crossings[-1].right + crossings[-1].excess / 2]
     lost_between = sum(
         one.right + one.excess / 2 - (other.left - other.excess / 2) for one, other in pairwise(crossings)
@@ -95,18 +148,17 @@ def power_balance(solution: Solution) -> PowerBalance:
         if isinstance(end, Wall) and end.beyond is not None:
             passed = to_watts * _power_behind_step(solution, side, end.beyond)
         lost_between, radiated[side] = lost_between + radiated[side] - passed, passed
-    apparent_power = circuit.apparent_power
+    apparent = 0.0
     if solution.forces is not None:
         displacements = fields.displacements @ solution.weights
-        force_products = float(abs(displacements * solution.forces).sum())
-        apparent_power += np.pi * fields.frequency * circuit.aperture * force_products
-    return PowerBalance(
-        input=circuit.power + force_power,
+        apparent = np.pi * fields.frequency * width * float(abs(displacements * solution.forces).sum())
+    return _SectionPowers(
+        from_forces=float(force_power),
         solid=float(sum(each.lost for each in crossings) + lost_between),
-        loads=float(load_power),
         left=float(radiated[0]),
         right=float(radiated[1]),
-        residual=max(each.imbalance for each in crossings) / apparent_power,
+        imbalance=max(each.imbalance for each in crossings),
+        apparent=apparent,
     )
 
 
@@ -118,24 +170,13 @@ def _transducer_of(fields: PortFields, index: int) -> str:
     return next((port.name[:-1] for port in fields.network.scatterers[index].piece.ports), "")
 
 
-def _load_power(solution: Solution, index: int, taken: float) -> float:
-    """Power from a piece of the cascade into terminations, W; ``taken``: power that enters the piece at its ports."""
-    fields, circuit = solution.fields, solution.circuit
-    if fields.network.scatterers[index].piece.size:  # a piece without lines is the whole stator, with all transducers
-        name = _transducer_of(fields, index)
-        return 0.0 if not name or name in circuit.driven else -taken
-    powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
-    return -sum(float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven)
-
-
-def _at_piece(solution: Solution, index: int) -> _Crossing:
-    """Powers at a piece of the cascade; with finite apertures those of the transducer's own aperture."""
+def _at_piece(solution: Solution, width: float, index: int) -> _Crossing:
+    """Powers at a piece of the cascade over a width, m; with finite apertures over the transducer's own aperture."""
     fields, circuit, scatterer = solution.fields, solution.circuit, solution.fields.network.scatterers[index]
     modes, at, frequency = fields.modes, scatterer.at, fields.frequency
     owner = fields.owners[index]
     own = None if owner is None or not fields.own_apertures else fields.transducers[owner]
-    aperture = circuit.aperture if own is None else own.aperture
-    to_watts = fields.section.solid.stress_unit * aperture
+    to_watts = fields.section.solid.stress_unit * (width if own is None else own.aperture)
     sides, incident = solution.sides(index), solution.incoming(index)
     crossing = [0.0, 0.0]
     if at.size:
@@ -161,10 +202,9 @@ def _at_piece(solution: Solution, index: int) -> _Crossing:
     )
 
 
-def _at_force(solution: Solution, number: int, before: SegmentWaves, after: SegmentWaves) -> _Crossing:
-    """Powers at a force, number ``number`` of the network's ports, between the parts of its segment on either side."""
+def _at_force(solution: Solution, width: float, number: int, before: SegmentWaves, after: SegmentWaves) -> _Crossing:
+    """Powers over a width (m) at a force, a port of the network, between the parts of its segment on either side."""
     fields, modes = solution.fields, solution.fields.modes
-    aperture = solution.circuit.aperture
     fluxes = []
     for part, x in ((before, before.stop), (after, after.start)):
         right, left = (
@@ -176,11 +216,11 @@ def _at_force(solution: Solution, number: int, before: SegmentWaves, after: Segm
     index = number - (len(fields.network.ports) - len(fields.displacements))  # force ports come last
     displacement = fields.displacements[index] @ solution.weights
     force = 0.0 if solution.forces is None else solution.forces[index]
-    to_watts = fields.section.solid.stress_unit * aperture
+    to_watts = fields.section.solid.stress_unit * width
     return _Crossing(
         left=to_watts * fluxes[0],
         right=to_watts * fluxes[1],
-        taken=float(aperture * np.pi * fields.frequency * np.imag(force * np.conj(displacement))),
+        taken=float(width * np.pi * fields.frequency * np.imag(force * np.conj(displacement))),
     )
 
 

@@ -35,7 +35,7 @@ def forced_wave(
     drive: str | Drive | None = None,
     places: tuple[float, ...],
 ) -> SurfaceWave:
-    """Surface motion of a stator under line forces, in m; powers in W over the narrowest aperture, or per metre of y.
+    """Surface motion of a stator under line forces, in m; powers in W over the widest aperture, or per metre of y.
 
     Parameters
     ----------

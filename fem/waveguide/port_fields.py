@@ -10,7 +10,8 @@ floats, the mean of the two potentials is arbitrary.  If the section is grounded
 value for which the net charge is zero, and it is eliminated here.  A transducer with a single electrode has no port.
 
 With Q the charge of the positive electrode per metre of aperture, I = i omega Q aperture.  For the current that one
-transducer causes in another, the aperture is the narrower of the two.
+transducer causes in another, the aperture is the narrower of the two.  Net charges vanish per metre, on every strip
+along y, whatever the apertures; with apertures of the transducers' own (fem.beam.reception) over the whole aperture.
 """
 
 from dataclasses import dataclass, field
@@ -76,19 +77,22 @@ class StatorCascade:
         ports = [port for port in self.network.ports if port.kind != "force"]
         by_name = {each.name: each for each in self.transducers}
         apertures = np.array([by_name[port.name].aperture for port in ports])[:, None]
-        count, excitations = len(ports), solution.reactions.shape[1]
-        # Widths over which charges are summed: of the two apertures the narrower one for charges that another port
-        # causes, and the whole aperture for those by forces and waves from outside.
-        widths = np.repeat(apertures, excitations, axis=1)
-        if not solution.own_apertures:  # otherwise each charge is already that of the whole aperture
-            widths[:, :count] = np.minimum(apertures, apertures.T)
-        charges = widths * solution.reactions[:count]
         voltage = np.array([port.kind == "voltage" for port in ports], dtype=bool)
         names = tuple(port.name for port in ports if port.kind == "voltage")
+        charges = solution.reactions[: len(ports)]
+        if solution.own_apertures:  # then what a charge acts on differs along y, and its mean is that of the aperture
+            charges = apertures * charges
         weights = uncharged(charges, voltage)
         weights[:, : len(names)] /= medium.potential_unit
+        # Widths over which charges are summed: of the two apertures the narrower one for charges that another port
+        # causes, and the whole aperture for those by forces and waves from outside.
+        widths = np.ones((len(names), weights.shape[1]))
+        if not solution.own_apertures:
+            own = apertures[voltage]
+            widths *= own
+            widths[:, : len(names)] = np.minimum(own, own.T)
         charge_unit = medium.stress_unit / medium.potential_unit
-        currents = charge_currents(charges[voltage] @ weights * charge_unit, self.frequency)
+        currents = charge_currents(widths * (charges[voltage] @ weights) * charge_unit, self.frequency)
         check_passive(currents[:, : len(names)], names, self.frequency)
         fields = solution.weighted(weights)
         return PortFields(

@@ -288,3 +288,62 @@ def test_transducers_near_ends_and_each_other():
     assert np.abs(y - back).max() < 1e-9 * np.abs(y).max()
     moved = solution(stator, (replace(left, center=left.center + 0.2 * near.period),), order=7)
     assert abs(moved.circuit.admittance / y[0, 0] - 1) > 1e-3
+
+
+UNEQUAL = (
+    (cut("PZT-8", "Z", quality=200.0), {"bottom": "grounded", "ends": "free"}),
+    (cut("LiNbO3 (Kovacs)", "128YX", quality=400.0), {"thickness": np.inf}),
+    (lossless("PZT-8", "Z"), {}),
+)
+
+
+def unequal(solid, rest, apertures, *, mirrored=False, layers=0):
+    """Three transducers with these apertures, solved; ``mirrored``: on the mirrored stator, named as before."""
+    stator = plate(solid, length=9.0, **({"thickness": 0.8} | rest))
+    row = tuple(
+        comb(stator, name, 9.0 - at if mirrored else at, aperture=aperture, **given)
+        for name, at, aperture, given in zip(
+            "abc", (1.6, 4.4, 7.2), apertures, ({"finger_pairs": 2}, {"termination": 75.0 + 30.0j}, {}), strict=True
+        )
+    )
+    drive = Drive(sources={"a": 1.0, "c": 0.5j}, impedance=20.0)
+    return solution(stator, row if not mirrored else row[::-1], drive=drive, layers=layers)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("apertures", [(20e-3, 10e-3, 15e-3), (10e-3, 20e-3, 10e-3), (4e-3, 74e-3, 5e-3)])
+@pytest.mark.parametrize(("solid", "rest"), UNEQUAL, ids=["grounded", "half-space", "lossless"])
+def test_power_balances_with_unequal_apertures(solid, rest, apertures, mirrored):
+    """The load's power is its resistance times its current; what no load takes and no end radiates is lost."""
+    found = unequal(solid, rest, apertures, mirrored=mirrored)
+    powers, circuit = power_balance(found), found.circuit
+    load = 0.5 * 75.0 * abs(circuit.currents[circuit.names.index("b")]) ** 2
+    assert powers.loads == pytest.approx(load, rel=1e-9, abs=0)
+    assert powers.input == pytest.approx(circuit.power, rel=1e-12)
+    assert powers.solid + powers.loads + powers.radiated == pytest.approx(powers.input, rel=1e-9)
+    assert powers.residual < 1e-9
+    if not solid.is_lossy:
+        assert abs(powers.solid) < 1e-9 * powers.input
+    other = power_balance(unequal(solid, rest, apertures, mirrored=not mirrored))
+    if rest == {"bottom": "grounded", "ends": "free"} or not solid.is_lossy:  # x -> -x is a symmetry of poled ceramics
+        assert (powers.left, powers.right) == pytest.approx((other.right, other.left), rel=1e-9, abs=1e-12 * load)
+
+
+def test_the_residual_sees_the_whole(three):
+    """A source whose current is not that of the fields gives more than they carry, and the residual says it."""
+    currents = three.circuit.currents.copy()
+    currents[three.circuit.sources[0]] *= 1.1
+    off = replace(three, circuit=replace(three.circuit, currents=currents))
+    powers = power_balance(off)
+    assert powers.residual > 0.05 * powers.input / off.circuit.apparent_power
+
+
+@pytest.mark.parametrize(("solid", "rest"), UNEQUAL[:2], ids=["grounded", "half-space"])
+def test_each_strip_along_y_is_neutral(solid, rest):
+    """Over a ground: the admittance between two transducers is that per metre times the narrower aperture."""
+    equal = unequal(solid, rest, (10e-3,) * 3).fields.admittances
+    for apertures in ((10e-3, 20e-3, 10e-3), (10e-3, 74e-3, 5.3e-3)):
+        widths = np.minimum.outer(apertures, apertures) / 10e-3
+        found = unequal(solid, rest, apertures).fields
+        assert abs(found.admittances / widths - equal).max() < 1e-12 * abs(equal).max()
+        assert abs(found.admittances[0, 1] / equal[0, 1] - 1) < 1e-9

@@ -72,7 +72,8 @@ def test_forces_and_voltages_answer_each_other(solid, rest):
 def test_forces_meet_transducers_of_unequal_apertures(rest):
     """Each transducer moves the surface over its own aperture: int velocity dy per volt is the current per N/m.
 
-    The mean potentials on a grounded section, of which one follows from the other's, are of both solutions.
+    The mean potentials on a grounded section, by which no transducer has a net charge on any metre, reach as far along
+    y as the voltage that causes them.
     """
     stator = plate(cut("LiNbO3 (Kovacs)", "128YX", quality=400.0), length=9.0, **rest)
     row = (comb(stator, "a", 2.0, finger_pairs=2), comb(stator, "b", 5.0, aperture=0.05))
@@ -82,10 +83,10 @@ def test_forces_meet_transducers_of_unequal_apertures(rest):
     fields, raw = row.solved(), row.network.solve()
     potentials = np.array([own[-2:, :2] for own in fields.sides])  # (transducers, electrodes, ports)
     by_port = np.array([potentials[:, 0] - potentials[:, 1], potentials.mean(axis=1)])  # voltages, means
-    by_port = np.swapaxes(by_port, 0, 1) * np.array([0.02, 0.05])[:, None, None]
+    by_port = np.swapaxes(by_port, 0, 1) * np.array([0.02, 0.05])  # last axis: of the port whose voltage it is
     expected = 2j * np.pi * FREQUENCY * raw.reactions[4:, :4] @ by_port.reshape(4, 2)
     assert abs(fields.received.T - expected).max() < 1e-9 * abs(expected).max()
-    means = abs(raw.reactions[4:, 1:4:2] @ by_port[:, 1]).max()
+    means = abs(raw.reactions[4:, 1:4:2] @ by_port[:, 1]).max()  # what the means add
     assert means > 1e-3 * abs(raw.reactions[4:, :4] @ by_port.reshape(4, 2)).max()
 
 
