@@ -20,9 +20,7 @@ NEARER = 0.4  # how much nearer a mistaken table must be than the right one
 
 def plausibility(solid: Solid) -> Iterator[str]:
     """Yield remarks about a table of constants in the crystal's axes."""
-    yield from _class_remarks(solid)
-    mistaken = list(_mistaken(solid))
-    yield from mistaken or _namesake_remarks(solid)
+    yield from list(_class_remarks(solid)) or list(_mistaken(solid)) or _namesake_remarks(solid)
 
 
 def _class_remarks(solid: Solid) -> Iterator[str]:
@@ -48,35 +46,37 @@ def _class_remarks(solid: Solid) -> Iterator[str]:
 
 
 def _mistaken(solid: Solid) -> Iterator[str]:
-    """Yield a remark for a table that is nearly that of a known solid at other conditions."""
-    found = []
+    """Yield a remark for tables of a known solid of which some are those of other conditions, or one is another's."""
+    found: list[tuple[float, str]] = []
     for known in catalogue().values():
         if not known.is_piezoelectric or not _near(solid.density, known.density, SAME):
             continue
         right = {key: _apart(getattr(solid, key), getattr(known, key)) for key in TABLES}
-        for key, table, words in _variants(known):
-            others = max(each for name, each in right.items() if name != key)
-            wrong = _apart(getattr(solid, key), table)
-            if others < 2 * SAME and wrong < min(SAME, NEARER * right[key]):
-                share = "" if wrong < 1e-3 else f", to {100 * wrong:.2g} %,"
-                found.append((wrong, f"the {key} of {solid.name} is{share} that of {known.name} {words}"))
+        for tables, words in _variants(known):
+            wrong = {key: _apart(getattr(solid, key), table) for key, table in tables.items()}
+            others = max(each for key, each in right.items() if key not in tables)
+            if others < 2 * SAME and all(each < min(SAME, NEARER * right[key]) for key, each in wrong.items()):
+                size = max(wrong.values())
+                share = "" if size < 1e-3 else f", to {100 * size:.2g} %,"
+                found.append((size, f"the {' and '.join(tables)} of {solid.name}: as of {known.name}{share} {words}"))
+        far = [key for key, each in right.items() if each > FAR]
+        near = max(each for key, each in right.items() if key not in far[:1])
+        if len(far) == 1 and near < SAME:
+            sentence = f"the {far[0]} of {solid.name} differs by {100 * right[far[0]]:.2g} % from that of {known.name}"
+            # ranked behind the explanations above
+            found.append((1 + near, f"{sentence}, whose other constants are the same: is a unit wrong?"))
     if found:
         yield min(found)[1]
 
 
-def _variants(known: Solid) -> Iterator[tuple[str, np.ndarray, str]]:
-    """Yield table, wrong values and words for the confusions of constants at other conditions."""
+def _variants(known: Solid) -> Iterator[tuple[dict[str, np.ndarray], str]]:
+    """Yield wrong tables and words for the confusions of constants at other conditions."""
     e, eps = known.coupling, known.permittivity
-    yield (
-        "stiffness",
-        known.stiffness + e.T @ np.linalg.solve(eps, e),
-        'at constant D: stiffness_at = "constant D" converts it',
-    )
-    yield (
-        "permittivity",
-        eps + e @ np.linalg.solve(known.stiffness, e.T),
-        'at constant stress: permittivity_at = "constant stress" converts it',
-    )
+    stiff = {"stiffness": known.stiffness + e.T @ np.linalg.solve(eps, e)}
+    free = {"permittivity": eps + e @ np.linalg.solve(known.stiffness, e.T)}
+    yield stiff, 'at constant D: stiffness_at = "constant D" converts it'
+    yield free, 'at constant stress: permittivity_at = "constant stress" converts it'
+    yield stiff | free, "at constant D and at constant stress: c^E and eps^S are wanted"
 
 
 def _namesake_remarks(solid: Solid) -> Iterator[str]:

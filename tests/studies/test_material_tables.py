@@ -125,8 +125,17 @@ REMARKED = {
     "order of Ansys": (
         changed(stiffness=LN.stiffness[np.ix_(ANSYS, ANSYS)]), 'fit class 3m in the order 11 22 33 12 23 13',
     ),
-    "constant D": (changed(stiffness=C_D), "that of LiNbO3 (Kovacs) at constant D"),
-    "constant stress": (changed(permittivity=EPS_T / EPS0), "that of LiNbO3 (Kovacs) at constant stress"),
+    "constant D": (changed(stiffness=C_D), "the stiffness of niobate: as of LiNbO3 (Kovacs) at constant D"),
+    "constant stress": (changed(permittivity=EPS_T / EPS0), "permittivity of niobate: as of LiNbO3 (Kovacs) at"),
+    "constant D and stress": (
+        changed(stiffness=C_D, permittivity=EPS_T / EPS0),
+        "the stiffness and permittivity of niobate: as of LiNbO3 (Kovacs) at constant D and at constant stress",
+    ),
+    "pF/m": (
+        changed(permittivity=LN.permittivity * 1e12),
+        "the permittivity of niobate differs by 7.9e+02 % from that of LiNbO3 (Kovacs), whose other constants are the same",
+    ),
+    "half of e": (changed(coupling=LN.coupling / 2), "the coupling of niobate differs by 50 % from that of LiNbO3"),
     "a wrong sign": (changed(coupling=LN.coupling * np.where(np.arange(6) == 5, -1, 1)), "coupling (1, 6) differs by"),
     "another material": (changed(name="pzt4"), "of pzt4 differs by"),
     "rotated to the cut": (
