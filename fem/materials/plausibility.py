@@ -62,7 +62,7 @@ def _mistaken(solid: Solid) -> Iterator[str]:
         far = [key for key, each in right.items() if each > FAR]
         near = max(each for key, each in right.items() if key not in far[:1])
         if len(far) == 1 and near < SAME:
-            sentence = f"the {far[0]} of {solid.name} differs by {100 * right[far[0]]:.2g} % from that of {known.name}"
+            sentence = f"the {far[0]} of {solid.name} differs by {100 * right[far[0]]:.3g} % from that of {known.name}"
             # ranked behind the explanations above
             found.append((1 + near, f"{sentence}, whose other constants are the same: is a unit wrong?"))
     if found:

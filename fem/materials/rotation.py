@@ -45,11 +45,11 @@ def euler_angles(angles: Sequence[float], convention: str = "SAW") -> tuple[floa
     Examples
     --------
     >>> euler_angles([10, -38, 20], "sawsim")
-    (-20, 38, -10)
+    (-20.0, 38.0, -10.0)
     """
     if convention not in CONVENTIONS:
         raise InputError("euler_convention", f"must be one of {', '.join(CONVENTIONS)}", convention)
-    return tuple(angles) if convention == "SAW" else tuple(-each for each in reversed(angles))
+    return tuple(angles) if convention == "SAW" else tuple(0.0 - each for each in reversed(angles))
 
 
 def named_cut(name: str) -> tuple[float, float, float] | None:

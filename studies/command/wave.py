@@ -2,17 +2,22 @@
 
 import argparse
 
+import fem
 from studies.command.output import print_answer
+from studies.scene.blocks import CONVENTIONS, ORIENTATION
 from studies.scene.override import toml_value
+from studies.scene.rule import choice
 
 HELP = "compute the Rayleigh wave of a half-space, bare or under layers, without a mesh and without loss"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("material", metavar="MATERIAL", help="a catalogue name, such as PZT-8")
-    orientation = "Z, X, YZ, 128YX, ST-X or three angles phi,theta,psi in degrees (Z)"
+    parser.add_argument("material", metavar="MATERIAL", help="a catalogue name, such as PZT-8, or FILE.toml")
+    orientation = "Z, X, YZ, 128YX, 64YX, ST-X or three angles phi,theta,psi in degrees (Z)"
     parser.add_argument("--orientation", default="Z", metavar="O", help=orientation)
+    convention = "convention of three angles: SAW, COMSOL or sawsim (SAW)"
+    parser.add_argument("--euler-convention", default="SAW", metavar="C", help=convention)
     parser.add_argument("--surface", default="vacuum", metavar="S", help="vacuum (or free), open, metallised (vacuum)")
     parser.add_argument(
         "--layer", action="append", default=[], metavar="L", help='a layer, from the half-space up, once for each: '
@@ -30,6 +35,10 @@ def call(arguments: argparse.Namespace) -> int:
     orientation = arguments.orientation
     if "," in orientation:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
+    orientation, convention = ORIENTATION.read("--orientation", orientation), arguments.euler_convention
+    if not isinstance(orientation, str):
+        convention = choice(*CONVENTIONS).read("--euler-convention", convention)
+        orientation = fem.euler_angles(orientation, convention)
     if arguments.layer:
         return _layered(arguments, orientation)
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)

@@ -31,7 +31,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     Parameters
     ----------
     material : str
-        A catalogue name.
+        A catalogue name, or a file of constants.
     orientation : str or sequence of 3 floats
         A named cut, or angles in degrees.
     surface : str

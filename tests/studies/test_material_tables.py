@@ -133,7 +133,7 @@ REMARKED = {
     ),
     "pF/m": (
         changed(permittivity=LN.permittivity * 1e12),
-        "the permittivity of niobate differs by 7.9e+02 % from that of LiNbO3 (Kovacs), whose other constants are the same",
+        "permittivity of niobate differs by 785 % from that of LiNbO3 (Kovacs), whose other constants are the same",
     ),
     "half of e": (changed(coupling=LN.coupling / 2), "the coupling of niobate differs by 50 % from that of LiNbO3"),
     "a wrong sign": (changed(coupling=LN.coupling * np.where(np.arange(6) == 5, -1, 1)), "coupling (1, 6) differs by"),
