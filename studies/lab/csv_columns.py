@@ -123,19 +123,20 @@ class CsvColumns:
         for row in range(len(self.rows)):
             value = self._number(row, at)
             if value < 0.0 or (value == 0.0 and not zero):
-                raise self.error(f"{self._line(row)}{noun}_{unit} {rule}, got {value:g} {written(unit)}")
+                raise self.error(f"{self.line(row)}{noun}_{unit} {rule}, got {value:g} {written(unit)}")
 
     def refuse_uneven(self) -> None:
         """Raise a SceneError for a row with more or fewer values than there are heads."""
         for number, row in enumerate(self.rows):
             if len(row) != len(self.names):
-                raise self.error(f"{self._line(number)}must have {len(self.names)} values, got {len(row)}")
+                raise self.error(f"{self.line(number)}must have {len(self.names)} values, got {len(row)}")
 
     def error(self, rule: str) -> SceneError:
         """Return the error that this file breaks a rule."""
         return file_error(self.path, self.option, rule)
 
-    def _line(self, row: int) -> str:
+    def line(self, row: int) -> str:
+        """Return the words for a row that begin the refusal of one of its values."""
         return f"line {self.lines[row]}, " if self.lines[row] else f"point {row + 1}, "
 
     def _number(self, row: int, column: int) -> float:
@@ -152,7 +153,7 @@ class CsvColumns:
             hint = ": a complex number goes into two columns, _real_ and _imag_" if "j" in unit else hint
         except ValueError:
             pass
-        where = f"{self._line(row)}{self.names[column]}"
+        where = f"{self.line(row)}{self.names[column]}"
         raise self.error(f"{where} must be a finite number, got {shown(text)}{hint}")
 
 

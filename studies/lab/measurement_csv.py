@@ -50,12 +50,19 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     levels = voltage or amplitude or ()
     for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
         table.refuse_signs(noun, units, "must be zero or positive", zero=True)
-    if time is not None and (list(time) != sorted(set(time)) or time[-1] <= 0.0):  # before 0: ahead of the trigger
-        raise SceneError(option, f"{str(path)!r}: time must rise from point to point, to a time after 0")
+    if time is not None:
+        fallen = next((k for k in range(1, len(time)) if time[k] <= time[k - 1]), None)
+        if fallen is not None:
+            rule = f"time must rise from line to line, got {time[fallen]:g} s after {time[fallen - 1]:g} s"
+            raise table.error(f"{table.line(fallen)}{rule}")
+        if time[-1] <= 0.0:  # before 0: ahead of the trigger
+            raise table.error(f"must hold times after 0, got {time[-1]:g} s as the last one")
     if velocity is not None and time is not None:
         quantity, values = "burst", velocity
         if len(set(levels)) > 1:
-            raise SceneError(option, f"{str(path)!r} must hold one burst: one level, got {len(set(levels))}")
+            other = next(k for k, level in enumerate(levels) if level != levels[0])
+            got = f"{levels[0]:g} and in line {table.lines[other]} {levels[other]:g} {level_key[-1]}"
+            raise table.error(f"must hold one burst: one level, got {got}")
         levels = levels[:1]
     elif position is not None and time is not None:
         quantity, values, levels = "position", tuple(position[0]), levels[:1]

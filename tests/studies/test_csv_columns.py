@@ -151,6 +151,12 @@ def test_points_at_rest_are_left_out(tmp_path):
             "voltage_V,velocity_mm_per_s,error_mm_per_s\n10,3,-0.5\n",
             "line 2, error_mm_per_s must be positive, got -0.5 mm/s",
         ),
+        (
+            "time_ms,velocity_m_per_s\n\n0,0\n2,0\n1,0\n",
+            "line 5, time must rise from line to line, got 0.001 s after 0.002 s",
+        ),
+        ("time_ms,velocity_m_per_s\n-2,0\n-1,0\n", "must hold times after 0, got -0.001 s"),
+        ("time_s,velocity_m_per_s,voltage_V\n0,0,15\n1,0,30\n", "one level, got 15 and in line 3 30 V"),
         ("voltage_mV,velocity_mm_per_s\n-10,3\n", "line 2, voltage_mV must be zero or positive, got -10 mV"),
         ("x_mm,u_z_magnitude_nm,voltage_V\n40,1,0\n", "line 2, voltage_V must be positive, got 0 V"),
         ("x_mm,a_z_magnitude_m_per_s2,voltage_V\n40,-1,1\n", "got -1 m/s^2"),
