@@ -10,6 +10,7 @@ from studies.scene.slider import Slider
 
 LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that a smaller preload is suspicious
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
+MIN_USUAL_FREQUENCY = 10e3  # Hz, of a prescribed wave; audible ones are probably a unit error
 MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
 MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
 # m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
@@ -27,6 +28,11 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
     if stator is not None and stator.length > MAX_USUAL_LENGTH:
         yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
     yield from solid_remarks(scene)
+    if scene.wave is not None and scene.wave.frequency < MIN_USUAL_FREQUENCY:
+        yield (
+            f"wave.frequency is {scene.wave.frequency:g} Hz, and the waves of motors have "
+            f"{MIN_USUAL_FREQUENCY / 1e3:g} kHz or more: a number without a unit is in Hz"
+        )
     yield from _velocities(scene)
     if slider is None:
         return

@@ -280,6 +280,15 @@ def test_radius_in_metres_of_a_given_wave():
     assert "slider.radius is 0.5 m" in next(scene_warnings(scene("twente-contact", "slider.radius=0.5")))
 
 
+@pytest.mark.parametrize(("frequency", "warned"), [("2.2", True), ("2.2 MHz", False)])
+def test_an_audible_frequency_of_a_given_wave(frequency, warned):
+    from studies.chain.scene_warnings import scene_warnings
+
+    said = list(scene_warnings(scene("twente-contact", f"wave.frequency={frequency}")))
+    assert len(said) == warned
+    assert all("wave.frequency is 2.2 Hz, and the waves of motors have 10 kHz or more" in each for each in said)
+
+
 @pytest.mark.parametrize(("frequency", "warned"), [("9.6", True), ("9.6 MHz", False), ("90 MHz", True)])
 def test_a_frequency_that_no_surface_wave_of_the_period_has(frequency, warned):
     from studies.chain.scene_warnings import scene_warnings
