@@ -16,7 +16,9 @@ _PUBLIC = {
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
     "averaged.sweep": "mean_forces mean_motion MeanMotion steady_sweep",
-    "answers.thresholds": "release release_amplitude release_factor threshold threshold_amplitude threshold_factor",
+    "answers.thresholds": (
+        "release release_amplitude release_factor releases threshold threshold_amplitude threshold_factor"
+    ),
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
     "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction",
@@ -31,6 +33,7 @@ _PUBLIC = {
     "law.user": "UserLaw",
     "orbit": "Orbit",
     "slider": "Slider",
+    "track": "Track",
     "averaged.riding": "mean_load riding_height",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

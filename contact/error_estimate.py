@@ -36,6 +36,9 @@ EPSILON = 2.2e-16  # rounding of one segment in `shooting_rounding`
 STEPPED_ORDER = 1
 # Every estimate is increased by this fraction of the error expected for the step, because two runs may agree by chance.
 FLOOR = 0.01
+# Orbits along a track that are held for a cycle in the event-driven motion and change at its end. Error of the velocity
+# over the reference speed and the largest change; it was 0.14 in `tests/contact/test_track.py` for two wavelengths.
+HELD_ORBITS = 0.5
 # Safety factors of `calibrated_error`. CALIBRATION: on the ratio of true and stated error in the first cycles. BEYOND:
 # on the estimate of the whole burst, of which only these cycles were checked. UNCHECKED: on an estimate without check.
 CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
@@ -125,6 +128,11 @@ def stepped_error(difference: float, fine: int, coarse: int, expected: float = 0
     the reference speed).
     """
     return richardson(difference, fine / coarse, STEPPED_ORDER) + FLOOR * expected
+
+
+def held_orbits_error(change: float, reference: float) -> float:
+    """Return the error by orbits that are held for a cycle, from their largest relative `change` between two cycles."""
+    return HELD_ORBITS * change * reference
 
 
 def calibrated_error(estimate: float, true: float | None, stated: float) -> float:

@@ -17,7 +17,13 @@ from contact.averaged.event_equilibrium import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
 from contact.envelope import Envelope
-from contact.error_estimate import calibrated_error, event_driven_error, reference_speed, stepped_error
+from contact.error_estimate import (
+    calibrated_error,
+    event_driven_error,
+    held_orbits_error,
+    reference_speed,
+    stepped_error,
+)
 from contact.events.collocation import collocation
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
@@ -26,6 +32,7 @@ from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
+from contact.stepping.along_track import Followed, Scaled, steps_along
 from contact.stepping.time_stepping import steps
 
 # Choice of the method. EXACT_CYCLES: method "auto" uses the event-driven method up to this number of cycles, whatever
@@ -102,16 +109,22 @@ def shaped_steps(slider, problem, least: int) -> int:
     raise refused("an envelope", {"stepped": reasons}, ENVELOPE_OUT)
 
 
-def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RINGING_STEPS):
+def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0, least=RINGING_STEPS, track=None, start=0.0):
     """Move the slider in fixed time steps while the surface rings down.
 
-    Returns (times in s from the end of the burst, record) of about `samples` samples, or one per cycle if it is 0.
+    Returns (times in s from the end of the burst, record) of about `samples` samples, or one per cycle if it is 0; with
+    a `track` (`Scaled`) on which the slider is displaced by `start` at first, also the motion along it (`Followed`).
     """
     frequency = motion.problem.omega / (2.0 * math.pi)
     number = shaped_steps(slider, motion.problem, least)
     cycles = max(0, math.ceil(min(spent(envelope), longest) * frequency))
     stride = max(1, cycles // samples) if samples else 1
     cycles -= cycles % stride
+    if track is not None:
+        way = steps_along(
+            motion.problem, motion.state, track, cycles, number, stride=stride, envelope=envelope, start=start
+        )
+        return stride * np.arange(1, len(way.record) + 1) / frequency, way.record, way
     record = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=envelope)
     return stride * np.arange(1, len(record) + 1) / frequency, record
 
@@ -139,6 +152,7 @@ class Burst(NamedTuple):
     stride: int
     tolerance: float
     envelope: Envelope | None
+    track: Scaled | None = None  # None: the slider remains where it is
 
     @property
     def duration(self) -> float:
@@ -166,6 +180,8 @@ class Burst(NamedTuple):
 
 def _exact(burst):
     """Run the event-driven method at two levels of `ORDERS`, and at finer ones until the tolerance is met."""
+    if burst.track is not None:
+        return _exact_along(burst)
 
     def follow(level):
         return _every_event(burst, *ORDERS[level][:3])
@@ -195,6 +211,68 @@ def _every_event(burst, nodes, truncation, longest):
     record = motion.turn(burst.cycles, stride=burst.cycles_per_compared_sample)
     motion.problem = burst.problem
     return _compared(record, motion.state), motion, record
+
+
+def _exact_along(burst):
+    """Run the event-driven method on a track, the orbits constant for one cycle, and for two in a coarser run."""
+    coarse, fine = (_events_along(burst, ORDERS[level], hold) for level, hold in ((1, 2), (2, 1)))
+    velocity = float(fine[0][-1])
+    error = event_driven_error(
+        _difference(coarse[0], fine[0]), truncation=ORDERS[2][1], reference=burst.reference(velocity),
+        cycles=burst.cycles, segments=burst.problem.segments, moves=np.any(fine[0]),
+    )  # fmt: skip
+    _, motion, record, followed, turned = fine
+    error += held_orbits_error(turned, burst.reference(velocity))
+    every = burst.compared_per_returned_sample
+    followed = followed._replace(displacement=followed.displacement[every - 1 :: every])
+    return Result((motion, record[every - 1 :: every], followed), error, burst.allowed(velocity), {})
+
+
+def _events_along(burst, order, hold):
+    """Return (velocities to compare, motion, record, `Followed`, change) of one event-driven run along a track.
+
+    The orbits are those of the middle of each `hold` cycles. Where they change, a closed contact goes with its surface.
+    `change`: largest of an amplitude from one to the next, over the largest amplitude.
+    """
+    nodes, truncation, longest, _ = order
+    problem = burst.problem._replace(longest=longest * burst.problem.longest)
+    motion = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
+    stride, (low, high) = burst.cycles_per_compared_sample, burst.track.limits
+    record, passed, place, advance, cycle, turned = [], [], 0.0, 0.0, 0, 0.0
+    while cycle < burst.cycles:
+        many = min(hold, burst.cycles - cycle)
+        if not low < place + many * advance < high:
+            break
+        u_x, u_z = burst.track.at(place + 0.5 * many * advance)
+        paths = Paths(problem.paths.height, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+        old = motion.problem.paths
+        gone = paths.tangential_cos - old.tangential_cos
+        changes = [np.abs(new - before) for new, before in zip(paths[1:], old[1:], strict=True)]
+        turned = max(turned, float(np.max(changes)) / max(np.max(np.abs(u_x)), np.max(np.abs(u_z)), 1e-300))
+        state = motion.state.copy()
+        motion.set_state(
+            *state[: At.DEFORMATIONS], state[At.DEFORMATIONS :] + gone, problem=problem._replace(paths=paths)
+        )
+        for row in motion.turn(many, stride=1):
+            cycle, advance = cycle + 1, 2.0 * math.pi * row[Column.MEAN_VELOCITY]
+            place += advance
+            if cycle % stride == 0:
+                record.append(row)
+                passed.append(place)
+    record = np.array(record).reshape(-1, len(Column))
+    followed = Followed(record, np.array(passed), cycle, place, cycle < burst.cycles)
+    motion.problem = burst.problem
+    return np.append(record[:, Column.VELOCITY], motion.state[At.VELOCITY]), motion, record, followed, turned
+
+
+def _difference(coarse, fine):
+    """Return the largest difference of two runs' velocities in the second half of what both followed, and at the end.
+
+    The last entry of each is that at the end, which is earlier where the slider came to an end of the track.
+    """
+    common = min(len(coarse), len(fine)) - 1
+    apart = np.abs(coarse[:common] - fine[:common])[common // 2 :]
+    return float(max(np.max(apart, initial=0.0), abs(coarse[-1] - fine[-1])))
 
 
 def _compared(record, state):
@@ -233,20 +311,29 @@ def _stepped(burst):
 
     small = [k for k, (number, _) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
     # the coarsest level with small enough steps is run for comparison only
-    level, (_, motion, record), result = _refined(burst, follow, error, STEPS, small[1])
+    level, (_, motion, record, *way), result = _refined(burst, follow, error, STEPS, small[1])
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
     every = burst.compared_per_returned_sample
-    return result._replace(run=(motion, record[every - 1 :: every]), statistics=statistics)
+    way = [each._replace(displacement=each.displacement[every - 1 :: every]) for each in way]
+    return result._replace(run=(motion, record[every - 1 :: every], *way), statistics=statistics)
 
 
 def _every_step(burst, level):
-    """Return (velocities to compare, motion, record) of one run with the fixed time steps of a level of `STEPS`."""
+    """Return (velocities to compare, motion, record) of one run with the fixed time steps of a level of `STEPS`.
+
+    On a track the motion along it follows, `Followed`.
+    """
     factor = complex(burst.envelope.at(np.zeros(1))[0]) if burst.envelope is not None else 1.0
     motion = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
     number, stride = STEPS[level][0], burst.cycles_per_compared_sample
+    if burst.track is not None:
+        way = steps_along(
+            burst.problem, motion.state, burst.track, burst.cycles, number, stride=stride, envelope=burst.envelope
+        )
+        return np.append(way.record[:, Column.VELOCITY], motion.state[At.VELOCITY]), motion, way.record, way
     record = steps(burst.problem, motion.state, burst.cycles, number, stride=stride, envelope=burst.envelope)
     return _compared(record, motion.state), motion, record
 
@@ -276,13 +363,16 @@ def _averaged_refusals(burst):
     reasons = refusals(burst.slider, burst.orbits)
     if burst.envelope is not None:
         reasons += ("it takes no envelope",)
+    if burst.track is not None:
+        reasons += ("it takes no track",)
     return (*reasons, f"{burst.cycles} cycles are too few") if burst.cycles < 3 else reasons
 
 
 class Window(NamedTuple):
     """The first cycles of a burst, computed by the exact method to measure the error of another method.
 
-    If the burst has an envelope, the wave in the window has the envelope's largest amplitude throughout.
+    If the burst has an envelope, the wave in the window has the envelope's largest amplitude throughout. On a track the
+    slider remains in its first place in the window.
     """
 
     burst: Burst
@@ -296,8 +386,8 @@ class Window(NamedTuple):
         size = burst.envelope.largest(burst.duration) if burst.envelope is not None else 1.0
         cycles = burst.cycles if burst.cycles <= EXACT_CYCLES else WINDOW
         problem = burst.problem._replace(paths=_times(burst.problem.paths, size))
-        short = burst._replace(problem=problem, cycles=cycles, stride=cycles, envelope=None)
-        whole = cycles == burst.cycles and burst.envelope is None
+        short = burst._replace(problem=problem, cycles=cycles, stride=cycles, envelope=None, track=None)
+        whole = cycles == burst.cycles and burst.envelope is None and burst.track is None
         try:
             if _exact_refusals(short):
                 return cls(short, None, math.inf, whole)
@@ -345,11 +435,16 @@ def _refined(burst, follow, error, levels, least):
     coarse, fine = _both(follow, level - 1, level)
     while True:
         velocity = float(fine[0][-1])
-        estimate = error(level, fine, float(np.max(np.abs(fine[0] - coarse[0]))), burst.reference(velocity))
+        apart = _difference if burst.track is not None else _largest_difference
+        estimate = error(level, fine, apart(coarse[0], fine[0]), burst.reference(velocity))
         if estimate <= burst.allowed(velocity) or level == len(levels) - 1:
             return level, fine, Result((), estimate, burst.allowed(velocity), {})
         level += 1
         coarse, fine = fine, follow(level)
+
+
+def _largest_difference(coarse, fine):
+    return float(np.max(np.abs(fine - coarse)))
 
 
 def _both(work, first, second):
@@ -378,9 +473,10 @@ def run(method: str, burst: Burst) -> Choice:
     one within the tolerance. Only the exact method accumulates the energies in the motion's sums.
     """
     way = "leave the envelope out and use method exact" if burst.envelope is not None else "shorten the burst"
+    fixed = burst.track is None  # along a track, fixed steps follow the orbits better than the events do
     return choose(
-        BURST_METHODS, burst, method, what="a burst", exact=burst.cycles <= MAX_EXACT_CYCLES,
-        exact_first=burst.cycles <= EXACT_CYCLES, way=way,
+        BURST_METHODS, burst, method, what="a burst", exact=fixed and burst.cycles <= MAX_EXACT_CYCLES,
+        exact_first=fixed and burst.cycles <= EXACT_CYCLES, way=way,
     )  # fmt: skip
 
 

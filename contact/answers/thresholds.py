@@ -124,6 +124,55 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     return release(slider, orbits).value
 
 
+def releases(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[Answer | None, ...]:
+    """Return for each contact the factor on all orbits above which it leaves the surface once per cycle.
+
+    The smallest is `release`; the others follow from cycle means, because contacts that have separated make the motion
+    itself one with events. The factor is inf for a contact whose surface has no normal motion that lifts it off. None
+    stands for a contact that does not touch at rest. The parameters are those of `threshold`.
+
+    Examples
+    --------
+    >>> slider = Slider(radius=1e-3, mass=8.9e-5, preload=8.7e-4, load=0.0, friction_coefficient=0.08,
+    ...                 effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
+    ...                 stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4,
+    ...                 heights=(0.0, -1e-9))
+    >>> orbit = Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)
+    >>> [round(each.value, 3) for each in releases(slider, (orbit, orbit))]
+    [2.959, 2.206]
+    """
+    _, listed = towards_plus(as_orbits(orbits))
+    count, first = len(listed), release(slider, listed)
+    touch = slider.rest_approach(count) + slider.offsets(count) > 0.0
+    factors = [_released_contact(slider, listed, i) if touch[i] else None for i in range(count)]
+    earliest = min((each for each in factors if each is not None), default=math.inf)
+    return tuple(
+        None if each is None else first if each <= earliest * (1.0 + ALIKE) else _by_averaging(slider, listed, each)
+        for each in factors
+    )
+
+
+def _released_contact(slider, listed, i):
+    """Return the averaged factor at which contact i leaves the surface, inf if none does."""
+    normal, height = abs(listed[i].normal), slider.offsets(len(listed))[i]
+
+    def approach(factor):
+        return riding_height(slider, tuple(o.scaled(factor) for o in listed)) + height - factor * normal
+
+    largest = max(abs(o.normal) for o in listed)
+    if largest == 0.0 or approach(CLIMB * float(np.max(slider.rest_approaches(len(listed)))) / largest) > 0.0:
+        return math.inf
+    averaged = _falling_root(approach, slider, listed)
+    if not slider.reciprocal or slider.law != "elastic" or slider.static_friction(len(listed)) <= slider.load:
+        return averaged
+
+    def separates(factor):
+        balance = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
+        return balance.height * balance.problem.length + height - factor * normal < 0.0
+
+    return _edge(separates, averaged)
+
+
 def _by_averaging(slider, orbits, factor):
     """Return the answer for a factor from the averaged theory, with the error of averaging."""
     if math.isinf(factor):

@@ -11,10 +11,13 @@ burst is always event-driven, with segments as long as the contact resonance all
 
 An envelope describes the wave's amplitude and phase during the burst. At the end of the burst the wave stops, or it
 decays according to a second envelope (ring-down), which is followed with fixed time steps.
+
+On a `Track` the orbits are those of the place to which the slider has come, with the turn of their phase from place to
+place, by which a moving slider meets another frequency (Doppler). The motion stops where the track ends.
 """
 
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +30,8 @@ from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
 from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.slider import Slider
+from contact.stepping.along_track import Scaled
+from contact.track import Track
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +69,11 @@ class Trajectory(Answered):
         averaged one its order.
     seconds : float
         Computing time.
+    displacement : (k,) array or None
+        On a track, displacement of the slider along +x, m; None without one.
+    ended : bool
+        True if the slider came to an end of the track, where the trajectory stops. If this was during the burst,
+        `duration`, `cycles` and `answer` are those of that instant.
     """
 
     slider: Slider
@@ -80,6 +90,8 @@ class Trajectory(Answered):
     after_ledger: Ledger | None
     statistics: dict
     seconds: float
+    displacement: np.ndarray | None = None
+    ended: bool = False
 
     @property
     def velocity_at_burst_end(self) -> float:
@@ -97,6 +109,7 @@ def burst(
     samples: int,
     method: str = "auto",
     envelope: Envelope | None = None,
+    track: Track | None = None,
 ) -> Trajectory:
     """Return the motion from rest during a burst and for some time after it.
 
@@ -117,6 +130,8 @@ def burst(
         "exact", "stepped", "averaged" or "auto".
     envelope : Envelope, optional
         Factor on the orbits during the burst; only the stepped method accepts one.
+    track : Track, optional
+        Orbits along the slider's way; at the displacement 0 they must be `orbits`. The averaged method accepts none.
 
     Returns
     -------
@@ -140,12 +155,22 @@ def burst(
     share = cycles / frequency / (cycles / frequency + after)
     stride = max(1, round(cycles / max(1.0, samples * share)))
     side, driven = towards_plus(listed)
-    request = Burst(slider, driven, rest_problem(slider, driven), cycles, stride, tolerance, envelope)
+    problem = rest_problem(slider, driven)
+    request = Burst(slider, driven, problem, cycles, stride, tolerance, envelope)
+    if track is not None:
+        turn = np.exp(1j * driven[0].upward_zero) / problem.length
+        request = request._replace(track=Scaled(track, side, turn, problem.length))
     result, method, reasons = run(method, request)
-    (motion, record), statistics, problem = result.run, result.statistics, request.problem
+    (motion, record, *way), statistics, asked = result.run, result.statistics, cycles
+    if way:
+        cycles = way[0].cycles
+        request = request._replace(cycles=cycles)
+        reasons = (*reasons, *((f"the track ends after {cycles} of {asked} cycles",) if cycles < asked else ()))
     end, parts = side * float(motion.state[At.VELOCITY]) * problem.speed, _during(request, motion, record)
     ledgers = [ledger(slider, motion)] if motion.begun is not None else []
-    slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
+    slid, rang, still = [], 0.0, None
+    if cycles == asked:
+        slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share), request.track, way)
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
     after_ledger = None
     if still is not None:
@@ -156,12 +181,33 @@ def burst(
     answer = Answer(
         value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
     ).judged(tolerance, reference_speed(end, listed), _advice(method, envelope))
-    return Trajectory(
+    motion_after = Trajectory(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,
         duration=cycles / frequency, cycles=cycles, rang=rang, answer=answer, method=method,
         ledger=together(*ledgers) if ledgers and not rang else None, after_ledger=after_ledger, statistics=statistics,
         seconds=clock.perf_counter() - begun,
+    )  # fmt: skip
+    return motion_after if track is None else _on_track(motion_after, track, way, side * problem.length, asked)
+
+
+def _on_track(trajectory, track, way, unit, asked):
+    """Return a trajectory with its displacement, stopped at the end of the track; ``unit``: m, with the side."""
+    x = unit * np.concatenate([[0.0], way[0].displacement])
+    if x.size < trajectory.time.size and trajectory.time[x.size] <= trajectory.duration * (1.0 + 1e-12):
+        x = np.append(x, unit * way[0].place)
+    if len(way) > 1:
+        x = np.concatenate([x, unit * way[1].displacement])
+    rest = slice(x.size - 1, None)
+    time, velocity = trajectory.time[rest], trajectory.velocity[rest]
+    steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time)
+    x = np.concatenate([x, x[-1] + np.cumsum(steps)])
+    outside = np.flatnonzero((x < track.limits[0]) | (x > track.limits[1]))
+    inside = outside[0] if outside.size else x.size
+    return replace(
+        trajectory, time=trajectory.time[:inside], velocity=trajectory.velocity[:inside],
+        position=trajectory.position[:inside], displacement=x[:inside],
+        ended=trajectory.cycles < asked or inside < x.size or (len(way) > 1 and way[1].ended),
     )  # fmt: skip
 
 
@@ -187,20 +233,25 @@ def _advice(method, envelope):
     return "" if method == "exact" else "ask for method exact"
 
 
-def _follow_on(slider, motion, after, envelope, samples):
+def _follow_on(slider, motion, after, envelope, samples, track, way):
     """Follow the slider after the burst, during the ring-down of the surface and then on the surface at rest.
 
     Returns (parts, duration of the ring-down, motion at the end). A part is (times in s from the end of the burst, v,
-    z_s). The motion is None if the surface does not come to rest within the time `after`.
+    z_s). The motion is None if the surface does not come to rest within the time `after`, or the slider comes to an end
+    of the `track` before. `way`: the motion along it up to now, `Followed`; that during the ring-down is appended.
     """
     parts, rang, problem = [], 0.0, motion.problem
     if envelope is not None:
         count = max(2, round(samples / 2.0))
-        times, record = ring_down(slider, motion, envelope, longest=after, samples=count)
+        start = way[0].place if way else 0.0
+        times, record, *along = ring_down(
+            slider, motion, envelope, longest=after, samples=count, track=track, start=start
+        )
+        way += along
         if times.size:
             rang = float(times[-1])
             parts.append((times, record[:, Column.VELOCITY], record[:, Column.POSITION]))
-    if after <= rang:
+    if after <= rang or any(each.ended for each in way):
         return parts, rang, None
     still, span, count = silence(motion), after - rang, max(2, round(samples))
     at = np.arange(1, count + 1) * (span / count)

@@ -256,7 +256,7 @@ def _traction(problem, point, slip):
 
 
 @compiled
-def _step(problem, k, work):
+def one_step(problem, k, work):
     """Move the slider from step k of the cycle to the next."""
     table, own, slider = work.table, work.contact, work.slider
     h, paths = slider[Index.STEP], problem.paths
@@ -316,14 +316,14 @@ def _run(problem, state, task, work):
     """Do the work of `steps`; return True if all is finite."""
     per_cycle, slider, envelope = task.per_cycle, work.slider, task.envelope
     knot = tabulate_cycle(problem.paths, per_cycle, 0, envelope, 0, work.table)
-    _begin(problem, state, per_cycle, work)
+    begin_steps(problem, state, per_cycle, work)
     for cycle in range(task.number):
         slider[Index.TRAVELLED] = 0.0
         if cycle > 0 and envelope.at.size > 1:
             # the last knot of a cycle may lie at its end, where the next cycle begins
             knot = tabulate_cycle(problem.paths, per_cycle, cycle, envelope, max(knot - 1, 0), work.table)
         for k in range(per_cycle):
-            _step(problem, k, work)
+            one_step(problem, k, work)
         if not np.isfinite(slider[Index.POSITION] + slider[Index.NORMAL_VELOCITY] + slider[Index.VELOCITY]):
             return False
         if task.stride > 0 and (cycle + 1) % task.stride == 0:
@@ -338,7 +338,7 @@ def _run(problem, state, task, work):
 
 
 @compiled
-def _begin(problem, state, per_cycle, work):
+def begin_steps(problem, state, per_cycle, work):
     """Set the forces of the first instant and what stays the same."""
     slider, own, table = work.slider, work.contact, work.table
     h = 2.0 * np.pi / per_cycle
@@ -365,6 +365,13 @@ def _begin(problem, state, per_cycle, work):
     slider[Index.NORMAL], slider[Index.TANGENTIAL] = normal_force, tangential_force
 
 
+def knots_of(problem, envelope) -> Knots:
+    """Return an envelope, or None for none, as the kernels take it."""
+    if envelope is None:
+        return Knots(np.zeros(1), np.ones(1), np.zeros(1))
+    return Knots(problem.omega * envelope.time, envelope.amplitude.copy(), envelope.phase.copy())
+
+
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
     """Move the slider through whole cycles of equal steps; return the record (number // stride, len(`Column`)).
 
@@ -374,9 +381,7 @@ def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.n
     n = problem.contacts
     work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Index)))
     record = np.empty((number // stride if stride else 0, len(Column)))
-    knots = Knots(np.zeros(1), np.ones(1), np.zeros(1))
-    if envelope is not None:
-        knots = Knots(problem.omega * envelope.time, envelope.amplitude.copy(), envelope.phase.copy())
-    if not _run(problem, state, Task(number, per_cycle, stride, record, knots), work):
+    task = Task(number, per_cycle, stride, record, knots_of(problem, envelope))
+    if not _run(problem, state, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
     return record

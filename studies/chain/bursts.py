@@ -1,19 +1,18 @@
-"""The motion of a slider on balls during and after a burst: on the wave at its position, then with its travel.
+"""The motion of a slider on balls during and after a burst: with its travel, or on the wave at its first position.
 
 The wave grows and decays as in `ring_up` if the method of solution accepts an envelope.  Otherwise it is steady from
 the start of the burst to its end, where it stops.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.travel import MIN_TRAVEL, travelled, with_travel
+from studies.chain.travel import MIN_TRAVEL
 from studies.refusal import SceneError
 from studies.scene import Scene
 
+FAR = 2.0  # wavelengths: a slider that comes this far at its steady velocity is followed along the field at once
 SAMPLES = 2000  # instants of a stored trajectory; they do not affect the integration
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
 SHAPED_METHODS = ("auto", "stepped")  # burst methods that accept an envelope
@@ -23,14 +22,33 @@ def followed_burst(driven: DrivenContact, level: float, velocity: float, toleran
     """Return the trajectory of the slider during and after the burst, and the values of a point that its travel adds.
 
     ``velocity``: the steady one at this level.  The trajectory covers the time ``after`` (s) from the end of the burst.
-    If this is None, it covers the stop of the slider and some periods of its tangential resonance.
+    If this is None, it covers the stop of the slider and some periods of its tangential resonance.  Where the slider
+    comes to fingers, a piece or the stator's end, the trajectory stops.
     """
-    trajectory = _burst_without_travel(driven, driven.at(level), velocity, tolerance, after)
-    return (trajectory, {}) if driven.along is None else _along(driven, trajectory, level)
+    orbits, along = driven.at(level), driven.along
+    if along is None or level == 0.0:
+        return _burst(driven, orbits, velocity, tolerance, after), {}
+    if driven.scene.slider.travel is None and abs(velocity) * driven.scene.burst <= FAR * along.wavelength:
+        trajectory = _burst(driven, orbits, velocity, tolerance, after)
+        if _travel(trajectory) <= MIN_TRAVEL * along.wavelength:
+            return trajectory, {}
+    trajectory = _burst(driven, orbits, velocity, tolerance, after, along.track.scaled(level))
+    during = trajectory.time <= trajectory.duration * (1 + 1e-12)
+    values = {"travel_m": float(trajectory.displacement[during][-1])}
+    return trajectory, values | ({"way_ends_after_s": float(trajectory.time[-1])} if trajectory.ended else {})
 
 
-def _burst_without_travel(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None):
-    """Return the trajectory of a slider that remains on the wave at its initial position."""
+def _travel(trajectory) -> float:
+    """Return how far a slider comes in a burst that is followed at one place, m."""
+    during = trajectory.time <= trajectory.duration * (1 + 1e-12)
+    return abs(float(np.trapezoid(trajectory.velocity[during], trajectory.time[during])))
+
+
+def _burst(
+    driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None,
+    track: contact.Track | None = None,
+):  # fmt: skip
+    """Return the trajectory of a slider on a track, or of one that remains on the wave at its initial position."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.least_friction(len(orbits))
     stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
@@ -39,7 +57,7 @@ def _burst_without_travel(driven: DrivenContact, orbits: tuple, velocity: float,
     method = method_of(driven.scene, "a burst", BURST_METHODS)
 
     def followed(envelope=None, after=after):
-        options = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope}
+        options = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope, "track": track}
         return contact.burst(slider, orbits, duration=duration, after=after, **options)
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
@@ -53,32 +71,6 @@ def _burst_without_travel(driven: DrivenContact, orbits: tuple, velocity: float,
         if method != "auto":
             raise
         return followed()  # this motion needs the event-based solver, which accepts no envelope
-
-
-def _along(driven: DrivenContact, trajectory, level: float):
-    """Return the trajectory with the slider's travel along the wave field, and the additional values of the point.
-
-    If the slider hardly moves, the trajectory is unchanged.
-    """
-    during = trajectory.time <= trajectory.duration * (1 + 1e-12)
-    expected = float(np.trapezoid(trajectory.velocity[during], trajectory.time[during]))
-    if driven.scene.slider.travel is None and abs(expected) <= MIN_TRAVEL * driven.along.wavelength:
-        return trajectory, {}
-    travel = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
-    if travel.ended:
-        raise contact.ConvergenceError(
-            "not applicable",
-            f"a ball reaches the stator's end {travel.time[-1]:.3g} s after the start: shorten drive.burst, or set "
-            "slider.travel = false for the velocity that the wave at the slider's position would give",
-        )
-    # assume that the relative error of averaging is the same for the change by travel as for the burst at one point
-    speed = contact.reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
-    averaging_error = abs(travel.velocity_without_travel[-1] - trajectory.velocity_at_burst_end) / speed
-    with_change = with_travel(trajectory, travel)
-    error = trajectory.answer.error + travel.error + averaging_error * abs(travel.change)
-    return replace(with_change, answer=replace(with_change.answer, error=error)), {
-        "travel_m": float(travel.displacement[-1])
-    }
 
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:

@@ -132,7 +132,7 @@ class ChangedContacts(ChangedScenes):
         """Return a contact with the ring-up of its burst and, given a motion, the orbits along the slider's travel."""
         slider, along = driven.scene.slider, None
         if motion is not None and driven.scene.burst is not None and slider.travel is not False:
-            along = WaveAlong.under(slider, motion)
+            along = WaveAlong.under(driven.scene, motion)
         return replace(driven, ringing=self.ring_up(driven), along=along)
 
     def ring_up(self, driven: DrivenContact) -> RingUp | None:

@@ -18,6 +18,7 @@ LOGGER = logging.getLogger(__name__)
 # Velocity of a slider from which on it has no answer, m/s: that of surface waves on soft polymers, the slowest
 # (`scene_warnings.USUAL_VELOCITIES`).  The contact's forces are those of bodies at rest.
 RUNAWAY = 200.0
+TOGETHER = 1e-3  # relative difference of the releases of two contacts that leave the surface together
 SHARE = 0.25  # fraction of the tolerance for the contact and, in the first attempt, for the stator
 
 
@@ -198,4 +199,23 @@ def _summary(driven: DrivenContact) -> tuple[dict, float]:
             limits[f"{name}_amplitude_m"] = factor * driven.amplitude
             if driven.scene.wave is None:
                 limits[f"{name}_voltage_V"] = factor
-    return limits, factors["threshold"]
+    return limits | _each_release(driven), factors["threshold"]
+
+
+def _each_release(driven: DrivenContact) -> dict:
+    """Return which contacts leave the surface first and last, and the level of the last; empty if all leave at once."""
+    if len(driven.orbits) == 1:
+        return {}
+    answers = enumerate(contact.releases(driven.slider, driven.orbits), start=1)
+    factors = {number: float(answer.value) for number, answer in answers if answer is not None}
+    leaving = {number: factor for number, factor in factors.items() if math.isfinite(factor)}
+    if not leaving:
+        return {}
+    first, last = min(leaving, key=leaving.__getitem__), max(leaving, key=leaving.__getitem__)
+    if leaving[last] <= leaving[first] * (1 + TOGETHER) and len(leaving) == len(driven.orbits):
+        return {}
+    summary: dict[str, float] = {"first_released_contact": first, "touching_contacts": len(factors)}
+    if len(leaving) < len(factors):  # some never leave
+        return summary
+    summary |= {"last_released_contact": last, "last_release_amplitude_m": leaving[last] * driven.amplitude}
+    return summary | ({} if driven.scene.wave is not None else {"last_release_voltage_V": leaving[last]})

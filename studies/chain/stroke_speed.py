@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from studies.chain import fem_model
 from studies.chain.bridge import DrivenContact
-from studies.chain.pillars import layout
+from studies.chain.free_way import free_way
 from studies.chain.ripple import Known, NearbyContact, Ripple, ripples
 from studies.chain.solved_stator import SolvedStator
 from studies.chain.surface_motion import SurfaceMotion
@@ -35,15 +34,10 @@ class StrokeSpeed:
 def slider_range(scene: Scene, clear: float = 0.0) -> tuple[float, float]:
     """Return the range of the slider's centre in m in which all its contacts stay on the free surface about it.
 
-    ``clear``: least distance from the fingers, m.  Rotated transducers do not limit the range.
+    ``clear``: least distance from the fingers, m.
     """
-    center = scene.slider.center[0]
-    offsets = [x - center for x, _ in scene.slider.contact_positions]
-    if scene.on_pillars:
-        offsets = layout(scene.slider).x.tolist()
-    extents = [] if scene.crossed else [each.extent for each in fem_model.transducers(scene)]
-    left, right = fem_model.free_span(extents, center, scene.stator.length, clear)
-    return left - min(offsets), right - max(offsets)
+    way, center = free_way(scene, clear), scene.slider.center[0]
+    return center + way.low, center + way.high
 
 
 def stroke_speed(

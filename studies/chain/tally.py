@@ -30,7 +30,8 @@ def steady_tally(state) -> dict:
 
 def burst_values(trajectory) -> dict[str, float]:
     """Return the columns of a point for the motion of a slider in a burst."""
-    displacement = float(np.trapezoid(trajectory.velocity, trajectory.time))
+    followed = trajectory.displacement  # along a track
+    displacement = float(np.trapezoid(trajectory.velocity, trajectory.time) if followed is None else followed[-1])
     return {"velocity_at_burst_end_m_per_s": trajectory.velocity_at_burst_end, "displacement_m": displacement}
 
 

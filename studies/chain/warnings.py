@@ -15,6 +15,7 @@ import fem
 from studies.chain import fem_model
 from studies.chain.ball_effects import NODE
 from studies.chain.bridge import DrivenContact
+from studies.chain.free_way import free_way
 from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
@@ -25,6 +26,7 @@ from studies.scene import Scene
 
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
 AIR = 101325.0  # pressure in Pa
+END = "way_ends_after_s"  # column of the points whose slider comes to the end of its way
 CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
 # Values above which a warning is issued:
 OFF_RESONANCE = 1.15  # largest amplitude over frequency, relative to the present one; the ripple of a plate makes 1.1
@@ -45,7 +47,9 @@ def warnings_of(record: Record) -> tuple[str, ...]:
     elif record.scene.wave is not None:
         warnings += _left_out(record)
     if record.scene.slider is not None:
-        warnings += [*_contact(record), *_points(record), *_ripple(record), *_other_motion(record)]
+        warnings += [
+            *_contact(record), *_points(record), *_ripple(record), *_end_of_way(record), *_other_motion(record)
+        ]  # fmt: skip
     if record.scene.on_pillars:
         from studies.chain.pillar_effects import pillar_warnings
 
@@ -286,6 +290,32 @@ def _ripple(record: Record) -> Iterator[str]:
         "(standing-wave ratio "
         f"{record.wave['standing_wave_ratio']:.3g}; split fingers reflect least)"
     )
+
+
+def _end_of_way(record: Record) -> Iterator[str]:
+    """Yield a warning if a burst carries the slider to fingers, a piece or the end of the stator."""
+    scene = record.scene
+    if scene.burst is None or scene.stator is None:
+        return
+    way = free_way(scene)
+    ends = [(p["way_ends_after_s"], p[record.level], p["displacement_m"]) for p in record.points if END in p]
+    if ends:
+        after, level, displacement = min(ends)
+        what = way.at_high if displacement > 0 else way.at_low
+        yield (
+            f"the burst carries the slider to the end of its way at {len(ends)} of {len(record.points)} points, where "
+            f"its motion stops: at {scene.named(level)} {what} {after:.4g} s after the start, and the velocity at the "
+            f"burst's end is that of this instant: shorten {scene.source.block}.burst, or move slider.position"
+        )
+    moved = [(p[record.level], x) for p in record.points if END not in p and (x := p.get("displacement_m"))]
+    beyond = [(level, x) for level, x in moved if not way.low <= x <= way.high]
+    if beyond:
+        level, displacement = max(beyond, key=lambda each: abs(each[1]))
+        what = way.at_high if displacement > 0 else way.at_low
+        yield (
+            f"the burst carries the slider {1e3 * displacement:.4g} mm along x ({scene.named(level)}) on the wave at "
+            f"its first position, although {what}: shorten {scene.source.block}.burst, or leave slider.travel out"
+        )
 
 
 def _other_motion(record: Record) -> Iterator[str]:

@@ -208,6 +208,8 @@ class MeasurementPredictor(Predictor):
             trajectory, _ = followed_burst(driven, level, steady, self.tolerance, after=after)
         except contact.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
+        if trajectory.ended and trajectory.time[-1] < measurement.time[-1] - offset:
+            return np.full(len(measurement.time), math.nan)  # the slider has come to fingers or the stator's end
         curve = trajectory.velocity
         if measurement.quantity == "position":
             curve = travelled_distance(trajectory.time, curve)

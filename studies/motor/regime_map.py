@@ -56,6 +56,7 @@ def run(
     operating_preload = slider.preload
     if operating_preload == 0.0 or slider.static_coefficient == 0.0:
         resolved_scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
+    share = resolved_scene.slider.share  # contacts that move alike are computed as one, with its part of the preload
     at, loads, operating = _grid(driven, per_metre, amplitudes, preloads)
     LOGGER.info(f"regime map: {at.size * loads.size} steady states")
     sliders = [replace(slider, preload=float(preload)) for preload in loads]
@@ -96,9 +97,10 @@ def run(
                _largest_difference(sliders, per_metre, at, states, checked), high=1e-6),
     )  # fmt: skip
     panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data={
-        "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(),
+        "amplitude_m": at, "preload_N": share * loads, "kind": kind.tolist(),
         "velocity_m_per_s": finite_lists(states.velocity),
-        "lines_m": lines, "operating_amplitude_m": operating, "operating_preload_N": operating_preload,
+        "lines_m": lines, "operating_amplitude_m": operating, "operating_preload_N": share * operating_preload,
+        "contacts": len(per_metre),
     })  # fmt: skip
     return (panel,), findings
 
@@ -147,7 +149,8 @@ def figure(record: Panel, ax):
     if i.size:
         ax.plot(A[j], preload[i], "x", color=COLOURS["line"], markersize=5.0, label="unknown (averaged)")
     for (name, values), style in zip(data["lines_m"].items(), (":", "--", "-."), strict=True):
-        curve(ax, np.asarray(values) * across.scale, preload, style, "line", f"{name} (theory)")
+        whose = " of the first contact" if name == "release" and data["contacts"] > 1 else ""
+        curve(ax, np.asarray(values) * across.scale, preload, style, "line", f"{name}{whose} (theory)")
     operating = np.asarray(data["operating_amplitude_m"]) * across.scale
     own(ax, operating, np.full(operating.size, data["operating_preload_N"] * up.scale), "operating points")
     ax.set_xlim(A[0], A[-1])

@@ -27,6 +27,7 @@ SHARES = {
     "to the left": "radiated_left_W_per_V2",
     "to the right": "radiated_right_W_per_V2",
 }  # share of the available power as printed: its key in run.json after "power_"
+LAST_RELEASE = "last_release_voltage_V", "last_release_amplitude_m"
 LIMITS = ("threshold_voltage_V", "threshold_amplitude_m", "release_voltage_V", "release_amplitude_m")
 ROWS_SHOWN = 30  # of the table in a notebook
 
@@ -287,4 +288,19 @@ def _limits(record: "Record"):
                 lacking = "friction" if slider.preload_force > 0.0 else "a preload"
                 yield name, f"none: without {lacking} the wave does not move the slider"
         elif levels:
-            yield name, f"{', '.join(levels)}: the slider {motion}"
+            who = leaving(summary, motion) if name == "release" else f"the slider {motion}"
+            yield name, f"{', '.join(levels)}: {who}"
+
+
+def leaving(summary: dict, motion: str) -> str:
+    """Return in words what begins at the release: of the slider, or of the first of several contacts and of the last.
+
+    ``motion``: what it does.
+    """
+    if "first_released_contact" not in summary:
+        return f"the slider {motion}"
+    first = f"contact {summary['first_released_contact']}, the first of {summary['touching_contacts']}, {motion}"
+    if "last_released_contact" not in summary:
+        return f"{first}; one or more never do"
+    last = [_stated(summary, key) for key in LAST_RELEASE if key in summary]
+    return f"{first}; contact {summary['last_released_contact']} is the last, from {', '.join(last)} on"

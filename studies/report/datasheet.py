@@ -28,7 +28,7 @@ from studies.chain.stroke_speed import StrokeSpeed, slider_range, stroke_speed
 from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.quantities import quantity
-from studies.record.text import sentences
+from studies.record.text import leaving, sentences
 from studies.refusal import RunError
 from studies.report.intermediate import si
 from studies.scene import Scene
@@ -314,6 +314,8 @@ def _speeds(
         ("release", "leaves the surface in every cycle", contact.release),
     ):
         value, condition = record.limit(name), f"the slider {event}"
+        if name == "release":
+            condition = leaving(record.summary, event)
         if value is not None:
             factor = factor_of(driven.slider, driven.orbits)
             error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)

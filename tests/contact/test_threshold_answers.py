@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact import Orbit, release, steady, threshold, threshold_factor
+from contact import Orbit, release, releases, steady, threshold, threshold_factor
 from tests.contact.motors import slider
 
 F = 2.2e6
@@ -126,3 +126,36 @@ def test_one_contact_parts_and_slips_where_the_full_motion_does(changed):
         )
         assert below.statistics[event] == 0
         assert above.statistics[event] > 0
+
+
+UNEQUAL = {
+    "heights": (slider(heights=(0.0, -1e-9, -0.4e-9)), (orbit(1e-9, -0.7e-9j),) * 3),
+    "orbits": (slider(), (orbit(1e-9, -0.7e-9j), orbit(0.6e-9j, -0.5e-9))),
+    "both": (slider(heights=(0.0, 0.5e-9)), (orbit(1e-9, -0.7e-9j), orbit(0.8e-9, -0.7e-9j))),
+}
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("name", UNEQUAL)
+def test_each_contact_leaves_the_surface_above_its_own_factor(name, side, order):
+    body, wave = UNEQUAL[name]
+    wave = tuple(replace(each, tangential=side * each.tangential) for each in wave)[::order]
+    body = replace(body, heights=body.heights[::order])
+    found = [each.value for each in releases(body, wave)]
+    assert min(found) == release(body, wave).value
+    assert max(found) > 1.05 * min(found)
+    for number in range(len(wave) + 1):
+        # between two of them, so many contacts leave once per cycle
+        ends = [0.8 * min(found), *sorted(found), 1.2 * max(found)]
+        factor = 0.5 * (ends[number] + ends[number + 1])
+        moving = steady(body, tuple(each.scaled(factor) for each in wave), tolerance=1e-6, method="exact")
+        assert moving.statistics["release"] == number, (number, factor)
+
+
+def test_contacts_in_the_air_have_no_release():
+    body, wave = slider(heights=(0.0, -300e-9)), (orbit(1e-9, -0.7e-9j),) * 2
+    first, second = releases(body, wave)
+    assert second is None
+    assert first == release(body, wave)
+    assert all(math.isinf(each.value) for each in releases(slider(), (orbit(0, 1e-9),) * 2))

@@ -1,83 +1,20 @@
-"""A slider that moves through the field: against the burst followed in steps under the envelope of its own path."""
+"""A slider that moves through the field of a stator: its orbits there, how far it comes and where its way ends.
+
+The motion along a track is tested in tests/contact/test_track.py.
+"""
 
 import numpy as np
 import pytest
 
-import contact
 from studies import run
-from studies.chain.travel import WaveAlong, travelled, with_travel
+from studies.chain import resolve
+from studies.chain.bridge import DrivenContact
+from studies.chain.free_way import free_way
+from studies.chain.travel import WaveAlong
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement import Measurement
-
-WAVELENGTH = 1e-3
-BASE = contact.Orbit(frequency=2.2e6, normal=8e-9, tangential=5e-9j)
-SLIDER = contact.Slider(
-    radius=1e-3, mass=8.9e-5, preload=8.9e-5 * 9.81, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
-    tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0,
-    normal_damping=0.5, tangential_damping=1e-4,
-)  # fmt: skip
-
-
-def wave(factor, limits=(-0.05, 0.05)) -> WaveAlong:
-    """A field whose amplitude is ``factor`` of the displacement."""
-    return WaveAlong(
-        wavelength=WAVELENGTH,
-        limits=limits,
-        orbits=lambda places: [(BASE.scaled(float(factor(place))),) for place in places],
-    )
-
-
-def fading(place):
-    return 1.0 + place / 8e-4
-
-
-def burst(duration, envelope=None):
-    return contact.burst(
-        SLIDER, BASE, duration=duration, after=0.01, tolerance=1e-3, samples=400, method="stepped", envelope=envelope
-    )
-
-
-def test_a_uniform_field_changes_nothing():
-    found = travelled(SLIDER, wave(lambda place: 1.0), 1.0, 0.02, -1e-4)
-    assert abs(found.change) < 1e-15
-    assert found.error < 1e-15
-    assert found.velocity[-1] < 0
-
-
-def test_against_the_envelope_of_its_own_path():
-    """The stepped burst under e(t) = factor(X(t)) knows nothing of tables or averages."""
-    duration = 0.03
-    found = travelled(SLIDER, wave(fading), 1.0, duration, -2e-4)
-    path = contact.Envelope(
-        time=found.time, amplitude=fading(found.displacement), phase=np.zeros(len(found.time))
-    )  # fmt: skip
-    plain, shaped = burst(duration), burst(duration, path)
-    moved = with_travel(plain, found)
-    change = shaped.velocity_at_burst_end - plain.velocity_at_burst_end
-    assert abs(change) > 0.03 * abs(plain.velocity_at_burst_end)
-    assert found.change == pytest.approx(change, rel=0.05)
-    assert moved.velocity_at_burst_end == pytest.approx(shaped.velocity_at_burst_end, rel=3e-3)
-    early = moved.time < duration
-    followed = np.interp(moved.time[early], shaped.time, shaped.velocity)
-    assert abs(moved.velocity[early] - followed).max() < 5e-3 * abs(followed).max()
-    slide = moved.velocity[moved.time > duration]
-    expected = np.interp(moved.time[moved.time > duration], shaped.time, shaped.velocity)
-    assert abs(slide - expected).max() < 0.02 * abs(followed).max()
-
-
-def test_it_stops_at_the_end_of_the_stator():
-    found = travelled(SLIDER, wave(lambda place: 1.0, limits=(-1e-4, 0.01)), 1.0, 0.05, -1e-3)
-    assert found.ended
-    assert found.displacement[-1] == pytest.approx(-1e-4, abs=2e-5)
-    assert found.time[-1] < 0.05
-
-
-def test_the_load_works_against_the_drive():
-    free = travelled(SLIDER, wave(fading), 1.0, 0.02, -1e-4)
-    held = SLIDER.__class__(**{**vars(SLIDER), "load": 1e-4})
-    loaded = travelled(held, wave(fading), 1.0, 0.02, -1e-4)
-    expected = 1e-4 / SLIDER.mass * 0.02
-    assert loaded.velocity[-1] - free.velocity[-1] == pytest.approx(expected, rel=0.2)
+from studies.scene import Scene
+from tests.studies.settings import assigned
 
 
 def test_a_run_says_how_far_it_went(small):
@@ -104,3 +41,69 @@ def test_a_run_says_how_far_it_went(small):
     assert any("slider.travel is false" in each for each in still.left_out)
     absent = run(small.replace(drive={"burst": "1 ms", "voltage": "120 V"}), tolerance=0.05)
     assert absent.points == still.points  # less than a tenth of a wavelength: bit-equal
+
+
+# It reaches the fingers, 0.35 mm away, within 20 ms. The mirror image has the other end's drive.
+FAST = (
+    "drive.burst=30 ms",
+    "drive.voltage=120 V",
+    "slider.mass=40 mg",
+    "slider.preload=3 mN",
+    "slider.position=5.7 mm",
+)
+MIRRORED = (*FAST, "transducer.0.center=10 mm", "slider.position=8.3 mm")
+
+
+def test_a_burst_stops_at_the_fingers_and_says_so(small):
+    stopped = {}
+    for name, settings in (("left", FAST), ("right", MIRRORED)):
+        found = run(Scene.from_table("", assigned(small.to_table(), *settings)), tolerance=0.05)
+        (point,), ((_, path),) = found.points, found.trajectories
+        stopped[name] = point
+        assert point["way_ends_after_s"] < 30e-3
+        assert path.time[-1] == point["way_ends_after_s"]
+        way = free_way(found.scene)
+        assert way.low <= path.displacement.min() <= path.displacement.max() <= way.high
+        reached = way.low if point["travel_m"] < 0 else way.high
+        assert point["travel_m"] == pytest.approx(reached, rel=1e-3)
+        (sentence,) = (each for each in found.warnings if "the end of its way" in each)
+        assert "the contact reaches the fingers of transducer left" in sentence
+        assert "drive.burst" in sentence
+    stated = stopped["left"]["relative_error"]
+    for key, error in (("travel_m", 1e-4), ("velocity_at_burst_end_m_per_s", 2.0 * stated)):
+        assert stopped["right"][key] == pytest.approx(-stopped["left"][key], rel=error)
+    fixed = assigned(small.to_table(), *FAST, "slider.travel=false")
+    crossing = run(Scene.from_table("", fixed), tolerance=0.05)
+    (sentence,) = (each for each in crossing.warnings if "although" in each)
+    assert "reaches the fingers of transducer left" in sentence
+
+
+def test_the_way_ends_at_fingers_and_ends(small):
+    scene = resolve.resolved(Scene.load("twente"))
+    left, right = scene.transducer
+    way = free_way(scene)
+    balls = [x for x, _ in scene.slider.contact_positions]
+    fingers = [each.center_xy[0] for each in (left, right)]
+    assert fingers[0] < min(balls) + way.low < max(balls) + way.high < fingers[1]
+    assert way.at_low.endswith("mm")
+    assert "reaches the fingers of transducer left" in way.at_low
+    assert "reaches the fingers of transducer right" in way.at_high
+    clear = free_way(scene, clear=1e-3)
+    assert (clear.low, clear.high) == pytest.approx((way.low + 1e-3, way.high - 1e-3), abs=1e-15)
+    alone = free_way(resolve.resolved(small))
+    assert "reaches the stator's end" in alone.at_high
+    assert alone.high == pytest.approx(5e-3)
+
+
+def test_the_orbits_along_the_way_are_those_of_the_surface(small):
+    record = run(small, tolerance=0.05)
+    driven, motion = DrivenContact.of_run(record), record.surface_motion
+    along = WaveAlong.under(record.scene, motion)
+    places = np.array([-1.1e-3, 0.0, 0.7e-3])
+    for (x, y), number in zip(record.scene.slider.contact_positions, range(9), strict=False):
+        u_x, _, u_z = motion.along(x + places, y)
+        found = along.orbits(places)
+        size = abs(u_z).max()
+        assert [each[number].normal for each in found] == pytest.approx(u_z, abs=1e-4 * size)
+        assert [each[number].tangential for each in found] == pytest.approx(u_x, abs=1e-4 * size)
+    assert along.scaled(2.0).orbits([0.0])[0][0].normal == pytest.approx(2.0 * driven.orbits[0].normal, rel=1e-4)
