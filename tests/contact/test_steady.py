@@ -8,8 +8,9 @@ import pytest
 
 from contact import ConvergenceError, Orbit, burst, steady, threshold_amplitude
 from contact.answers.burst_methods import rest, rest_problem
+from contact.averaged.closed_forms import closed_form
 from contact.error_estimate import reference_speed
-from tests.contact.motors import orbit, slider
+from tests.contact.motors import SEED, orbit, slider
 from tests.oracles.contact_steps import steady_velocity
 
 AMPLITUDES = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)
@@ -341,3 +342,41 @@ def test_the_method_after_shooting_depends_on_why_shooting_failed(monkeypatch, s
         with pytest.raises(ConvergenceError) as failure:
             steady(slider(**changed), orbit(3e-9), tolerance=1e-3, method=method)
         assert failure.value.status == (next_method or status)
+
+
+OMEGA = 2.0 * np.pi * 400.0
+FRICTION = SEED["friction_coefficient"] * SEED["preload"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "amplitude", "ratio"),
+    [
+        # each force alone, a tenth below and above half of what the contact bears
+        (lambda share: {"load": share * FRICTION}, 3e-9, 0.7),
+        (lambda share: {"tangential_damping": share * FRICTION / (OMEGA * 2.1e-9)}, 3e-9, 0.7),
+        (lambda share: {"normal_damping": share * SEED["preload"] / (OMEGA * 3e-9)}, 3e-9, 1e-3),
+        (lambda share: {"mass": share * FRICTION / (OMEGA**2 * 2.1e-9), "tangential_damping": 0.0}, 3e-9, 0.7),
+        (lambda share: {"mass": share * SEED["preload"] / (OMEGA**2 * 3e-9), "normal_damping": 0.0}, 3e-9, 1e-6),
+    ],
+    ids=["load", "damper", "normal damper", "inertia along x", "inertia along z"],
+)
+def test_a_slider_is_carried_while_each_force_is_half_of_what_the_contact_bears(changed, amplitude, ratio):
+    """The limits are those of a contact at rest: mu P along x, P along z;."""
+    wave = (orbit(amplitude, ratio=ratio, frequency=400.0),)
+    stiff = {"effective_modulus": 64e13, "tangential_modulus": 12e13}  # resonances 20 times higher
+    for share, carried in ((0.45, True), (0.55, False)):
+        body = slider(**(stiff | changed(share)))
+        assert min(body.normal_resonance(1), body.tangential_resonance(1)) > 20 * 400.0
+        assert (closed_form(body, wave) is not None) == carried
+
+
+def test_only_equal_contacts_of_one_height_under_a_slow_wave_are_carried():
+    wave, faster = orbit(3e-9, frequency=380.0), orbit(3e-9, frequency=390.0)
+    limit = min(slider().normal_resonance(1), slider().tangential_resonance(1)) / 20
+    assert 380.0 < limit < 390.0
+    assert closed_form(slider(), (wave,))["why"].startswith("carried along")
+    assert closed_form(slider(), (wave, wave)) is not None
+    assert closed_form(slider(), (faster,)) is None
+    assert closed_form(slider(), (wave, wave.scaled(1.1))) is None
+    assert closed_form(slider(heights=(0.0, 1e-10)), (wave, wave)) is None
+    assert closed_form(slider(law="hysteretic"), (wave,)) is None

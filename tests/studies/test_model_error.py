@@ -125,6 +125,17 @@ def test_vacuum_put_back(name):
     assert 0.8 * size < changes.max() < 1.3 * size
 
 
+def test_the_permittivity_of_a_tilted_cut_is_that_of_its_principal_axes():
+    """eps_xx eps_zz - eps_xz^2 is eps_a eps_c wherever the polar axis lies in the plane of the section."""
+    scene = Scene.load("lithium-niobate-128yx").replace(stator={"orientation": [0, 60, 90]})
+    solid, crystal = fem_model.solid(scene.stator), fem.material(scene.stator.material)
+    assert abs(solid.permittivity[0, 2]) > 0.1 * solid.permittivity[0, 0]
+    ((_, _, size, _),) = vacuum_effect(SimpleNamespace(scene=scene))
+    bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+    principal = math.sqrt(crystal.permittivity[0, 0] * crystal.permittivity[2, 2])
+    assert size == pytest.approx(4.0 * 8.8541878e-12 / principal * 2 * (bare - metal) / bare, rel=1e-6)
+
+
 def test_electrode_mass_against_rayleigh_energy(motor):
     """dv/v = -(v / 4) rho h omega^2 |u|^2 / (P / W), with u_z = C (P / (W f))^(1/2) and C = 1.75e-6 in hard PZT."""
     omega, wave = 2 * math.pi * 2.2e6, motor.wave
