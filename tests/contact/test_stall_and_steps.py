@@ -13,6 +13,7 @@ from contact import (
     Envelope,
     FallingFriction,
     Orbit,
+    Slider,
     blocked_thrust,
     cycles_for,
     load_line,
@@ -20,10 +21,11 @@ from contact import (
     steady,
     step,
 )
-from contact.answers import burst_methods
+from contact.answers import burst_methods, steps
 from contact.answers import load_line as stalls
 from contact.error_estimate import averaged_stall_error
 from contact.events.energy import Sum
+from contact.events.motion import Motion
 from contact.orbit import towards_plus
 from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
@@ -234,3 +236,49 @@ def test_the_bracket_of_the_stall_is_widened_where_the_slider_still_moves(monkey
     body = replace(slider(), preload=100.0)
     answer = stalls.full_stall(body, (orbit(5e-9),), Answer(value=1.0, error=0.005, reasons=()), 1e-5)
     assert abs(answer.value - stall) <= answer.error < 2e-3 * stall
+
+
+@pytest.mark.parametrize("cycles", [100, 242])
+def test_a_ring_that_touches_the_slip_limit_for_ever_ends_when_the_bounce_has_died_out(cycles):
+    """f_t = 0.994 f_n: 50 000 spans were followed, in each of which the slider slipped by its rounding."""
+    even = Slider(
+        radius=0.001028449953191421, mass=1.69657778831353e-07, preload=0.0003423371575357137, load=0.0,
+        friction_coefficient=0.03256062494754735, effective_modulus=93866799227.80275,
+        tangential_modulus=23175353646.46072, law="elastic", reciprocal=False, stick_band=0.0,
+        contact_damping=0.05161618800477477, normal_damping=0.06416443123779275, tangential_damping=0.0,
+    )  # fmt: skip
+    wave = Orbit(
+        frequency=953396.1477062881, normal=5.42931699417939e-09,
+        tangential=2.71374564135568e-09 - 6.396904604600815e-09j,
+    )  # fmt: skip
+    counted, spans = Motion.move, []
+
+    def move(motion, *given):
+        spans.append(1)
+        return counted(motion, *given)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Motion, "move", move)
+        found = step(even, wave, cycles=cycles)
+    assert 2 * steps.QUIET_SPANS < len(spans) < 300
+    # the ring is left at the slip limit
+    assert found.ring == pytest.approx(even.limit_slope * even.rest_approach(1), rel=1e-4)
+    # by integration without events to its extrapolated error
+    motor = stop_motor(even, (wave,))
+
+    def final(number):
+        _, state = motor.run(cycles, number)
+        _, (_, y, x, _) = motor.run(500, number, state=state, silent=True)
+        return y[TRAVEL] + way_to_rest(np.array([even.rest_approach(1)]), x, even.limit_slope)
+
+    right, unsure = extrapolated(final, 400)
+    assert abs(found.displacement - right) < 2.0 * found.error + unsure
+    assert unsure < 1e-4 * abs(right)
+
+
+def test_a_slider_that_no_damper_brings_to_rest_is_refused_in_time():
+    body = slider(
+        mass=1.69657778831353e-07, preload=3.4e-4, normal_damping=0.0, tangential_damping=0.0, tangential_modulus=15.8e9
+    )
+    with pytest.raises(ConvergenceError, match="goes on slipping; give it normal damping"):
+        step(body, orbit(5e-9, frequency=0.95e6), cycles=242)
