@@ -26,7 +26,11 @@ ORIENTATIONS: dict[str, tuple[float, float, float]] = {
     "ST-X": (0, 132.75, 0),
 }
 Orientation = str | Sequence[float]
-ROTATED_Y = re.compile(r"(\d{1,3}(?:\.\d+)?)\s*°?\s*YX")  # 64YX: the normal 64 degrees from Y towards Z, along X
+# Names by the crystal axis of the normal and of the propagation, with a turn: 64YX, the normal 64 degrees from Y
+# towards Z, propagation along X; X112Y, the normal along X, propagation 112 degrees from Y towards Z
+ROTATED_NORMAL = re.compile(r"(\d{1,3}(?:\.\d+)?)\s*°?[\s-]*Y-?X")
+ROTATED_PROPAGATION = re.compile(r"X[\s-]*(\d{1,3}(?:\.\d+)?)\s*°?[\s-]*Y")
+PLAIN_CUTS = {"ZX": (0, 0, 0), "ZY": (90, 0, 0), "YX": (0, -90, 0), "XY": (90, 90, 0), "XZ": (90, 90, 90)}
 # Conventions of Euler angles.  SAW: [phi, theta, psi] as above, from the crystal to the cut.  COMSOL (rotated system in
 # three dimensions, z normal) and sawsim (2.0.2) turn from the cut to the crystal: [alpha, beta, gamma] of
 # R_z(alpha) R_x(beta) R_z(gamma) with active matrices, so that 128YX is [0, -38, 0].
@@ -53,11 +57,21 @@ def euler_angles(angles: Sequence[float], convention: str = "SAW") -> tuple[floa
 
 
 def named_cut(name: str) -> tuple[float, float, float] | None:
-    """Return the Euler angles of a cut's name, of `ORIENTATIONS` or a rotated Y cut such as 64YX; None for another."""
-    if name in ORIENTATIONS:
-        return ORIENTATIONS[name]
-    rotated_y = ROTATED_Y.fullmatch(name)
-    return None if rotated_y is None else (0.0, float(rotated_y[1]) - 90.0, 0.0)
+    """Return the Euler angles of a cut's name; None for a name that is none.
+
+    Examples
+    --------
+    >>> named_cut("64YX"), named_cut("X-112Y"), named_cut("ZX")
+    ((0.0, -26.0, 0.0), (90.0, 90.0, 112.0), (0, 0, 0))
+    """
+    known = ORIENTATIONS | PLAIN_CUTS
+    if name in known:
+        return known[name]
+    if normal := ROTATED_NORMAL.fullmatch(name):
+        return 0.0, float(normal[1]) - 90.0, 0.0
+    if propagation := ROTATED_PROPAGATION.fullmatch(name):
+        return 90.0, 90.0, float(propagation[1])
+    return None
 
 
 def rotation_matrix(orientation: Orientation) -> np.ndarray:
@@ -72,7 +86,7 @@ def rotation_matrix(orientation: Orientation) -> np.ndarray:
         angles_of_name = named_cut(orientation)
         if angles_of_name is None:
             names = ", ".join(ORIENTATIONS)
-            rule = f"must be one of {names}, a rotated Y cut such as 64YX, or [phi, theta, psi] degrees"
+            rule = f"must be one of {names}, another such as 64YX, or [phi, theta, psi] degrees"
             raise InputError("orientation", rule, orientation)
         orientation = angles_of_name
     try:

@@ -14,7 +14,7 @@ HELP = "compute the Rayleigh wave of a half-space, bare or under layers, without
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("material", metavar="MATERIAL", help="a catalogue name, such as PZT-8, or FILE.toml")
-    orientation = "Z, X, YZ, 128YX, 64YX, ST-X or three angles phi,theta,psi in degrees (Z)"
+    orientation = "Z, X, YZ, 128YX, 64YX, X112Y, ST-X or three angles phi,theta,psi in degrees (Z)"
     parser.add_argument("--orientation", default="Z", metavar="O", help=orientation)
     convention = "convention of three angles: SAW, COMSOL or sawsim (SAW)"
     parser.add_argument("--euler-convention", default="SAW", metavar="C", help=convention)

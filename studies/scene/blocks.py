@@ -26,9 +26,12 @@ CUTS = choice("Z", "X", "YZ", "128YX", "ST-X")
 ORIENTATION = (
     CUTS
     | Plain(
-        'a rotated Y cut such as "64YX"',
+        'another cut such as "64YX", "X112Y" or "ZX"',
         lambda value: isinstance(value, str) and fem.named_cut(value) is not None,
-        {"type": "string", "pattern": r"^\d{1,3}(\.\d+)?\s*°?\s*YX$"},
+        {
+            "type": "string",
+            "pattern": r"^(\d{1,3}(\.\d+)?\s*°?[\s-]*Y-?X|X[\s-]*\d{1,3}(\.\d+)?\s*°?[\s-]*Y|Z[XY]|YX|X[YZ])$",
+        },
     )
     | FixedList((NUMBER,) * 3, "three angles [phi, theta, psi] in degrees")
 )
@@ -228,8 +231,8 @@ class Stator(Block):
     orientation: Annotated[
         str | tuple,
         ORIENTATION,
-        "Z: poled along the surface normal; X: poled along x; YZ, ST-X, 128YX, 64YX or another angle: crystal cuts; or "
-        "three Euler angles in degrees.",
+        "Z: poled along the surface normal; X: poled along x; YZ, ST-X, 128YX, 64YX or another angle, X112Y, ZX: cuts "
+        "by the crystal axes of normal and propagation; or three Euler angles in degrees.",
     ] = "Z"
     euler_convention: Annotated[
         str,

@@ -27,7 +27,7 @@ VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 PILLARS = {"diameter": "20 um", "pitch": "50 um", "rows": 5, "columns": 4}
 GOOD = {  # a value for every key that is given in no shipped scene, by its dotted path
     "uncertain": [{"slider": {"preload": "+- 5 %"}, "method": "sampled", "samples": 50}],
-    "stator.orientation": ["X", [0, 38, 0], "64YX", "41.5 YX"],
+    "stator.orientation": ["X", [0, 38, 0], "64YX", "41.5 YX", "128° Y-X", "36-YX", "X-112Y", "ZX", "XY"],
     "stator.euler_convention": ["SAW", "COMSOL", "sawsim"],
     "stator.thickness": ["half-space", "5 mm", 5e-3],
     "stator.bottom": ["grounded", "clamped"],

@@ -88,13 +88,21 @@ def test_conventions_that_turn_from_the_cut_to_the_crystal(angles):
         fem.euler_angles(angles, "Bunge")
 
 
-def test_rotated_y_cuts():
-    """The normal stands that many degrees from Y towards Z, the propagation along X."""
-    for name, degrees in (("64YX", 64), ("41.5 YX", 41.5), ("36YX", 36), ("128YX", 128)):
+def test_cuts_by_their_crystal_axes():
+    """Normal and propagation along crystal axes, or turned from Y towards Z."""
+    axes = dict(zip("XYZ", np.eye(3), strict=True))
+    for name in ("XY", "XZ", "YX", "YZ", "ZX", "ZY"):
+        x, _, z = rotation_matrix(name)
+        assert (*x, *z) == pytest.approx((*axes[name[1]], *axes[name[0]]), rel=1e-12, abs=1e-12)
+    x, _, z = rotation_matrix("X-112Y")
+    assert (*x, *z) == pytest.approx(
+        (0, np.cos(np.radians(112)), np.sin(np.radians(112)), 1, 0, 0), rel=1e-12, abs=1e-12
+    )
+    for name, degrees in (("64YX", 64), ("41.5 YX", 41.5), ("36-YX", 36), ("128° Y-X", 128), ("128YX", 128)):
         x, _, z = rotation_matrix(name)
         t = np.radians(degrees)
         assert (*x, *z) == pytest.approx((1, 0, 0, 0, np.cos(t), np.sin(t)), rel=1e-12, abs=1e-12)
-    with pytest.raises(ValueError, match="a rotated Y cut such as 64YX"):
+    with pytest.raises(ValueError, match="another such as 64YX"):
         rotation_matrix("64XY")
 
 
