@@ -1,5 +1,6 @@
 """The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
 
+from studies.chain.solved_stator import SolvedStator
 from studies.scene import Scene
 
 
@@ -44,9 +45,7 @@ def _recovered(scene: Scene, circuit) -> dict:
     recovery = scene.drive.recovery
     if recovery is None:
         return {}
-    receiver = circuit.names.index(recovery.receiver)
-    load_power = 0.5 * abs(circuit.currents[receiver]) ** 2 * complex(recovery.load).real
-    recovered_power = recovery.efficiency * load_power
+    recovered_power = recovered(recovery, circuit.currents[circuit.names.index(recovery.receiver)])
     gain = float(recovered_power / circuit.power)
     block = {"power_recovered_W_per_V2": float(recovered_power), "recovery_ratio": gain}
     if not recovery.circulation:
@@ -58,6 +57,19 @@ def _recovered(scene: Scene, circuit) -> dict:
         )
         scene.refuse("drive.recovery.efficiency", rule)
     return block | {"power_net_W_per_V2": float(circuit.power - recovered_power)}
+
+
+def recovered(recovery, current: complex) -> float:
+    """Return the recovered power in W per V^2 for a current into the receiver, A per V; ``recovery``: of the drive."""
+    return float(recovery.efficiency * 0.5 * abs(current) ** 2 * complex(recovery.load).real)
+
+
+def source_power(scene: Scene, solved: SolvedStator) -> float:
+    """Return the power that the source supplies to the transducers, W per V^2: with circulation the net power."""
+    recovery = scene.drive.recovery
+    if recovery is None or not recovery.circulation:
+        return solved.power
+    return solved.power - recovered(recovery, solved.currents[recovery.receiver])
 
 
 def with_powers(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:

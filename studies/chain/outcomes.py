@@ -8,6 +8,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
+from studies.chain.electrical import source_power
 from studies.chain.points import contact_load
 from studies.chain.ripple import COLUMNS as RIPPLE_COLUMNS
 from studies.chain.ripple import ERROR_COLUMN, Known, NearbyContact, columns_of, ripples
@@ -110,8 +111,9 @@ def _ripple(driven: DrivenContact, answer: dict, tolerance: float) -> dict:
 
 
 def _efficiencies(driven: DrivenContact, power: float, efficiency: float) -> dict:
-    """Return the efficiency of the contact and that of the motor: mechanical ``power`` in W over electrical power."""
-    electrical = amplitudes(driven).get("power_W", 0.0)
+    """Return the efficiency of the contact and that of the motor: mechanical ``power`` in W over that of the source."""
+    solved, scene = driven.solved, driven.scene
+    electrical = 0.0 if solved is None else source_power(scene, solved) * driven.level**2
     return {"contact_efficiency": efficiency} | ({"motor_efficiency": power / electrical} if electrical > 0.0 else {})
 
 

@@ -41,6 +41,7 @@ class SolvedStator:
     frequency: float  # Hz
     admittance: complex  # S
     power: float  # mean, from all sources into the stator, W per V^2
+    currents: dict[str, complex]  # into the positive electrode of each transducer, A per V
 
     @classmethod
     def of(cls, motion: SurfaceMotion, positions, *, coarse: bool = False, nearby: bool = False) -> "SolvedStator":
@@ -58,6 +59,7 @@ class SolvedStator:
         return cls(
             at=at, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,
+            currents=dict(zip(motion.circuit.names, motion.circuit.currents.tolist(), strict=True)),
         )  # fmt: skip
 
     def orbits(self, positions) -> tuple:

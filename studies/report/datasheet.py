@@ -430,8 +430,10 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
     condition = "mechanical power over the power that the wave gives the contacts, best load"
     yield Row("power", "efficiency of the contact", float(np.max(line.efficiency)), "1", error, condition)
     if electrical:
-        efficiency, error = power / electrical_power, electrical_error + error
-        condition = "largest mechanical power over electrical power"
+        supplied = electrical.get("power_net_W_per_V2", electrical["power_W_per_V2"]) * rated**2
+        efficiency, error = power / supplied, electrical_error + error
+        circulates = "power_net_W_per_V2" in electrical
+        condition = f"largest mechanical power over {'net power of the source' if circulates else 'electrical power'}"
         yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
 
 

@@ -1,6 +1,7 @@
 """A scene's source: power instead of voltage, its impedance and a matching network, recovery, and where power goes."""
 
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -176,6 +177,24 @@ def test_circulation_changes_the_source_not_the_motion(recovered):
     still = run(recovering(), tolerance=3e-2)
     assert "power_net_W_per_V2" not in still.electrical
     assert still.points[0] == recovered.points[0]
+
+
+def test_the_efficiency_is_that_of_the_power_from_the_source():
+    """With circulation the source supplies 1 - gain of what the transducers take; the slider gets the same."""
+    efficiencies = {}
+    for circulation in (False, True):
+        table = motor(voltage="40 V").to_table()
+        table["stator"]["diffraction"] = False
+        del table["transducer"][1]["termination"]
+        table["drive"]["recovery"] = {"receiver": "right", "efficiency": 0.9, "circulation": circulation}
+        scene = Scene.from_table("", table)
+        found = sweep(scene, {"slider.load": "0:1e-5 N:2"}, also=("efficiency",), tolerance=3e-2).columns()
+        efficiencies[circulation] = found["motor_efficiency"][0]
+        assert 0 < found["motor_efficiency"][0] < found["contact_efficiency"][0]
+    gain = run(replace(scene, slider=None), tolerance=3e-2).electrical["recovery_ratio"]
+    assert gain > 0.05
+    # the run's place of least error, and with it its discretisation, is another: 1e-4 of the gain
+    assert efficiencies[True] == pytest.approx(efficiencies[False] / (1 - gain), rel=1e-3)
 
 
 def test_a_loop_of_gain_one_is_refused(recovered):
