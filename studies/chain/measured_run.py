@@ -13,7 +13,7 @@ from studies.lab.measurement import Measurement
 from studies.lab.scan import Scan
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
-from studies.record.velocity_comparison import compared, deviations, missing_burst
+from studies.record.velocity_comparison import VELOCITIES, compared, deviations, missing_burst
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -29,9 +29,9 @@ def measured_block(record: Record, measured: Measurement) -> dict:
         If nothing can be compared: the motor has no velocity at the levels, the scan does not lie on the stator, or
         the run has no burst at the trace's level.
     """
-    if measured.quantity == "velocity":
+    if measured.quantity in VELOCITIES:
         LOGGER.info("velocities at the measured levels")
-        return compared(measured, _velocities_at(record, measured.levels))
+        return compared(measured, _velocities_at(record, measured.levels, VELOCITIES[measured.quantity]))
     if measured.scan is None:
         return _trace(record, measured)
     scene = record.scene
@@ -44,18 +44,19 @@ def measured_block(record: Record, measured: Measurement) -> dict:
     return scan_block(scene, scan, predicted, error)
 
 
-def _velocities_at(record: Record, levels: tuple[float, ...]) -> list[float | None]:
+def _velocities_at(record: Record, levels: tuple[float, ...], column: str) -> list[float | None]:
     """Return the steady velocities in m/s of a run at some levels (V or m), None where the motor has none.
 
     Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
-    stator.
+    stator. ``column``: of a point; the mean of a run without ripple is the velocity itself.
     """
     answers = {point[record.level]: point for point in record.points}
     missing = [level for level in dict.fromkeys(levels) if level not in answers]
     if missing:
         changes = [{record.scene.level_key: level} for level in missing]
-        answers |= zip(missing, Predictor.of_record(record).answers(changes), strict=True)
-    return [answers[level].get("velocity_m_per_s") for level in levels]
+        also = () if column == "velocity_m_per_s" else ("ripple",)
+        answers |= zip(missing, Predictor.of_record(record).answers(changes, also), strict=True)
+    return [answers[level].get(column, answers[level].get("velocity_m_per_s")) for level in levels]
 
 
 def scan_block(scene: Scene, scan: Scan, predicted: np.ndarray, error: float) -> dict:

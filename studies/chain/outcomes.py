@@ -26,7 +26,7 @@ ALSO = {
     "step": ("step_m",),
     "efficiency": ("contact_efficiency", "motor_efficiency"),
 }
-OF_PILLARS = ("thrust", "efficiency")  # keywords of ALSO that apply to a slider on pillars
+OF_PILLARS = ("ripple", "thrust", "efficiency")  # keywords of ALSO that apply to a slider on pillars
 FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
 AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
 ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
@@ -62,7 +62,7 @@ def with_outcomes(also, tolerance: float, driven: DrivenContact, answer: dict, *
     if not also or "velocity_m_per_s" not in answer:
         return answer
     if driven.scene.slider.pillars is not None:
-        return answer | _of_pillars(also, driven, answer["velocity_m_per_s"])
+        return answer | _of_pillars(also, driven, answer, tolerance)
     if "ripple" in also:
         answer |= _ripple(driven, answer, tolerance)
     slider, orbits = driven.slider, driven.at(driven.level)
@@ -100,7 +100,7 @@ def _ripple(driven: DrivenContact, answer: dict, tolerance: float) -> dict:
     """Return mean and range of the velocity over half a wavelength; along a prescribed wave all places are alike."""
     velocity = answer["velocity_m_per_s"]
     if driven.solved is None:
-        return dict(zip(ALSO["ripple"], (velocity, velocity, velocity, answer["relative_error"], 0.0), strict=True))
+        return _alike(answer)
     nearby = NearbyContact.of(driven, tolerance)
     share = answer["relative_error"] / driven.stator_error if driven.stator_error else 0.0
     found = {} if nearby is None else ripples(nearby, {driven.level: Known(velocity, share)})
@@ -108,6 +108,12 @@ def _ripple(driven: DrivenContact, answer: dict, tolerance: float) -> dict:
         return {}
     columns, size = columns_of(found[driven.level], driven.at(driven.level))
     return columns | {"velocity_ripple": size}
+
+
+def _alike(answer: dict) -> dict:
+    """Return the columns of the keyword ripple where all places are alike."""
+    velocity = answer["velocity_m_per_s"]
+    return dict(zip(ALSO["ripple"], (velocity, velocity, velocity, answer["relative_error"], 0.0), strict=True))
 
 
 def _efficiencies(driven: DrivenContact, power: float, efficiency: float) -> dict:
@@ -133,16 +139,35 @@ def refuse_of_pillars(also: Iterable[str]) -> None:
             raise SceneError("also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}")
 
 
-def _of_pillars(also: Iterable[str], driven: DrivenContact, velocity: float) -> dict:
-    """Return thrust and efficiency of all pillars on the wave that they load; without motion both are 0."""
+def _of_pillars(also: Iterable[str], driven: DrivenContact, answer: dict, tolerance: float) -> dict:
+    """Return ripple, thrust and efficiency of all pillars on the wave that they load."""
     from studies.chain.pillar_points import PillarContact
 
     refuse_of_pillars(also)
-    thrust, power, efficiency = 0.0, 0.0, 0.0
+    body, velocity = PillarContact.of(driven), answer["velocity_m_per_s"]
+    outcomes: dict = {}
+    if "ripple" in also:
+        outcomes |= _ripple_of_pillars(body, answer, tolerance)
+    if not {"thrust", "efficiency"} & set(also):
+        return outcomes
+    thrust, power, efficiency = 0.0, 0.0, 0.0  # without motion
     if velocity != 0.0:
-        line = PillarContact.of(driven).load_line(driven.level, points=3)  # at 0, half of the stall load, stall load
+        line = body.load_line(driven.level, points=3)  # at 0, half of the stall load, stall load
         thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
-    return {"thrust_N": thrust} | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
+    outcomes["thrust_N"] = thrust
+    return outcomes | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
+
+
+def _ripple_of_pillars(body, answer: dict, tolerance: float) -> dict:
+    """Return the columns of ``ALSO`` for the keyword ripple."""
+    from studies.chain.pillar_ripple import pillar_columns
+
+    if body.driven.solved is None or body.driven.level == 0.0:
+        return _alike(answer)
+    with suppress(contact.ConvergenceError):
+        columns, size = pillar_columns(body, body.driven.level, answer, tolerance)
+        return columns | {"velocity_ripple": size}
+    return {}
 
 
 def start_up_time(

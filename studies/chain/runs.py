@@ -124,7 +124,7 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
         motion, answer, ringing, seconds["contact"] = _with_contact(scene, contacts)
         vanished = "" if scene.on_pillars else node(motion, positions)  # the centre is one position of many pillars
         refusal = vanished or unresolved(motion, positions)
-        if not (refusal or scene.on_pillars):
+        if not refusal:
             answer = _rippled(scene, motion, answer, tolerance, seconds)
         blocks = answer.blocks(tolerance)
         if refusal:
@@ -151,8 +151,14 @@ def _rippled(
     """Return the answer with mean and range over half a wavelength; their time is added to the contact's."""
     LOGGER.debug("velocities about the position")
     start_time = time.perf_counter()
-    solved = SolvedStator.of(motion, scene.positions, nearby=True)
-    answer = with_ripple(answer, DrivenContact.of_stator(scene, solved), tolerance)
+    solved = SolvedStator.of(motion, scene.positions, nearby=not scene.on_pillars)
+    driven = DrivenContact.of_stator(scene, solved, motion)
+    if scene.on_pillars:
+        from studies.chain.pillar_ripple import with_pillar_ripple
+
+        answer = with_pillar_ripple(answer, driven, tolerance)
+    else:
+        answer = with_ripple(answer, driven, tolerance)
     seconds["contact"] += time.perf_counter() - start_time
     return answer
 

@@ -297,7 +297,7 @@ def _signed(problem: Problem) -> tuple[Measurement, ...]:
     # the sign is that of the sum over up to eight starting points
     predicted, signed = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
-        is_speed = each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0
+        is_speed = each.quantity in ("velocity", "mean velocity", "burst", "position") and min(each.values) >= 0.0
         reverse = is_speed and np.nansum([values[k] for values in predicted]) < 0.0
         signed.append(replace(each, values=tuple(-value for value in each.values)) if reverse else each)
     return tuple(signed)

@@ -19,6 +19,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.bursts import followed_burst
 from studies.chain.predictor import Predictor
 from studies.chain.resolve import following, resolved
+from studies.chain.ripple import Known, NearbyContact, ripples
 from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
 from studies.chain.solved_stator import POSITION_KEYS, changes_stator
 from studies.chain.steady import steady_answers
@@ -114,6 +115,7 @@ class MeasurementPredictor(Predictor):
             if data is not None:
                 answers.append(self._field(measurement, data, numbers))
                 continue
+            self.nearby = self.nearby or measurement.quantity == "mean velocity"
             driven = self.contact(numbers)
             factors = self._factors(measurement, numbers, driven)
             if measurement.quantity == "velocity" and self.one_by_one:
@@ -121,6 +123,8 @@ class MeasurementPredictor(Predictor):
             elif measurement.quantity == "velocity":
                 answers.append(slice(len(states), len(states) + len(factors)))
                 states += [(driven, float(factor)) for factor in factors]
+            elif measurement.quantity == "mean velocity":
+                answers.append(self._mean_velocities(driven, factors, numbers))
             elif measurement.quantity == "amplitude":
                 answers.append(factors * driven.amplitude)
             elif measurement.quantity in ("burst", "position"):
@@ -186,6 +190,25 @@ class MeasurementPredictor(Predictor):
             return np.array([pillar_velocity(driven, level) for driven, level in states])
         answers = steady_answers(states, self.tolerance)
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
+
+    def _mean_velocities(self, driven: DrivenContact, levels: np.ndarray, numbers: dict) -> np.ndarray:
+        """Return the mean velocities over place about the slider's position; NaN where there is none."""
+        velocities = self.velocities([(driven, float(level)) for level in levels])
+        if self.prescribed_wave:
+            return velocities
+        if self.one_by_one:
+            from studies.chain.pillar_ripple import mean_velocity
+
+            return np.array(
+                [mean_velocity(driven, *each, self.tolerance) for each in zip(levels, velocities, strict=True)]
+            )
+        # the motion about the position is that of the stator: a factor on the amplitudes is one on the level
+        plain, factor = super().contact(numbers), numbers.get(AMPLITUDE_FACTOR, 1.0)
+        keys = (levels * factor).tolist()
+        known = {key: Known(v, 1.0) for key, v in zip(keys, velocities, strict=True) if math.isfinite(v)}
+        nearby = NearbyContact.of(plain, self.tolerance)
+        found = {} if nearby is None else ripples(nearby, known)
+        return np.array([found[key].mean if key in found else math.nan for key in keys])
 
     def _burst(self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict) -> np.ndarray:
         """Return velocity or position at the measured instants of a burst, with its ring-up and travel.

@@ -26,6 +26,7 @@ from studies.scene.toml import document
 # of a measurement, by its ``quantity``
 QUANTITIES = {
     "velocity": quantity("velocity_m_per_s"),
+    "mean velocity": quantity("mean_velocity_m_per_s"),
     "burst": quantity("velocity_m_per_s"),
     "amplitude": quantity("normal_amplitude_m"),
     "ring-down frequency": quantity("ring_down_frequency_Hz"),

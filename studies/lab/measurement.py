@@ -14,7 +14,9 @@ class Measurement:
     """Measured or planned values of one quantity, as arrays of one length in SI units."""
 
     name: str  # of the file, or a description
-    quantity: str  # "velocity", "burst", "position", "amplitude", "ring-down frequency", "scan" or "network"
+    quantity: (
+        str  # "velocity", "mean velocity", "burst", "position", "amplitude", "ring-down frequency", "scan" or "network"
+    )
     level_key: str = ""  # "voltage_V" or "normal_amplitude_m"; empty if the level is that of the scene
     levels: tuple[float, ...] = ()  # drive voltages in V, or normal amplitudes in m
     time: tuple[float, ...] = ()  # s from the start of a burst; empty for other quantities

@@ -2,7 +2,8 @@
 
 The columns of the file (`csv_columns`) have the names of run.json and determine the kind of measurement:
 
-- ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve,
+- ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve, at the slider's position,
+- the same with ``mean_velocity_m_per_s`` instead: mean over place within half a wavelength about the position,
 - ``voltage_V`` with ``normal_amplitude_m``, without a velocity: calibration of the surface amplitude,
 - ``time_s`` with ``velocity_m_per_s``: burst,
 - ``time_s`` with ``position_m``: trace of an encoder.
@@ -46,6 +47,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     position = table.column("position", DISPLACEMENTS | {"mm": 1e-3})
     voltage, amplitude = table.values("voltage", VOLTAGES), table.values("normal_amplitude", DISPLACEMENTS)
     velocity, time = table.values("velocity", VELOCITIES), table.values("time", TIMES)
+    mean_velocity = table.values("mean_velocity", VELOCITIES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
     for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
@@ -68,11 +70,14 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         quantity, values, levels = "position", tuple(position[0]), levels[:1]
     elif velocity is not None and level_key:
         quantity, values = "velocity", velocity
+    elif mean_velocity is not None and level_key:
+        quantity, values = "mean velocity", mean_velocity
     elif voltage is not None and amplitude is not None:
         quantity, values = "amplitude", amplitude
     else:
-        wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, voltage_V with normal_amplitude_m, "
-        wanted += "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
+        wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s or mean_velocity_m_per_s, voltage_V with "
+        wanted += "normal_amplitude_m, time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and "
+        wanted += "u_z_imag_m_per_V"
         bracketed = any(sign in name for name in table.names for sign in "[( ")
         hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
         raise SceneError(option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}")

@@ -256,7 +256,8 @@ def comparison(block: dict):
         start = quantity("time_s").with_unit(block["time_offset_s"])
         yield "", f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {start}"
         return
-    yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared"
+    of = f", with the prediction {block['of']}" if "of" in block else ""
+    yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared{of}"
     rms, mean = (_stated(block, f"{kind}_deviation_m_per_s") for kind in ("rms", "mean"))
     relative = "rms_deviation_relative"
     share = f" ({_stated(block, relative)} of the largest predicted)" if relative in block else ""

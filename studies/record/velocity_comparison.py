@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from studies.scene import Scene
 
 OPTION = "--measured"
+# quantities of a measurement that a run predicts at its levels, and their columns of a point
+VELOCITIES = {"velocity": "velocity_m_per_s", "mean velocity": "mean_velocity_m_per_s"}
 
 
 def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
@@ -28,7 +30,7 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
         if scene.burst is None:
             raise missing_burst(scene, measured)
         return
-    if measured.quantity != "velocity":
+    if measured.quantity not in VELOCITIES:
         raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
     if measured.level_key != level:
         raise SceneError(OPTION, f"must have the column {level} for this scene, got {measured.level_key}")
@@ -92,6 +94,7 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         "file": measured.name,
         "points": points,
         "compared": int(answered.sum()),
+        "of": "mean over half a wavelength" if measured.quantity == "mean velocity" else "at the position",
         "sign_of_prediction_given": unsigned,
         **deviations(velocity[answered], expected[answered], "m_per_s"),
     }

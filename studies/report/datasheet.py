@@ -305,7 +305,14 @@ def _speeds(
     model = None if model is None else scale * model
     if travel is not None:
         yield from _stroke_rows(point, travel, model)
-    name, where = ("speed", "") if travel is None else ("speed at the position", ", as all that follows")
+    elif "mean_velocity_m_per_s" in point:  # pillars
+        mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
+        surface_speed = 2.0 * np.pi * float(record.scene.frequency) * point["tangential_amplitude_m"]
+        mean_error = point["mean_velocity_relative_error"] * contact.speed_scale(mean, surface_speed) / abs(mean)
+        within = f"within half a wavelength ({quantity('velocity_m_per_s').interval(low, high)})"
+        yield Row("speed", "speed", abs(mean), "m/s", mean_error, f"no load, steady; mean over place {within}", model)
+    rippled = travel is not None or "mean_velocity_m_per_s" in point
+    name, where = ("speed at the position", ", as all that follows") if rippled else ("speed", "")
     yield Row("speed", name, speed, "m/s", error, f"no load, steady{where}", model)
     yield from under_load
     unit = quantity(record.level).unit

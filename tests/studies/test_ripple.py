@@ -15,9 +15,15 @@ import contact
 from studies import Scene, run, sweep
 from studies.chain import chebyshev
 from studies.chain.bridge import DrivenContact
+from studies.chain.measured_run import measured_block
 from studies.chain.nearby_motion import nearby_motions
+from studies.chain.pillar_points import PillarContact
+from studies.chain.pillar_ripple import pillar_columns
+from studies.chain.resolve import resolved
 from studies.chain.warnings import RIPPLE, warnings_of
 from studies.inverse.optimum import Options, design
+from studies.inverse.prediction import MeasurementPredictor
+from studies.lab.measurement_csv import read_measured
 from studies.record.run_pictures import velocity as draw_velocity
 
 TOLERANCE = 1e-2
@@ -240,3 +246,69 @@ def test_the_picture_shows_range_and_mean(rippled):
     labels = draw_velocity(rippled, ax).get_legend_handles_labels()[1]
     assert {"mean over place", "range, half a wavelength"} <= set(labels)
     assert any(each.endswith("at the position") for each in labels)
+
+
+def test_pillars_on_waves_from_both_sides_have_the_range_of_displaced_pillars():
+    """Oracle: the same pillars at other coordinates, on the same waves, 48 places and the trapezoidal rule."""
+    scene = Scene.load(Path(__file__).parent / "scenes" / "pillars.toml")
+    body = PillarContact.of(DrivenContact.prescribed(resolved(scene)))
+    body = replace(body, wave=replace(body.wave, forward=0.2 * body.wave.backward))  # it runs to -x
+    level = 20e-9
+    point = {"velocity_m_per_s": body.motion(level).velocity}
+    columns, size = pillar_columns(body, level, point, 1e-3)
+    velocities = []
+    for shift in body.wave.wavelength / 2 * np.arange(48) / 48:
+        moved = replace(body.pillars, x=np.array(body.pillars.x) + shift)
+        velocities.append(contact.pillar_motion(moved, body.at(level), load=0.0, loading=scene.slider.loading).velocity)
+    expected = np.mean(velocities), min(velocities), max(velocities)
+    error = 2 * columns["mean_velocity_relative_error"] * abs(columns["mean_velocity_m_per_s"])
+    assert [columns[name] for name in COLUMNS] == pytest.approx(expected, abs=error + 1e-3 * np.ptp(velocities))
+    assert columns["mean_velocity_relative_error"] < 5e-3
+    assert size > 0.02
+
+
+def test_pillars_in_front_of_a_reflector():
+    """Another door: runs at other positions, each with its own fit of the waves; without the reflector no columns."""
+    scene = Scene.load(Path(__file__).parent / "scenes" / "driven-pillars.toml")
+    table = scene.to_table()
+    pillars = {"rows": 10, "columns": 10, "height_scatter": 0.0, "seed": 0}
+    table["slider"] |= {"preload": 1.0, "loading": False, "pillars": table["slider"]["pillars"] | pillars}
+    alone = run(Scene.from_table("", table), tolerance=TOLERANCE)
+    assert not set(COLUMNS) & set(alone.points[0])
+    assert alone.summary["velocity_ripple"] < 1e-6
+    table["transducer"].append(table["transducer"][0] | {"name": "right", "center": 25e-3, "termination": "short"})
+    both = Scene.from_table("", table)
+    record = run(both, tolerance=TOLERANCE)
+    (point,) = record.points
+    places = np.linspace(record.summary["ripple_from_m"], record.summary["ripple_to_m"], 17)
+    rows = sweep(both, {"slider.position": places.tolist()}, tolerance=TOLERANCE, also=("ripple",)).to_dataframe()
+    assert [point[name] for name in COLUMNS] == pytest.approx(truth(rows["velocity_m_per_s"].to_numpy()), rel=TOLERANCE)
+    assert np.ptp(rows["mean_velocity_m_per_s"]) < 2e-3 * abs(point["mean_velocity_m_per_s"])
+    assert any("partly a standing one" in each for each in record.warnings)
+
+
+def test_a_fit_and_a_comparison_of_mean_velocities(rippled, small, tmp_path):
+    """Round trip: the mean velocities of a run give its friction coefficient back; as velocities they do not."""
+    means = [point["mean_velocity_m_per_s"] for point in rippled.points]
+    files = {}
+    for name in ("mean_velocity_m_per_s", "velocity_m_per_s"):
+        rows = [f"{v},{mean!r}" for v, mean in zip((20.0, 60.0, 120.0), means, strict=True)]
+        files[name] = tmp_path / f"{name}.csv"
+        files[name].write_text("\n".join([f"voltage_V,{name}", *rows]) + "\n")
+    mean = read_measured(files["mean_velocity_m_per_s"])
+    assert mean.quantity == "mean velocity"
+    block = measured_block(rippled, mean)
+    assert block["of"] == "mean over half a wavelength"
+    assert block["rms_deviation_m_per_s"] == 0.0
+    here = measured_block(rippled, read_measured(files["velocity_m_per_s"]))
+    assert here["of"] == "at the position"
+    assert here["measured_over_predicted"] > 1.05
+    other = replace(mean, levels=(80.0,), values=(means[2],))
+    (point,) = measured_block(rippled, other)["points"]
+    assert means[1] > point["predicted_m_per_s"] > means[2]
+    predictor = MeasurementPredictor(small, tolerance=TOLERANCE)
+    (predicted,) = predictor.predict([(mean, {})])
+    assert predicted == pytest.approx(means, rel=2e-3)
+    (larger,) = predictor.predict([(mean, {"amplitude_factor": 1.1})])
+    (voltages,) = predictor.predict([(replace(mean, levels=(22.0, 66.0, 132.0)), {})])
+    assert larger == pytest.approx(voltages, rel=1e-3)
