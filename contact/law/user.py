@@ -224,7 +224,7 @@ def _difference(user, callbacks, contact, stiffness) -> str | None:
         for arguments in _compared(user, name, contact, stiffness):
             try:
                 expected = float(user.functions[name](*arguments, contact))
-            except (ArithmeticError, ValueError, TypeError):  # beyond the law's own domain: 1/0, log(0), (-1)**0.5
+            except Exception:  # beyond the domain of the law itself, such as log(0) or the end of a table
                 continue
             found = machine(*arguments, *contact)
             if math.isfinite(expected) and not abs(found - expected) <= ROUNDING * abs(expected):
@@ -260,7 +260,7 @@ def _compared(user, name, contact, stiffness):
                 else:
                     limit = ratio * approach * user.functions["sliding"](approach, normal_force, 0.0, contact)
                     limit /= normal_force
-            except (ArithmeticError, ValueError, TypeError):
+            except Exception:
                 continue
             yield from ((approach, normal_force, share * limit) for share in COMPARED_DEFORMATIONS)
 

@@ -44,6 +44,14 @@ BULK = [
 ]  # fmt: skip
 
 
+# name, k33, k15, d33 in pC/N: Berlincourt and Krueger (Morgan, TP-226), PI Ceramic, and the paper of the relaxor's set
+COUPLINGS = [
+    ("PZT-4", 0.70, 0.71, 289), ("PZT-5A", 0.705, 0.685, 374), ("PZT-5H", 0.752, 0.675, 593),
+    ("PZT-8", 0.64, 0.55, 225), ("PZT-8 (Near)", 0.64, 0.55, 225), ("PIC181", 0.66, 0.63, None),
+    ("PMN-33PT (Zhang)", 0.94, None, 2820),
+]  # fmt: skip
+
+
 @pytest.mark.parametrize(("name", "cut", "velocity", "near", "coupling"), WAVES)
 def test_surface_waves(name, cut, velocity, near, coupling):
     solid = fem.rotated(fem.material(name), cut)
@@ -64,15 +72,20 @@ def test_bulk_waves(name, direction, displacement, velocity):
     assert np.sqrt(modulus / solid.density) == pytest.approx(velocity, rel=3e-3)
 
 
-def test_the_coupling_of_a_relaxor():
-    """k33 = d33 / sqrt(s33 eps33): 0.94 in the paper, from measurements of its own."""
-    solid = fem.material("PMN-33PT (Zhang)")
+@pytest.mark.parametrize(("name", "k33", "k15", "d33"), COUPLINGS)
+def test_couplings_of_ceramics(name, k33, k15, d33):
+    """k33 = d33 / sqrt(s33 eps33), k15 = d15 / sqrt(s55 eps11), measured on bars and plates by themselves."""
+    solid = fem.material(name)
     compliance = np.linalg.inv(solid.stiffness)
     charge = solid.coupling @ compliance
     free = solid.permittivity + charge @ solid.coupling.T
-    assert charge[2, 2] / np.sqrt(compliance[2, 2] * free[2, 2]) == pytest.approx(0.94, rel=0.025)
+    assert charge[2, 2] / np.sqrt(compliance[2, 2] * free[2, 2]) == pytest.approx(k33, rel=0.025)
+    if k15 is not None:
+        assert charge[0, 4] / np.sqrt(compliance[4, 4] * free[0, 0]) == pytest.approx(k15, rel=0.015)
+    if d33 is not None:
+        assert 1e12 * charge[2, 2] == pytest.approx(d33, rel=0.015)
 
 
 def test_every_confirmation_is_one_of_these():
     confirmed = {name for name in fem.catalogue() if "confirmed" in fem.catalogue_table(name)}
-    assert confirmed == {row[0] for row in (*WAVES, *BULK)}
+    assert confirmed == {row[0] for row in (*WAVES, *BULK, *COUPLINGS)}
