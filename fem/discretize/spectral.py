@@ -29,12 +29,18 @@ def gll_nodes(order: int) -> np.ndarray:
     return _frozen((np.concatenate([[-1.0], inner, [1.0]]) + 1.0) / 2.0)
 
 
+def lagrange_values(order: int, points: np.ndarray) -> np.ndarray:
+    """Values of the nodal basis at points (m,) of the element [0, 1], shape (m, order + 1)."""
+    vandermonde = legendre.legvander(2.0 * gll_nodes(order) - 1.0, order)
+    at = legendre.legvander(2.0 * np.asarray(points, dtype=float) - 1.0, order)
+    return np.linalg.solve(vandermonde.T, at.T).T
+
+
 def lagrange(order: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Values and derivatives of the nodal basis at points (m,) of the element [0, 1], shape (m, order + 1) each."""
-    nodes = 2.0 * gll_nodes(order) - 1.0
+    vandermonde = legendre.legvander(2.0 * gll_nodes(order) - 1.0, order)
     at = 2.0 * np.asarray(points, dtype=float) - 1.0
-    vandermonde = legendre.legvander(nodes, order)
-    values = np.linalg.solve(vandermonde.T, legendre.legvander(at, order).T).T
+    values = lagrange_values(order, points)
     slopes = np.stack([legendre.legval(at, legendre.legder(np.eye(order + 1)[k])) for k in range(order + 1)], axis=1)
     return values, 2.0 * np.linalg.solve(vandermonde.T, slopes.T).T
 

@@ -15,14 +15,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.discretize.spectral import lagrange, line_nodes, reference_matrices
+from fem.discretize.spectral import lagrange_values, line_nodes, reference_matrices
 from fem.exceptions import InputError
 from fem.heat.plate import HeatedPlate
 
 ORDER = 12
 MAX_DECAY_LENGTHS = 2.0  # of one element; e^2 within an element leaves 1e-10 at order 12
 MAX_ELEMENTS = 400
-POINTS = 16  # of the quadrature of a source in each element
+POINTS, POINTS_PER_SCALE = 16, 4  # of the quadrature of a source in each element, or in each step of its scale
 SAMPLES = 32  # in each element, where the highest temperature is looked for
 
 
@@ -39,12 +39,15 @@ class HeatSource:
     density : callable, optional
         Shape along x of the power per length at positions in m (k,) -> (k,), in any unit: it is scaled to ``power``.
         Uniform without it.
+    scale : float, optional
+        Length over which ``density`` changes, m: the steps of its quadrature. Those of the elements without it.
     """
 
     start: float
     stop: float
     power: float
     density: Callable[[np.ndarray], np.ndarray] | None = None
+    scale: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +107,7 @@ class TemperatureProfile:
         ends, values = self.breakpoints, self.nodal(time)
         number = np.clip(np.searchsorted(ends, positions, side="right") - 1, 0, len(ends) - 2)
         local = (positions - ends[number]) / (ends[number + 1] - ends[number])
-        basis = lagrange(ORDER, local)[0]
+        basis = lagrange_values(ORDER, local)
         nodes = number[:, None] * ORDER + np.arange(ORDER + 1)
         return (basis * values[nodes]).sum(axis=1).reshape(np.shape(x))
 
@@ -127,7 +130,7 @@ class TemperatureProfile:
         return self.plate.loss_per_length * integral + self.plate.end_loss * float(values[0] + values[-1])
 
 
-def profile(plate: HeatedPlate, sources: Sequence[HeatSource]) -> TemperatureProfile:
+def temperature_profile(plate: HeatedPlate, sources: Sequence[HeatSource]) -> TemperatureProfile:
     """Return the temperature along a plate with sources of heat.
 
     Raises
@@ -176,17 +179,18 @@ def _breakpoints(plate: HeatedPlate, sources: Sequence[HeatSource]) -> np.ndarra
 
 def _load(source: HeatSource, breakpoints: np.ndarray, count: int) -> np.ndarray:
     """Return the integrals of a source's power per length with the basis functions, shape (count,)."""
-    points, weights = np.polynomial.legendre.leggauss(POINTS)
-    points, weights = 0.5 * (points + 1.0), 0.5 * weights
-    basis, load, total = lagrange(ORDER, points)[0], np.zeros(count), 0.0
+    points, weights = np.polynomial.legendre.leggauss(POINTS if source.scale is None else POINTS_PER_SCALE)
+    load, total = np.zeros(count), 0.0
     tiny = 1e-9 * (breakpoints[-1] - breakpoints[0])
     for k, (start, stop) in enumerate(pairwise(breakpoints)):
         if start < source.start - tiny or stop > source.stop + tiny:
             continue
-        x = start + (stop - start) * points
-        density = np.ones(POINTS) if source.density is None else np.asarray(source.density(x), dtype=float)
-        load[k * ORDER : (k + 1) * ORDER + 1] += (stop - start) * (weights * density) @ basis
-        total += (stop - start) * float(weights @ density)
+        steps = 1 if source.scale is None else int(np.ceil((stop - start) / source.scale))
+        local = ((np.arange(steps)[:, None] + 0.5 * (points + 1.0)) / steps).ravel()
+        share = np.tile(0.5 * weights / steps, steps)
+        density = 1.0 if source.density is None else np.asarray(source.density(start + (stop - start) * local))
+        load[k * ORDER : (k + 1) * ORDER + 1] += (stop - start) * (share * density) @ lagrange_values(ORDER, local)
+        total += (stop - start) * float((share * density).sum())
     if not total > 0.0:
         raise InputError("source.density", "must have a positive integral")
     return load * (source.power / total)

@@ -18,6 +18,7 @@ from studies.chain.bridge import DrivenContact
 from studies.chain.changed_contacts import ChangedContacts
 from studies.chain.electrical import electrical_block, with_powers
 from studies.chain.free_wave import free_wave_record
+from studies.chain.heat import heat_block
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
 from studies.chain.points import SHARE, SliderAnswer, slider_answer
@@ -142,6 +143,7 @@ def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
         left_out=neglected, surface=surface_columns(scene, motion), surface_motion=motion,
         meshed_pieces=motion.wave.meshed_pieces, **blocks,
     )  # fmt: skip
+    record = replace(record, heat=heat_block(record))
     return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
 
 

@@ -224,7 +224,13 @@ def large_strain(record: Record, level: float) -> Effects:
 
 
 def heating(record: Record) -> Effects:
-    """Yield the power that may heat the stator, at the largest level."""
+    """Yield the highest rise of a continuous drive's temperature, or the power where no temperature is known."""
+    if "highest_rise_K" in record.heat:
+        block = record.heat
+        where = f"at x = {1e3 * block['hottest_x_m']:.3g} mm"
+        how = f"continuous drive at {block['voltage_V']:g} V, highest {where}, its effect on the wave left out"
+        yield "heating of the stator", how, block["highest_rise_K"], "temperature", "K"
+        return
     highest = max(record.scene.levels, default=0.0)
     power = record.electrical["power_W_per_V2"] * highest**2
     yield "heating of the stator", f"the whole power taken in at {highest:g} V", power, "admittance", "W"

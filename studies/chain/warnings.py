@@ -16,6 +16,7 @@ from studies.chain import fem_model
 from studies.chain.ball_effects import NODE
 from studies.chain.bridge import DrivenContact
 from studies.chain.free_way import free_way
+from studies.chain.heat import heat_warnings
 from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
@@ -43,7 +44,13 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         stator, transducers = fem_model.whole_stator(record.scene), fem_model.transducers(record.scene)
         warnings += stator.piece_warnings(record.scene.frequency, transducers)
     if record.scene.transducer:
-        warnings += [*_drive(record), *_off_resonance(record), *_section(record), *_left_out(record)]
+        warnings += [
+            *_drive(record),
+            *_off_resonance(record),
+            *_section(record),
+            *heat_warnings(record),
+            *_left_out(record),
+        ]
     elif record.scene.wave is not None:
         warnings += _left_out(record)
     if record.scene.slider is not None:

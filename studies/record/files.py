@@ -121,7 +121,7 @@ def read_run(folder: Path) -> dict:
         raise RunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
     fields = {
         key: whole[key]
-        for key in ("tolerance", "summary", "uncertainty", "measured", "error", "seconds", "shortfall")
+        for key in ("tolerance", "summary", "heat", "uncertainty", "measured", "error", "seconds", "shortfall")
         if key in whole
     }
     fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 # Blocks of run.json in their order, which are attributes of a record
 BLOCKS = (
-    "tolerance", "wave", "electrical", "points", "summary", "uncertainty", "measured", "error", "model_error",
+    "tolerance", "wave", "electrical", "points", "summary", "heat", "uncertainty", "measured", "error", "model_error",
     "warnings", "seconds", "left_out", "shortfall",
 )  # fmt: skip
 USUAL = ("voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error")
@@ -40,7 +40,7 @@ class Record:
         As resolved: it runs again to the same numbers at the same tolerance.
     tolerance : float
         Bound of the relative error of the last quantity.
-    wave, electrical, summary : dict
+    wave, electrical, summary, heat : dict
         As in run.json: quantities in SI units, named with their unit.
     points : tuple of dict
         One per voltage or prescribed amplitude.
@@ -93,6 +93,7 @@ class Record:
     electrical: dict = field(default_factory=dict)
     points: tuple[dict, ...] = ()
     summary: dict = field(default_factory=dict)
+    heat: dict = field(default_factory=dict)
     error: dict = field(default_factory=dict)
     seconds: dict = field(default_factory=dict)
     left_out: tuple[str, ...] = ()

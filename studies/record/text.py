@@ -46,7 +46,7 @@ def answer(record: "Record") -> str:
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
     entries: list[tuple] = [*_wave(record), *_ripple(record), *_limits(record), *_uncertainty(record.uncertainty)]
-    entries += comparison(record.measured)
+    entries += [*_heat(record.heat), *comparison(record.measured)]
     bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         error = record.wave.get("relative_error")
@@ -153,6 +153,37 @@ def _wave(record: "Record"):
         yield "diffraction", f"the plane section would give {percent(change)} at the slider's position"
     yield "admittance", _stated(electrical, "admittance_S")
     yield from _source(electrical, record.scene.drive)
+
+
+def _heat(block: dict):
+    """Yield where the power goes at the largest level, and how warm a continuous drive makes the stator."""
+    if not block:
+        return
+    named = (("the left end", "left_end"), ("the right end", "right_end"), ("dielectric loss", "dielectric"),
+             ("the solid along the beam", "along_beam"), ("loads", "loads"))  # fmt: skip
+    power = quantity("heat.power_W")
+    shares = [f"{power.with_unit(block[f'power_{key}_W'])} {name}" for name, key in named
+              if block[f"power_{key}_W"] > 1e-4 * block["power_W"]]  # fmt: skip
+    yield "power", f"{power.with_unit(block['power_W'])} at {block['voltage_V']:g} V: {', '.join(shares)}"
+    if "highest_rise_K" not in block:
+        return
+    rise = quantity("heat.highest_rise_K")
+
+    def banded(key: str) -> str:
+        low, high = (rise.text(block[f"{key}_rise{side}_K"]) for side in ("_low", "_high"))
+        return f"{rise.with_unit(block[f'{key}_rise_K'])} ({low} to {high})"
+
+    places = [("slider", "slider"), ("fingers", "fingers"), ("left end", "left_end"), ("right end", "right_end")]
+    rises = ", ".join(f"{name} +{banded(key)}" for name, key in places if f"{key}_rise_K" in block)
+    rate = ""
+    if "heating_rate_K_per_s" in block:
+        rate = f"{block['heating_rate_K_per_s']:.2g} K/s at first, time constant {block['time_constant_s']:.3g} s; "
+    yield "temperature", f"{rate}steady {rises}"
+    if "frequency_drift" in block:
+        drift = f"{1e6 * block['frequency_drift']:.3g} ppm of the frequency"
+        factor = f"amplitude of the transducer x {block['warm_amplitude_factor']:.4f}"
+        more = f", foldover number {block['foldover_number']:.2g}" if "foldover_number" in block else ""
+        yield "drift", f"{drift}, {factor} at a fixed frequency{more}"
 
 
 def _ripple(record: "Record"):

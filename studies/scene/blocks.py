@@ -35,6 +35,18 @@ ORIENTATION = (
     )
     | FixedList((NUMBER,) * 3, "three angles [phi, theta, psi] in degrees")
 )
+CONDUCTIVITY = Annotated[
+    float | None, Quantity("W/(m K)"), "Thermal conductivity. Absent: powers are stated, and no temperature."
+]
+HEAT_CAPACITY = Annotated[
+    float | None, Quantity("J/(kg K)"), "Heat capacity. Absent: the steady temperature is stated, and not its time."
+]
+VELOCITY_COEFFICIENT = Annotated[
+    float | None,
+    Quantity("1/K", negative=True),
+    "Temperature coefficient of the resonance frequency, TCF: of the velocity less the expansion along x. Absent: the "
+    "temperature's effect on the wave is not stated.",
+]
 DENSITY = Annotated[float, Quantity("kg/m^3"), "Mass density."]
 QUALITY = Annotated[
     float | None, Quantity(), "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss."
@@ -104,6 +116,12 @@ class PiezoelectricSolid(Block):
         Quantity(zero=True),
         "Loss tangent tan delta: the permittivity is eps (1 - i tan delta). Absent: no dielectric loss.",
     ] = None
+    conductivity: CONDUCTIVITY = None
+    heat_capacity: HEAT_CAPACITY = None
+    curie_temperature: Annotated[
+        float | None, NUMBER, "Temperature in degC at which the poling is lost. Absent: it is not judged."
+    ] = None
+    velocity_coefficient: VELOCITY_COEFFICIENT = None
 
     def check_form(self) -> Any:
         elastic = "compliance" if self.form == "strain-charge" else "stiffness"
@@ -176,6 +194,14 @@ class IsotropicSolid(Block):
     poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
     density: DENSITY
     mechanical_quality: QUALITY = None
+    conductivity: CONDUCTIVITY = None
+    heat_capacity: HEAT_CAPACITY = None
+    velocity_coefficient: VELOCITY_COEFFICIENT = None
+
+    @property
+    def curie_temperature(self) -> None:
+        """None: it has no poling."""
+        return None
 
     def check_stable(self) -> Any:
         if self.poisson_ratio <= -1:
@@ -216,6 +242,36 @@ MATERIAL = MaterialFile() | TEXT | SOLID
 SOLIDS = Named('a table of solids by surface group such as { strip = "aluminium" }', MATERIAL)
 CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cooling(Block):
+    """What takes the heat of the stator; still air without the block."""
+
+    block: ClassVar[str] = "stator.cooling"
+    air: Annotated[
+        float,
+        Quantity("W/(m^2 K)", zero=True),
+        "Heat taken by air and radiation per area and kelvin. Still air: 5 to 10 W/(m^2 K), stated to +-40 %.",
+    ] = 10.0
+    bottom: Annotated[
+        float | str,
+        Quantity("W/(m^2 K)") | choice("air", "held"),
+        "Below the stator. air: as its other faces; held: at the ambient temperature, as glued to metal; or a "
+        "conductance per area.",
+    ] = "air"
+    ends_heat_stator: Annotated[
+        float,
+        Quantity(zero=True),
+        "Share, 0 to 1, of the absorbing ends' heat that the stator takes over its last 5 mm. 0: they are cooled.",
+    ] = 0.0
+    ambient: Annotated[float, NUMBER, "Temperature of the surroundings in degC."] = 20.0
+
+    def check_cooled(self) -> Any:
+        if self.air == 0.0 and self.bottom == "air":
+            yield "air", "must be positive where the bottom is in air: nothing would cool the stator"
+        if self.ends_heat_stator > 1.0:
+            yield "ends_heat_stator", f"must be at most 1, got {self.ends_heat_stator:g}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -282,6 +338,9 @@ class Stator(Block):
     ] = None
     dielectric_loss: Annotated[
         float | None, Quantity(zero=True), "Loss tangent. Absent: that of the material. 0: lossless."
+    ] = None
+    cooling: Annotated[
+        Cooling | None, Within(Cooling), "What takes the stator's heat. Absent: still air on all faces, cooled ends."
     ] = None
 
     @property

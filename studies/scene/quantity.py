@@ -35,6 +35,10 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "C/m^2": ("a piezoelectric stress constant", "12 C/m^2", {"C/m^2": 0}),
     "C/N": ("a piezoelectric strain constant", "300 pC/N", {"C/N": 0, "pC/N": -12, "m/V": 0, "pm/V": -12}),
     "F/m": ("a permittivity", "5.6 nF/m", {"F/m": 0, "nF/m": -9, "pF/m": -12}),
+    "W/(m K)": ("a thermal conductivity", "1.25 W/(m K)", {"W/(m K)": 0, "W/m/K": 0}),
+    "J/(kg K)": ("a heat capacity", "420 J/(kg K)", {"J/(kg K)": 0, "J/kg/K": 0}),
+    "W/(m^2 K)": ("a heat transfer coefficient", "10 W/(m^2 K)", {"W/(m^2 K)": 0, "W/m^2/K": 0}),
+    "1/K": ("a temperature coefficient", "-75e-6 1/K", {"1/K": 0}),
     "deg": ("an angle", "90 deg", {"deg": 0}),
     "": ("a plain number", "", {}),
 }

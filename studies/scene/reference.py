@@ -16,6 +16,7 @@ from studies.scene.schema import schema_text
 BLOCKS = {
     "The file": Scene,
     "[stator]": blocks.Stator,
+    "[stator.cooling]": blocks.Cooling,
     "[[transducer]]": blocks.Transducer,
     "[[piece]]": blocks.Piece,
     "[drive]": drive.Drive,

@@ -87,8 +87,9 @@ def test_closed_forms_of_the_seed(motor):
     load = effect(motor, "load of the slider on the wave")["size"]
     assert load == pytest.approx(abs(4.8674e-12 / 0.02 * first / u_z), rel=2e-3)
     assert load < 1e-3
-    power = effect(motor, "heating of the stator")["size"]
-    assert power == pytest.approx(0.5 * motor.electrical["admittance_S"].real * 30.0**2)
+    assert motor.heat["power_W"] == pytest.approx(0.5 * motor.electrical["admittance_S"].real * 30.0**2)
+    heating = effect(motor, "heating of the stator")
+    assert (heating["size"], heating["unit"]) == (motor.heat["highest_rise_K"], "K")
 
 
 @pytest.mark.parametrize(

@@ -35,6 +35,11 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "stator.mechanical_quality": [700],
     "stator.dielectric_loss": [0, 0.01],
     "stator.diffraction": [True, False],
+    "stator.cooling": [{"air": "8 W/(m^2 K)", "bottom": "held"}, {}],
+    "stator.cooling.air": [0.5, "10 W/(m^2 K)"],
+    "stator.cooling.bottom": ["air", "held", "2000 W/(m^2 K)", 500],
+    "stator.cooling.ends_heat_stator": [0, 1],
+    "stator.cooling.ambient": [-20, 25.5],
     "stator.sides": ["mirror"],
     "stator.material": ["LiNbO3", {"youngs_modulus": "70 GPa", "poisson_ratio": 0.3, "density": 2700, "name": "x"}],
     "transducer.0.period": ["auto", "0.99 mm"],
@@ -138,6 +143,8 @@ def changed(path: str, value) -> dict:
         own = {"slider.pillars.file": {"diameter": "20 um"}, "slider.pillars.area": dict(list(PILLARS.items())[:2])}
         del table["slider"]["radius"], table["slider"]["contacts"]
         table["slider"]["pillars"] = dict(own.get(path, PILLARS))
+    if path.startswith("stator.cooling."):
+        table["stator"]["cooling"] = {}
     holder = table
     *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]
     for block in blocks:

@@ -17,8 +17,8 @@ from fem.heat import (
     foldover_number,
     folds,
     heated_powers,
-    profile,
     runaway_rise,
+    temperature_profile,
 )
 
 SEED = {"length": 0.16, "width": 0.035, "thickness": 5e-3, "conductivity": 1.25, "volumetric_heat": 7600 * 420}
@@ -93,18 +93,18 @@ def test_a_thin_glue_is_a_resistance_in_series_and_a_weak_one_the_lumped_time():
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_the_profile_of_the_seed(ends, rises, mirrored):
     places = np.array([0.0, 0.015, 0.08, 0.16])
-    found = profile(PLATE, seed_sources(ends=ends, mirrored=mirrored))
+    found = temperature_profile(PLATE, seed_sources(ends=ends, mirrored=mirrored))
     assert found.at(0.16 - places if mirrored else places) == pytest.approx(rises, rel=1e-6)
     assert found.heat_to_surroundings() == pytest.approx(found.power, rel=1e-12)
 
 
 def test_the_seed_after_some_time():
-    found = profile(PLATE, seed_sources())
+    found = temperature_profile(PLATE, seed_sources())
     times = (10.0, 60.0, 300.0, 683.0)
     at_fingers, at_slider = zip(*(found.at([0.015, 0.08], each) for each in times), strict=True)
     assert at_fingers == pytest.approx((1.054376, 5.558391, 20.686277, 34.900687), rel=1e-6)
     assert at_slider == pytest.approx((0.475666, 2.755510, 11.708116, 20.973204), rel=1e-6)
-    heated = profile(PLATE, seed_sources(ends=1.0))
+    heated = temperature_profile(PLATE, seed_sources(ends=1.0))
     assert [float(heated.at(0.0, each)) for each in times] == pytest.approx(
         (20.587012, 89.081840, 227.47709, 311.353335), rel=1e-6
     )
@@ -125,12 +125,12 @@ def test_modes_have_the_wavenumbers_of_a_rod_with_cooled_ends():
     odd = brentq(lambda m: m * math.cos(m * half) + ratio * math.sin(m * half), 0.5 * math.pi / half, math.pi / half)
     rates = [(PLATE.conductivity * PLATE.section * m * m + PLATE.loss_per_length) for m in (even, odd)]
     expected = [PLATE.volumetric_heat * PLATE.section / rate for rate in rates]
-    assert profile(PLATE, seed_sources()).time_constants[:2] == pytest.approx(expected, rel=1e-10)
+    assert temperature_profile(PLATE, seed_sources()).time_constants[:2] == pytest.approx(expected, rel=1e-10)
 
 
 def test_a_uniform_source_is_a_closed_form():
     """T = T_0 (1 - beta cosh(m (x - L/2))), from the ends' condition."""
-    found = profile(PLATE, [HeatSource(start=0.0, stop=0.16, power=3.0)])
+    found = temperature_profile(PLATE, [HeatSource(start=0.0, stop=0.16, power=3.0)])
     g, m, half = PLATE.loss_per_length, 1.0 / PLATE.decay_length, 0.08
     level, ratio = 3.0 / 0.16 / g, PLATE.film / PLATE.conductivity
     beta = ratio / (m * math.sinh(m * half) + ratio * math.cosh(m * half))
@@ -183,9 +183,9 @@ def test_a_plate_that_cannot_be_is_refused(change, words):
 def test_time_needs_a_heat_capacity():
     plate = HeatedPlate(**SEED | {"volumetric_heat": None})
     assert plate.time_constant is None
-    found = profile(plate, seed_sources())
+    found = temperature_profile(plate, seed_sources())
     assert found.at(0.08) == pytest.approx(33.856487, rel=1e-6)
     with pytest.raises(InputError, match="volumetric_heat"):
         found.at(0.08, 10.0)
     with pytest.raises(InputError, match="within the plate"):
-        profile(plate, [HeatSource(start=0.1, stop=0.2, power=1.0)])
+        temperature_profile(plate, [HeatSource(start=0.1, stop=0.2, power=1.0)])

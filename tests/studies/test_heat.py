@@ -1,0 +1,134 @@
+"""The heat of a run: the split of its power, temperatures from it by an independent solver, warnings, bad input."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_banded
+
+from studies import Scene, run
+from studies.chain.heat import heat_block, heat_warnings, plate, powers, sources
+from studies.refusal import SceneError
+from studies.scene.blocks import Cooling, IsotropicSolid
+
+
+@pytest.fixture(scope="module")
+def motor():
+    """A short stator of PZT-8 with absorbing ends and a transducer off its middle, at two voltages."""
+    scene = Scene.from_table("", {
+        "stator": {"material": "PZT-8", "length": "30 mm", "thickness": "2 mm", "width": "12 mm", "ends": "absorbing",
+                   "diffraction": False},
+        "transducer": [{"name": "t", "center": "8 mm", "finger_pairs": 4, "period": "1 mm", "metallisation": 0.5,
+                        "aperture": "8 mm"}],
+        "drive": {"frequency": "2.2 MHz", "transducer": "t", "voltage": [20.0, 50.0]},
+    })  # fmt: skip
+    return run(scene, tolerance=1e-2)
+
+
+def cooled(record, **cooling):
+    """The record of the same run with another cooling."""
+    stator = replace(record.scene.stator, cooling=Cooling(**cooling))
+    changed = replace(record, scene=replace(record.scene, stator=stator))
+    return replace(changed, heat=heat_block(changed))
+
+
+def test_the_powers_are_those_of_the_balance_at_the_largest_level(motor):
+    split = powers(motor)
+    parts = sum(size for name, size in split.items() if name != "power_W")
+    assert parts == pytest.approx(split["power_W"], rel=1e-9)
+    assert split["power_W"] == pytest.approx(2500 * motor.electrical["power_W_per_V2"], rel=1e-12)
+    susceptance = motor.electrical["admittance_S"].imag
+    assert split["power_dielectric_W"] == pytest.approx(0.5 * 2500 * susceptance * 0.004, rel=1e-12)
+    assert motor.heat["voltage_V"] == 50.0
+
+
+@pytest.mark.parametrize("share", [0.0, 0.7])
+def test_temperatures_are_those_of_a_boundary_value_solver(motor, share):
+    """Scipy's collocation for k A T'' = g T - q', with sources summed from their densities here."""
+    record = cooled(motor, ends_heat_stator=share, air=8.0)
+    body, heated = plate(record), sources(record)
+    assert sum(each.power for each in heated) == pytest.approx(
+        record.heat["power_dielectric_W"] + record.heat["power_along_beam_W"]
+        + share * (record.heat["power_left_end_W"] + record.heat["power_right_end_W"]), rel=1e-12,
+    )  # fmt: skip
+    cells = 6000
+    width = 0.03 / cells
+    x = width * (np.arange(cells) + 0.5)
+    heat = np.zeros(cells)
+    for each in heated:
+        density = np.where((x > each.start) & (x < each.stop), 1.0 if each.density is None else each.density(x), 0.0)
+        heat += each.power * density / density.sum()
+    between = body.conductivity * body.section / width
+    at_end = 1.0 / (1.0 / body.end_loss + 0.5 / between)
+    diagonal = np.full(cells, 2.0 * between + body.loss_per_length * width)
+    diagonal[[0, -1]] += at_end - between
+    bands = np.stack([np.full(cells, -between), diagonal, np.full(cells, -between)])
+    rises = solve_banded((1, 1), bands, heat)
+    wall = (rises[0] * at_end / body.end_loss, rises[-1] * at_end / body.end_loss)
+    assert record.heat["fingers_rise_K"] == pytest.approx(np.interp(0.008, x, rises), rel=1e-4)
+    assert (record.heat["left_end_rise_K"], record.heat["right_end_rise_K"]) == pytest.approx(wall, rel=2e-4)
+    assert record.heat["highest_rise_K"] == pytest.approx(rises.max(), rel=1e-3)
+
+
+def test_the_band_is_that_of_the_air(motor):
+    for air, suffix in ((14.0, "_low"), (6.0, "_high")):
+        other = cooled(motor, air=air)
+        assert other.heat["fingers_rise_K"] == pytest.approx(motor.heat[f"fingers_rise{suffix}_K"], rel=1e-9)
+    assert motor.heat["highest_rise_low_K"] < motor.heat["highest_rise_K"] < motor.heat["highest_rise_high_K"]
+
+
+def test_metal_below_cools(motor):
+    held = cooled(motor, bottom="held")
+    kept = held.heat["power_dielectric_W"] + held.heat["power_along_beam_W"]
+    assert held.heat["mean_rise_K"] < kept * 2e-3 / (1.25 * 0.03 * 0.012)
+    assert held.heat["time_constant_s"] == pytest.approx(4 * 4e-6 * 7600 * 420 / (np.pi**2 * 1.25), rel=2e-2)
+    assert held.heat["highest_rise_K"] < 0.2 * motor.heat["highest_rise_K"]
+
+
+def test_hot_stators_are_warned_of(motor):
+    assert not list(heat_warnings(cooled(motor, bottom="held")))
+    hot = replace(
+        motor, heat=motor.heat | {"highest_rise_K": 140.0, "heating_rate_K_per_s": 12.0, "foldover_number": 1.6}
+    )
+    texts = " ".join(heat_warnings(hot))
+    for words in ("140 K above 20 degC", "300 degC", "12 K in the first second", "two stable temperatures"):
+        assert words in texts
+
+
+def test_the_velocity_coefficient_gives_drift_and_foldover(motor):
+    constants = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 7600.0}
+    own = IsotropicSolid(**constants, conductivity=1.25, velocity_coefficient=-50e-6)
+    stator = replace(motor.scene.stator, material=own, ends="free", mechanical_quality=1000.0)
+    warm = replace(motor, scene=replace(motor.scene, stator=stator))
+    block = heat_block(warm)
+    assert block["frequency_drift"] == pytest.approx(-50e-6 * block["fingers_rise_K"], rel=1e-12)
+    assert block["warm_amplitude_factor"] == pytest.approx(np.sinc(4 * block["frequency_drift"]), rel=1e-12)
+    resistance = plate(warm).resistance
+    assert block["foldover_number"] == pytest.approx(2 * 1000 * 50e-6 * resistance * block["power_W"], rel=1e-12)
+    assert "time_constant_s" not in block  # no heat capacity
+
+
+def test_the_text_and_the_files_hold_it(motor, tmp_path):
+    text = str(motor)
+    assert "power" in text
+    assert "K/s at first, time constant" in text
+    motor.save(tmp_path / "run")
+    from studies.record import Record
+
+    assert Record.load(tmp_path / "run").heat == pytest.approx(motor.heat)
+
+
+@pytest.mark.parametrize(
+    ("cooling", "words"),
+    [
+        ({"air": 0.0}, "stator.cooling.air must be positive"),
+        ({"ends_heat_stator": 1.5}, "stator.cooling.ends_heat_stator must be at most 1"),
+        ({"air": "10 W"}, "stator.cooling.air must be"),
+        ({"bottom": "glue"}, "stator.cooling.bottom must be"),
+        ({"wind": 1.0}, "stator.cooling.wind"),
+    ],
+)
+def test_coolings_that_cannot_be_are_refused(cooling, words):
+    table = {"material": "PZT-8", "length": 0.1, "thickness": 5e-3, "width": 0.03, "ends": "free", "cooling": cooling}
+    with pytest.raises(SceneError, match=words):
+        Scene.from_table("", {"stator": table, "drive": {"frequency": 2e6}})
