@@ -31,6 +31,9 @@ CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave
 # For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. Residuals
 # and changes below ROUNDING are accepted if they no longer fall.
 ROUNDING = 1e-11
+# Where pillars touch only at the crests, residuals are the forces' rounding times the amplitude over the depth of the
+# contact (4e-11 under 1 uN). They are accepted below MAX_RESIDUAL if Newton's step is below CLOSE of the unknowns.
+MAX_RESIDUAL = 1e-8
 STEP = 1e-6  # of the finite differences, in scaled unknowns
 # Largest change in one step: of a scaled unknown, and of an amplitude over the incident one
 MAX_MOVE, MAX_WAVE = 1.0, 0.5
@@ -311,8 +314,7 @@ class _Search:
             else:
                 self.sizes.append(max(self.size, self.change))
                 if self._is_solved():
-                    step = self.residual if self.jacobian is None else np.linalg.pinv(self.jacobian) @ self.residual
-                    return self.change + _largest(step)
+                    return self.change + self._left()
                 self._advance()
         left = max(self.size, self.change)
         raise ConvergenceError(
@@ -362,8 +364,18 @@ class _Search:
         step = self.equations.limited(0.0 * self.residual, self.wave_step)
         self.equations.go_to(self.equations.at(self.active) + step, self.active)
 
+    def _left(self) -> float:
+        """Return Newton's step of the unknowns from here, scaled."""
+        step = self.residual if self.jacobian is None else np.linalg.pinv(self.jacobian) @ self.residual
+        return _largest(step)
+
     def _is_solved(self) -> bool:
-        return self.sizes[-1] < CLOSE or (self.careful and self._stale and self.sizes[-1] < ROUNDING)
+        if self.sizes[-1] < CLOSE:
+            return True
+        if not (self.careful and self._stale):
+            return False
+        rounded = self.size < MAX_RESIDUAL and self.change < ROUNDING and self._left() < CLOSE
+        return self.sizes[-1] < ROUNDING or rounded
 
     def _advance(self):
         """Take the next step of all unknowns."""

@@ -397,3 +397,18 @@ def test_few_pillars_of_unequal_height_balance(count, loading):
         if count == 2:
             assert found.velocity == pytest.approx(level.velocity, rel=1e-9)
             assert found.tilt[0] == pytest.approx(level.tilt[0] - np.diff(heights)[0] / apart, rel=1e-8)
+
+
+@pytest.mark.parametrize(("along", "across", "preload", "amplitude"), [
+    (20, 4, 1e-6, 80e-9), (40, 5, 2e-6, 30e-9), (60, 6, 5e-6, 80e-9), (97, 6, 1.2e-6, 55e-9),
+])  # fmt: skip
+def test_a_preload_of_a_micronewton_is_carried_at_the_crests(along, across, preload, amplitude):
+    # The forces' rounding over the preload is larger there, by the amplitude over the depth of the contact. Closed form
+    # of pillars that stick during their short contact, |phase| < theta: the mean of the surface's velocity over it, and
+    # preload = n k A (sin theta - theta cos theta)/pi
+    found = pillar_motion(grid(along, across, preload=preload, tilt="free"), wave(forward=amplitude), loading=True)
+    theta = (3.0 * np.pi * preload / (along * across * 1.8e6 * amplitude)) ** (1.0 / 3.0)
+    crest = 2.0 * np.pi * FREQUENCY * RATIO * amplitude
+    assert 1.0 + found.velocity / crest == pytest.approx(theta**2 / 6.0, rel=0.05)
+    assert found.relative_error < 1e-9
+    assert found.tilt == pytest.approx((0.0, 0.0), abs=1e-10)
