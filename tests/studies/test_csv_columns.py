@@ -8,6 +8,7 @@ import pytest
 
 from studies.chain.resolve import resolved
 from studies.chain.scan_prediction import placed
+from studies.inverse import read_measurement
 from studies.inverse.fitting import prepared
 from studies.lab.measurement_csv import read_measured
 from studies.refusal import SceneError
@@ -107,6 +108,15 @@ def test_displacements_velocities_and_accelerations_are_one_motion(noun, unit, o
     np.testing.assert_allclose(fitted.deviations, 1e-11, rtol=1e-12)
 
 
+def test_a_scan_that_is_converted_for_a_fit_keeps_its_systematic_error_and_its_own_keys(tmp_path):
+    file = scan_file(tmp_path, "v_z", "mm_per_s", 1, 15.0)
+    measured = read_measurement(file, ("systematic=0.02", 'slider.position="42 mm"'))
+    problem, _, _ = prepared(SCENE, [measured], {"amplitude_factor": (0.5, 2.0)}, tolerance=1e-2)
+    (fitted,) = problem.measurements
+    assert (fitted.systematic, fitted.settings) == (0.02, measured.settings)
+    assert measured.settings
+
+
 def test_a_scan_at_an_unknown_voltage_is_refused_whatever_the_motion(tmp_path):
     for noun, unit in (("u_z", "nm"), ("v_z", "mm_per_s"), ("a_z", "m_per_s2")):
         file = tmp_path / "lab.csv"
@@ -116,13 +126,19 @@ def test_a_scan_at_an_unknown_voltage_is_refused_whatever_the_motion(tmp_path):
 
 
 def test_a_scan_over_positions_and_frequencies_is_cut_at_the_drive(tmp_path):
-    rows = [f"{x},{f},{k + 10 * n}" for k, x in enumerate((41, 42)) for n, f in enumerate((2.19, 2.2, 2.21))]
+    rows = [
+        f"{x},{f},{k + 10 * n},{1 + k + 10 * n}"
+        for k, x in enumerate((41, 42))
+        for n, f in enumerate((2.19, 2.2, 2.21))
+    ]
     file = tmp_path / "lab.csv"
-    file.write_text("x_mm,frequency_MHz,u_z_magnitude_nm_per_V\n" + "\n".join(rows))
+    heads = "x_mm,frequency_MHz,u_z_magnitude_nm_per_V,u_z_standard_deviation_nm_per_V"
+    file.write_text("\n".join([heads, *rows]))
     scan = read_measured(file).scan
     found = placed(resolved(SCENE), scan)
     np.testing.assert_allclose(found.x, [0.041, 0.042], rtol=1e-14)
     np.testing.assert_allclose(found.values, [10e-9, 11e-9], rtol=1e-14)
+    np.testing.assert_allclose(found.deviation, [11e-9, 12e-9], rtol=1e-14)
     between = replace(scan, frequency=scan.frequency + 5e3)
     with pytest.raises(SceneError, match="no spectral line at the drive's 2200000 Hz; the nearest are at 2195000 and"):
         placed(resolved(SCENE), between)
