@@ -34,6 +34,7 @@ from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
 from fem.solve.p_matrix import cascade_admittance, p_matrix
 from fem.solve.reflector import reflector
 from fem.waveguide.force import LineForce
+from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import stator_cascade
 from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import bevelled_end, chip, profile, rectangle
@@ -498,6 +499,37 @@ def test_a_grounded_electrode_takes_no_net_charge_from_the_transducers(tmp_path)
     assert kinds == [["voltage", "mean", "voltage", "mean"], ["voltage", "voltage", "mean"]]
     one, other = (each.fields.admittances for each in solutions)
     assert abs(one - other).max() < 1e-9 * abs(other).max()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_the_stated_error_of_a_reflection_is_that_of_its_discretisation(tmp_path, mirrored):
+    """Against two levels more, from both sides: neither a share of the true error nor many times it is stated."""
+    stator = plate(cut("PZT-4", "Z", quality=300.0), length=9.0)
+    start = 0.2 if not mirrored else 0.5
+    path = rectangle(tmp_path / "groove.msh", 0.9, 0.8, size=0.45, groove=(start, 0.2, 0.1))
+    stator, given = _with_pieces(stator, path, (3.0,)), {"frequency": 2.3e6}
+    found, finer = (reflector(stator, tolerance=tolerance, **given) for tolerance in (1e-2, 1e-5))
+    error = abs(found.scattering - finer.scattering).max()
+    assert 0.4 * found.relative_error < error < 2 * found.relative_error < 2e-2
+    assert finer.relative_error < 0.1 * found.relative_error
+
+
+def test_a_plain_stretch_of_a_plate_of_two_waves_passes_the_wave_of_its_face(tmp_path):
+    """T of the first wave is exp(-i k d) cos(dk d / 2) of its two modes; it does not reflect, nor leave the face."""
+    stator = plate(cut("PZT-4", "Z", quality=100.0), length=9.0, thickness=2.0)
+    unit = stator.thickness / 2.0
+    mesh = read_mesh(rectangle(tmp_path / "plain.msh", 0.6, 2.0, size=0.7), unit)
+    stator = replace(stator, pieces=(MeshPiece(name="plain", mesh=mesh, position=3.0 * unit),))
+    found = reflector(stator, frequency=2.3e6, tolerance=1e-2)
+    section = discretise(stator, Resolution(order=7, edge_layers=2), wavelength=unit, surface_scale=np.inf)
+    modes = guided_modes(section, 2.3e6)
+    one, other = modes.wavenumbers[modes.rayleigh]
+    assert found.scattering.shape == (4, 4)
+    expected = (np.exp(-0.6j * one) + np.exp(-0.6j * other)) / 2
+    assert found.transmission == pytest.approx(expected, abs=1e-4)
+    assert found.transmission == pytest.approx(found.scattering[2, 0], abs=0)
+    assert abs(found.reflection) < 1e-4
+    assert found.scattered == pytest.approx(1 - abs(np.exp(-0.6j * one)) ** 2, abs=1e-3)
 
 
 @pytest.mark.slow

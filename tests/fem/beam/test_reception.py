@@ -10,7 +10,9 @@ from fem.beam import reception
 from fem.beam.beam_of_section import surface_beam
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.reception import aperture_coupling, with_apertures
+from fem.discretize.grading import Resolution
 from fem.solve.port_admittance import port_admittance
+from fem.waveguide.port_fields import stator_cascade
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 
 
@@ -118,3 +120,18 @@ def test_a_limit_of_the_waves_leaves_out_those_that_decay_before_steps_of_the_ch
     off = abs(found[700][1] - found[3000][1])
     assert off.max() > 0.005 * found[700][1][0]
     assert np.all(off < 1.2 * found[700][2])
+
+
+@pytest.mark.parametrize("other", [{"finger_pairs": 3}, {"metallisation": 0.7}])
+@pytest.mark.parametrize("turned", [False, True])
+def test_over_a_band_each_transducer_has_its_own_coupling(other, turned):
+    """Transducers of one aperture that differ in one thing, in either order: a band gives what a frequency gives."""
+    stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.3)
+    row = tuple(
+        comb(stator, name, at, **({"finger_pairs": 2, "aperture": 6e-3} | given))
+        for name, at, given in zip("ab", (6.0, 17.0), ({}, other)[:: -1 if turned else 1], strict=True)
+    )
+    cascade = stator_cascade(stator, row, frequency=FREQUENCY, resolution=Resolution(order=5, edge_layers=0))
+    one = reception.aperture_solver(stator)(cascade).admittances
+    band = reception.aperture_solver(stator, limits=(0.98 * FREQUENCY, 1.02 * FREQUENCY))(cascade).admittances
+    assert abs(band / one - 1).max() < 1e-6

@@ -136,6 +136,31 @@ def test_the_stated_error_grows_with_the_sharpest_resonance(parts):
     assert 4 * wave.relative_error < error < 2 * band.relative_error
     # the level's own part covers it: at its frequencies the reduction can do no better than the level
     assert error < band.relative_error - of_motion
+    # the admittance's, which is found at the same frequency, is scaled as the motion's
+    of_admittance = abs(band.wave(frequency, "a").admittance / full.circuit.admittance - 1)
+    assert of_admittance < 2 * band.admittance_error
+    growth = (band.relative_error - of_motion) / wave.relative_error
+    assert growth > 4
+    assert band.admittance_error == pytest.approx(growth * wave.admittance_error + parts["reduction"][2], rel=1e-9)
+
+
+def test_the_error_of_a_piece_s_interpolation_is_in_both_stated_errors(parts, monkeypatch):
+    """A matrix of a piece that is 1e-3 off changes motion and admittance by as much where nothing resonates."""
+    stator, tolerance = STATED["absorbing ends"]
+    row = (comb(stator, "a", 2.0, finger_pairs=2),)
+    reduce = band_module.reduced_model
+
+    def with_a_piece(*given):
+        model, *errors = reduce(*given)
+        return replace(model, piece_error=1e-3), *errors
+
+    monkeypatch.setattr(band_module, "reduced_model", with_a_piece)
+    band = frequency_band(
+        stator, row, lowest=0.98 * FREQUENCY, highest=1.02 * FREQUENCY, drive="a", tolerance=max(tolerance, 1e-2)
+    )
+    (_, of_motion, of_admittance), wave = parts["reduction"], parts["wave"]
+    assert band.relative_error == pytest.approx(wave.relative_error + of_motion + 1e-3, rel=1e-9)
+    assert band.admittance_error == pytest.approx(wave.admittance_error + of_admittance + 1e-3, rel=1e-9)
 
 
 STATED = {
