@@ -2,12 +2,14 @@
 
 import logging
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from studies.chain import fem_model
 from studies.chain.predictor import Predictor
-from studies.chain.scan_prediction import component_and_error, over_frequency, placed
+from studies.chain.scan_prediction import component_and_error, drawn_line, over_frequency, placed
 from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.scan import Scan
@@ -37,11 +39,16 @@ def measured_block(record: Record, measured: Measurement) -> dict:
     scene = record.scene
     scan = placed(scene, measured.scan)
     LOGGER.info("the field at the measured points")
-    if scan.kind == "frequency":
-        predicted, error = over_frequency(scene, scan, tolerance=max(record.tolerance, 1e-3))
-    else:
-        predicted, error = component_and_error(record.surface_motion, scan)
-    return scan_block(scene, scan, predicted, error)
+
+    def predict(some: Scan):
+        if some.kind == "frequency":
+            return over_frequency(scene, some, tolerance=max(record.tolerance, 1e-3))
+        return component_and_error(record.surface_motion, some)
+
+    ratio = None
+    if scan.kind == "x" and scan.component == "u_z" and scan.y[0] == scene.positions[0][1]:
+        ratio = record.wave["standing_wave_ratio"]
+    return scan_block(scene, scan, predict, ratio)
 
 
 def _velocities_at(record: Record, levels: tuple[float, ...], column: str) -> list[float | None]:
@@ -59,11 +66,30 @@ def _velocities_at(record: Record, levels: tuple[float, ...], column: str) -> li
     return [answers[level].get(column, answers[level].get("velocity_m_per_s")) for level in levels]
 
 
-def scan_block(scene: Scene, scan: Scan, predicted: np.ndarray, error: float) -> dict:
-    """Return the comparison of a placed scan with its prediction and the estimated relative error of that."""
+def scan_block(scene: Scene, scan: Scan, predict: Callable, ratio: float | None = None) -> dict:
+    """Return the comparison of a placed scan with its prediction and the estimated relative error of that.
+
+    ``predict``: takes a placed scan and returns the motion at its points, m per V, and its relative error; ``ratio``:
+    the predicted standing-wave ratio about the scene's position, where it is that of the scan's component and line.
+    """
     wavelength = fem_model.wavelength(scene)
-    source = scene.driven_transducer.center_xy[0]
-    return compared_scan(scan, predicted, wavelength=wavelength, source=source) | {"predicted_relative_error": error}
+    source, (place, _) = scene.driven_transducer.center_xy[0], scene.positions[0]
+    line = drawn_line(scan, wavelength)
+    if line is not None and scan.kind == "frequency":  # one band of frequencies for both
+        together = np.append(np.asarray(scan.frequency), np.asarray(line.frequency))
+        count, x, y = scan.x.size, np.append(scan.x, line.x), np.append(scan.y, line.y)
+        both = replace(scan, x=x, y=y, frequency=together, values=0j * together, deviation=None)
+        motion, error = predict(both)
+        predicted, drawn = motion[:count], motion[count:]
+    else:
+        predicted, error = predict(scan)
+        drawn = None if line is None else predict(line)[0]
+    block = compared_scan(scan, predicted, wavelength=wavelength, source=source, place=place, ratio=ratio)
+    if line is not None:
+        block["line"] = {"x_m": line.x, "y_m": line.y, "predicted_m_per_V": drawn}
+        if scan.kind == "frequency":
+            block["line"]["frequency_Hz"] = line.frequency
+    return block | {"predicted_relative_error": error}
 
 
 def _trace(record: Record, measured: Measurement) -> dict:

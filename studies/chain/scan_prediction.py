@@ -17,6 +17,10 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
+DRAWN = 24  # points per wavelength of the line that is drawn
+MOST_DRAWN = 4000
+BETWEEN = 4  # of a scan over few frequencies, parts of the intervals between them
+MOST_FREQUENCIES = 240  # that are drawn; of more the measured ones alone
 
 
 def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
@@ -105,6 +109,34 @@ def scan_and_error(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.nd
     first = _positions(scan)[:1]
     motion = solved_motion(stator_alone(scene), first, tolerance=tolerance, slider=True, missed=True)
     return component_and_error(motion, scan)
+
+
+def drawn_line(scan: Scan, wavelength: float) -> Scan | None:
+    """Return the places or frequencies of a line through a placed scan, close enough to draw the motion; m, Hz.
+
+    Of a scan over an area it is the row, with one y and three points or more, that is nearest to the middle; None if
+    there is none.
+    """
+    x, y, frequency = scan.x, scan.y, scan.frequency
+    if scan.kind == "frequency":
+        at = np.unique(np.asarray(frequency))
+        if BETWEEN * at.size <= MOST_FREQUENCIES:
+            at = np.unique(np.interp(np.arange(BETWEEN * (at.size - 1) + 1) / BETWEEN, np.arange(at.size), at))
+        count, x, y, frequency = at.size, np.full(at.size, x[0]), np.full(at.size, y[0]), at
+    else:
+        if scan.kind == "x, y":
+            rows, counts = np.unique(y, return_counts=True)
+            if not np.any(counts >= 3):
+                return None
+            rows = rows[counts >= 3]
+            row = rows[np.argmin(np.abs(rows - 0.5 * (y.min() + y.max())))]
+            x, y = x[y == row], y[y == row]
+        across = x if scan.kind != "y" else y
+        count = int(min(max(2, np.ceil(np.ptp(across) / wavelength * DRAWN) + 1), MOST_DRAWN))
+        ends = np.linspace(across.min(), across.max(), count)
+        x, y = (ends, np.full(count, y[0])) if scan.kind != "y" else (np.full(count, x[0]), ends)
+        frequency = None if frequency is None else np.full(count, frequency[0])
+    return replace(scan, x=x, y=y, frequency=frequency, values=np.zeros(count, complex), deviation=None)
 
 
 def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:

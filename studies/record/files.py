@@ -126,8 +126,8 @@ def read_run(folder: Path) -> dict:
     }
     fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}
     if "measured" in fields:
-        curves = {key: _arrays(fields["measured"][key]) for key in ("scan", "trace") if key in fields["measured"]}
-        fields["measured"] |= curves
+        measured = fields["measured"]
+        measured |= {key: _arrays(measured[key]) for key in ("scan", "line", "trace") if key in measured}
     fields["points"] = tuple(
         {key: value if key in PAIRS else _complex(value) for key, value in point.items()}
         for point in whole.get("points", ())

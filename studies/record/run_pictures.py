@@ -49,7 +49,8 @@ def measured_picture(record: "Record", ax):
         return draw_scan(block, ax)
     trace = block["trace"]
     unit, up = ("m", "travelled_m") if "measured_m" in trace else ("m_per_s", "velocity_m_per_s")
-    return _over_computed(ax, block, "time_s", trace["time_s"], up, *(trace[f"{name}_{unit}"] for name in COMPARED))
+    computed, measured = ((trace["time_s"], trace[f"{name}_{unit}"]) for name in COMPARED)
+    return _over_computed(ax, block, ("time_s", up), computed, measured)
 
 
 def draw_scan(block: dict, ax):
@@ -57,17 +58,26 @@ def draw_scan(block: dict, ax):
     points = block["scan"]
     by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
     key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
-    order = np.argsort(points[key], kind="stable")
-    sizes = (np.abs(points[f"{name}_m_per_V"])[order] for name in COMPARED)
-    return _over_computed(ax, block, key, points[key][order], "amplitude_m_per_V", *sizes)
+    order, line = np.argsort(points[key], kind="stable"), block.get("line")
+    where = ""
+    if key == "x_m" and line is not None and np.ptp(points["y_m"]) > 0.0:  # of an area its row
+        order = order[points["y_m"][order] == line["y_m"][0]]
+        where = f", y = {quantity('y_m').with_unit(line['y_m'][0])}"
+    x, measured = points[key][order], np.abs(points["measured_m_per_V"])[order]
+    if line is None:
+        computed, style = (x, np.abs(points["predicted_m_per_V"])[order]), "-" if np.ptp(points["y_m"]) == 0.0 else "x"
+    else:
+        computed, style = (line[key], np.abs(line["predicted_m_per_V"])), "-"
+    return _over_computed(ax, block, (key, "amplitude_m_per_V"), computed, (x, measured), style, where)
 
 
-def _over_computed(ax, block: dict, across: str, x, up: str, computed, measured):
-    """Draw measured values over a computed curve, both in SI units."""
-    along, height = quantity(across), quantity(up)
-    curve(ax, x * along.scale, computed * height.scale, "-", "slip", "computed")
-    curve(ax, x * along.scale, measured * height.scale, "o", "line", f"measured, {block['file']}", size=2.5)
-    return finished(ax, along.axis, height.axis, f"Measured over computed: {block['quantity']}", columns=2)
+def _over_computed(ax, block: dict, axes: tuple[str, str], computed: tuple, measured: tuple, style="-", where=""):
+    """Draw measured values over a computed curve; each x and y in SI units, ``where`` ends the title."""
+    along, height = (quantity(each) for each in axes)
+    curve(ax, computed[0] * along.scale, computed[1] * height.scale, style, "slip", "computed")
+    label = f"measured, {block['file']}"
+    curve(ax, measured[0] * along.scale, measured[1] * height.scale, "o", "line", label, size=2.5)
+    return finished(ax, along.axis, height.axis, f"Measured over computed: {block['quantity']}{where}", columns=2)
 
 
 def draw_run(record: "Record", folder: Path, names: Sequence[str] | None = None) -> None:

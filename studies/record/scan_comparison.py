@@ -2,13 +2,18 @@
 
 import numpy as np
 
+import fem
 from studies.lab.scan import Scan
 from studies.record.quantities import quantity
 
 PER_WAVELENGTH = 6  # points of a line from which its standing-wave ratio is computed
+INTERPOLATED = 10  # points from which on a complex wave is interpolated between them (`fem.standing_wave_ratio`)
 
 
-def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, source: float) -> dict:
+def compared_scan(
+    scan: Scan, predicted: np.ndarray, *, wavelength: float, source: float, place: float | None = None,
+    ratio: float | None = None,
+) -> dict:  # fmt: skip
     """Return the block ``measured`` of run.json for a scan per volt and its prediction.
 
     Parameters
@@ -21,6 +26,12 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
         Of the surface wave, m.
     source : float
         x of the middle of the driven transducer, m.
+    place : float, optional
+        x in m within a wavelength of which the standing-wave ratios are stated, or the next one that the scan covers;
+        by default the middle of the scan.
+    ratio : float, optional
+        Predicted standing-wave ratio at this place, where it is known from all of the field; otherwise both follow from
+        the measured points.
     """
     values = scan.values if scan.is_complex else np.abs(scan.values)
     own = predicted if scan.is_complex else np.abs(predicted)
@@ -40,7 +51,8 @@ def compared_scan(scan: Scan, predicted: np.ndarray, *, wavelength: float, sourc
     }  # fmt: skip
     if scan.is_complex:
         block["phase_of_measured_rad"] = float(np.angle(factor))
-    block |= _along(scan, values, predicted, wavelength, source)
+    block |= _ripple(scan, values, predicted, wavelength, (place, ratio))
+    block |= _velocity(scan, values, predicted, wavelength, source)
     if scan.kind in ("y", "x, y"):
         block |= {f"beam_center_{name}_m": _center(scan.y, each) for name, each in _pair(values, predicted)}
     if scan.frequency is not None and scan.kind == "frequency":
@@ -63,28 +75,58 @@ def _pair(measured, predicted):
     return ("measured", measured), ("predicted", predicted)
 
 
-def _along(scan: Scan, values, predicted, wavelength: float, source: float) -> dict:
-    """Return the standing-wave ratios of a line along x that resolves them, and the ratio of the wave velocities."""
-    if scan.kind != "x" or len(values) < 3:
+def _ripple(scan: Scan, values, predicted, wavelength: float, known: tuple[float | None, float | None]) -> dict:
+    """Return the standing-wave ratios of a line along x that resolves them; ``known``: place and ratio, as above."""
+    if scan.kind != "x" or len(values) < 3 or np.ptp(scan.x) < wavelength / 2:
         return {}
-    columns, order = {}, np.argsort(scan.x)
-    step = np.max(np.diff(scan.x[order]))
-    if step <= wavelength / PER_WAVELENGTH and np.ptp(scan.x) >= wavelength / 2:
-        for name, each in _pair(values, predicted):
-            sizes, half = np.abs(each[order]), max(2, round(wavelength / 2 / step))
-            # of each half wavelength, the period of the ripple: diffraction and loss change slowly
-            ratios = [
-                np.max(part) / max(np.min(part), 1e-300) for part in np.array_split(sizes, max(1, len(sizes) // half))
-            ]
-            columns[f"{name}_standing_wave_ratio"] = float(np.median(ratios))
-    if scan.is_complex:
-        distance = abs(scan.x - source)[order]
-        phase = np.unwrap(np.angle(values[order] * np.conj(predicted[order])))
-        slope = float(np.polyfit(distance, phase, 1, w=np.abs(predicted[order]))[0])
-        # the predicted phase is -k times the distance: a slope s of the difference is a measured wavenumber k - s
-        wavenumber = 2.0 * np.pi / wavelength
-        columns["measured_wave_velocity_over_predicted"] = wavenumber / (wavenumber - slope)
-    return columns
+    order, (place, ratio) = np.argsort(scan.x), known
+    x = scan.x[order]
+    if np.max(np.diff(x)) > wavelength / PER_WAVELENGTH * (1 + 1e-9):
+        return {}
+    reach = min(wavelength, np.ptp(x) / 2)
+    middle = 0.5 * (x[0] + x[-1])
+    at = middle if place is None else float(np.clip(place, x[0] + reach, max(x[-1] - reach, x[0] + reach)))
+    inside = np.abs(x - at) <= reach * (1 + 1e-9)
+    own = predicted if scan.is_complex else np.abs(predicted)
+    measured, computed = (_standing_wave_ratio(x[inside], each[order][inside], wavelength) for each in (values, own))
+    if ratio is not None and at == place:
+        # what the points leave out of the pattern they leave out of both
+        measured, computed = measured * ratio / computed, ratio
+    return {
+        "measured_standing_wave_ratio": float(measured), "predicted_standing_wave_ratio": float(computed),
+        "standing_wave_ratio_at_m": at,
+    }  # fmt: skip
+
+
+def _standing_wave_ratio(x, values, wavelength: float) -> float:
+    """Return the largest over the smallest amplitude along a line; without phases or with few points by two waves.
+
+    The square of the amplitude of two opposite waves is a constant and a cosine of half the wavelength.
+    """
+    steps = np.diff(x)
+    even = np.ptp(steps) < 1e-3 * np.max(steps) and np.max(steps) <= wavelength / INTERPOLATED * (1 + 1e-9)
+    if np.iscomplexobj(values) and even:
+        return fem.standing_wave_ratio(values)
+    phase = 4.0 * np.pi / wavelength * x
+    waves = np.stack([np.ones_like(x), np.cos(phase), np.sin(phase)], axis=1)
+    (mean, *both), *_ = np.linalg.lstsq(waves, np.abs(values) ** 2, rcond=None)
+    swing = float(np.hypot(*both))
+    if swing < mean:
+        return float(np.sqrt((mean + swing) / (mean - swing)))
+    return float(np.max(np.abs(values)) / max(np.min(np.abs(values)), 1e-300))
+
+
+def _velocity(scan: Scan, values, predicted, wavelength: float, source: float) -> dict:
+    """Return the ratio of the wave velocities along a line in x with phases."""
+    if scan.kind != "x" or len(values) < 3 or not scan.is_complex:
+        return {}
+    order = np.argsort(scan.x)
+    distance = abs(scan.x - source)[order]
+    phase = np.unwrap(np.angle(values[order] * np.conj(predicted[order])))
+    slope = float(np.polyfit(distance, phase, 1, w=np.abs(predicted[order]))[0])
+    # the predicted phase is -k times the distance: a slope s of the difference is a measured wavenumber k - s
+    wavenumber = 2.0 * np.pi / wavelength
+    return {"measured_wave_velocity_over_predicted": wavenumber / (wavenumber - slope)}
 
 
 def _center(y, values) -> float:
@@ -108,7 +150,8 @@ def scan_comparison(block: dict):
         yield "", f"numerical error of the prediction {error} rms"
     if "measured_standing_wave_ratio" in block:
         ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
-        yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios)
+        where = quantity("x_m").with_unit(block["standing_wave_ratio_at_m"])
+        yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios) + f", about x = {where}"
     if "measured_wave_velocity_over_predicted" in block:
         away = block["measured_wave_velocity_over_predicted"] - 1.0
         yield "", f"wave velocity {100 * away:+.3g} % of the predicted, by the phase along x"

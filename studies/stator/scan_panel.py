@@ -1,5 +1,7 @@
 """A vibrometer's scan drawn over a study's prediction: what `beam` and `frequency_response` share."""
 
+from functools import partial
+
 from studies.chain.measured_run import scan_block
 from studies.chain.scan_prediction import placed, scan_and_error
 from studies.lab.measurement_csv import read_measured
@@ -29,7 +31,7 @@ def scan_file(scene: Scene, path: str, over: str) -> Scan:
 
 def scan_panel(scene: Scene, scan: Scan, *, tolerance: float) -> Panel:
     """Return the panel of a scan beside the motion computed at its own points, for the study to draw."""
-    block = scan_block(scene, scan, *scan_and_error(scene, scan, tolerance=tolerance))
+    block = scan_block(scene, scan, partial(scan_and_error, scene, tolerance=tolerance))
     return Panel(name="measured", title=f"{scene.title}: measured", data=block)
 
 

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 import contact
 import fem
 from studies.__main__ import main
-from studies.chain import fem_model, resolve
-from studies.chain.scan_prediction import at_other_velocity, placed
+from studies.chain import fem_model, resolve, run
+from studies.chain.measured_run import measured_block
+from studies.chain.scan_prediction import at_other_velocity, drawn_line, placed
 from studies.chain.scattering import scattering_matrix
 from studies.export.averaged_motor import averaged_motor
 from studies.export.instruments import Recording, csv_files, touchstone_files, virtual_scan
@@ -26,12 +27,13 @@ from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
 from studies.lab.scan import Scan, scan_csv
 from studies.record import Record
-from studies.record.run_pictures import pictures
+from studies.record.run_pictures import draw_scan, pictures
 from studies.record.scan_comparison import compared_scan
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.stator.network_deviation import deviations
 from studies.study import driven_contact
+from tests.studies.settings import without
 from tests.studies.solved_once import solved_once
 
 SMALL = Scene.load("twente-left").replace(
@@ -541,3 +543,53 @@ def test_a_network_is_written_into_the_file_that_is_named(tmp_path, monkeypatch)
     assert main([*words, "--out", "net.S2P"]) == 0
     assert [each.name for each in tmp_path.iterdir()] == ["net.S2P"]
     assert read_network(Path("net.S2P"), "--measured").scattering.shape == (3, 2, 2)
+
+
+@pytest.mark.parametrize("is_complex", [True, False])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("per_wavelength", [7.3, 12.0, 31.0])
+def test_the_standing_wave_ratio_of_a_scan_is_that_between_its_points(per_wavelength, side, is_complex):
+    wavelength, back = 1e-3, 0.45 * np.exp(0.6j)
+    x = np.arange(0.03, 0.04, wavelength / per_wavelength)
+    k = side * 2 * np.pi / wavelength
+    values = np.exp(-1j * k * x) + back * np.exp(1j * k * x)
+    scan = Scan(name="lab", x=x, y=0 * x, values=values if is_complex else np.abs(values))
+    block = compared_scan(scan, values, wavelength=wavelength, source=0.015, place=0.034)
+    assert block["standing_wave_ratio_at_m"] == 0.034
+    for name in ("measured", "predicted"):
+        assert block[f"{name}_standing_wave_ratio"] == pytest.approx(1.45 / 0.55, rel=2e-3)
+    # the prediction's ratio from the whole field is the one that is printed, and data without error have the same
+    known = compared_scan(scan, values, wavelength=wavelength, source=0.015, place=0.034, ratio=2.7)
+    assert known["predicted_standing_wave_ratio"] == 2.7
+    assert known["measured_standing_wave_ratio"] == pytest.approx(2.7, rel=1e-12)
+    beyond = compared_scan(scan, values, wavelength=wavelength, source=0.015, place=0.01, ratio=2.7)
+    assert beyond["standing_wave_ratio_at_m"] == pytest.approx(0.031, abs=1e-9)
+    assert beyond["predicted_standing_wave_ratio"] == pytest.approx(1.45 / 0.55, rel=2e-3)
+
+
+def scan_at(x, y, **options):
+    return Scan(name="lab", x=np.array(x), y=np.array(y), values=np.ones(len(x), complex), **options)
+
+
+def test_the_prediction_is_drawn_between_the_measured_places(small):
+    x = np.arange(6.0e-3, 12e-3, 0.13e-3)
+    record = run(Scene.from_table("", without(small.to_table(), "slider")), tolerance=0.05)
+    motion = record.surface_motion
+    scan = scan_at(x, 0 * x)
+    block = measured_block(record, Measurement(name="lab", quantity="scan", scan=scan))
+    assert block["predicted_standing_wave_ratio"] == record.wave["standing_wave_ratio"]
+    line = block["line"]
+    assert np.diff(line["x_m"]).max() < 0.05e-3
+    assert (line["x_m"][0], line["x_m"][-1]) == pytest.approx((x[0], x[-1]))
+    expected = motion.along(line["x_m"], 0.0)[2]
+    np.testing.assert_allclose(line["predicted_m_per_V"], expected, rtol=0, atol=1e-12 * abs(expected).max())
+    drawn = draw_scan(block, Figure().add_subplot()).get_lines()
+    assert [len(each.get_xdata()) for each in drawn] == [len(line["x_m"]), len(x)]
+    # of an area the row nearest to the middle
+    across, along = (each.ravel() for each in np.meshgrid([-2e-3, 0.5e-3, 3e-3], x, indexing="ij"))
+    area = drawn_line(scan_at(along, across), 1e-3)
+    assert set(area.y) == {0.5e-3}
+    assert drawn_line(scan_at(x, x - x[0]), 1e-3) is None
+    assert drawn_line(scan_at(0 * x + 8e-3, x - 8e-3), 1e-3).kind == "y"
+    few = drawn_line(scan_at([8e-3] * 3, [0.0] * 3, frequency=np.array([2.1e6, 2.2e6, 2.4e6])), 1e-3)
+    assert list(few.frequency) == pytest.approx([2.1e6, 2.125e6, 2.15e6, 2.175e6, 2.2e6, 2.25e6, 2.3e6, 2.35e6, 2.4e6])
