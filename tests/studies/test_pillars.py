@@ -542,3 +542,28 @@ def test_a_sweep_or_fit_refuses_pillars_in_the_words_of_a_run(key, value, rule):
     with pytest.raises(SceneError) as of_sweep:
         ChangedScenes(table).resolved({key: value})
     assert str(of_sweep.value) == str(of_run.value)
+
+
+def test_a_burst_and_its_stop_are_mirrored_with_the_wave_and_the_load():
+    """A wave to -x drives to +x; one to +x under the mirrored pillars drives the other way, load and stop too."""
+    from studies.chain.bridge import DrivenContact
+    from studies.chain.pillar_points import PillarContact, burst
+
+    record = run(scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9, "seed": 3}, load=2e-3))
+    here = PillarContact.of(DrivenContact.of_run(record))
+    wave = replace(here.wave, forward=here.wave.backward, backward=here.wave.forward)
+    there = replace(here, wave=wave, pillars=replace(here.pillars, x=-here.pillars.x))
+    moved = []
+    for body in (here, there):
+        steady = body.motion(20e-9)
+        moved.append((steady.velocity, burst(body, 20e-9, steady, 2e-4)))
+        line = body.load_line(20e-9, 4)
+        assert np.all(np.diff(np.abs(line.velocity)) < 0.0)
+        assert np.all(line.power[1:-1] > 0.0)
+    (one, first), (other, second) = moved
+    assert one > 0.0
+    assert other == pytest.approx(-one, rel=1e-7)
+    fastest = abs(first.velocity_at_burst_end)
+    assert second.velocity == pytest.approx(-first.velocity, rel=0, abs=1e-6 * fastest)
+    assert second.time == pytest.approx(first.time, rel=1e-6)
+    assert second.position == pytest.approx(first.position, rel=1e-7)
