@@ -165,6 +165,7 @@ class PillarBurst:
     relative_error: float
     method: str = "averaged"
     rang: float = 0.0
+    displacement: np.ndarray | None = None  # only along a track (contact.Trajectory), which pillars have none of
 
 
 def burst(body: PillarContact, level: float, steady, duration: float) -> PillarBurst:
