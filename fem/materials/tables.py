@@ -44,6 +44,11 @@ def solid_of(table: dict[str, Any]) -> Solid:
     return Solid(stiffness=stiffness, coupling=piezoelectric, permittivity=clamped, **own)
 
 
+def file_of(name: str) -> Path:
+    """Return the file of a set of constants, by its name."""
+    return FOLDER / f"{re.sub(r'[^a-z0-9]+', '-', name.casefold()).strip('-')}.toml"
+
+
 @cache
 def catalogue_tables() -> dict[str, dict[str, Any]]:
     """Return the tables of the catalogue's files by name."""
@@ -52,8 +57,8 @@ def catalogue_tables() -> dict[str, dict[str, Any]]:
 
 
 @cache
-def _solids() -> dict[str, Solid]:
-    return {name: solid_of(table) for name, table in catalogue_tables().items()}
+def _solid(path: Path) -> Solid:
+    return solid_of(tomllib.loads(path.read_text(encoding="utf-8")))
 
 
 @cache
@@ -70,7 +75,7 @@ def _plain(name: str) -> str:
 
 def catalogue() -> dict[str, Solid]:
     """Return the solids that ship, by name, in the crystal frame."""
-    return dict(_solids())
+    return {name: _solid(file_of(name)) for name in catalogue_tables()}
 
 
 def material_names() -> tuple[str, ...]:
@@ -85,9 +90,7 @@ def catalogue_table(name: str) -> dict[str, Any]:
 
 def catalogue_text(name: str) -> str:
     """Return the text of the file of a solid, by its name or an alias; an InputError for another name."""
-    own = material(name).name
-    paths = (path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.toml")))
-    return next(text for text in paths if tomllib.loads(text)["name"] == own)
+    return file_of(material(name).name).read_text(encoding="utf-8")
 
 
 def material(name: str) -> Solid:
@@ -95,9 +98,12 @@ def material(name: str) -> Solid:
 
     Names are found without regard to case, blanks and hyphens, and by the aliases of the files.
     """
+    path = file_of(str(name))
+    if path.is_file() and _solid(path).name == name:
+        return _solid(path)  # without reading the other files
     names, wanted = _names(), _plain(name)
     if wanted in names:
-        return _solids()[names[wanted]]
+        return _solid(file_of(names[wanted]))
     close = get_close_matches(wanted, names, n=1)
     nearest = f"; the nearest known one is {names[close[0]]!r}" if close else ""
-    raise InputError("material", f"must be in the catalogue ({', '.join(_solids())}), got {name!r}{nearest}")
+    raise InputError("material", f"must be in the catalogue ({', '.join(catalogue_tables())}), got {name!r}{nearest}")

@@ -1,6 +1,7 @@
 """Materials as files: shared by scenes, shown and copied by the command, and the constants of crystal classes."""
 
 import json
+import re
 import textwrap
 from pathlib import Path
 
@@ -46,6 +47,9 @@ def test_names_and_aliases_are_found_as_people_write_them():
         ("Quartz", "quartz (Bechmann)"), ("Al", "aluminium"), ("linbo3(warner)", "LiNbO3 (Warner)"),
     ):  # fmt: skip
         assert fem.material(name).name == expected
+    files = {path.stem for path in (Path(fem.__file__).parent / "materials" / "catalogue").glob("*.toml")}
+    stems = {re.sub("[^a-z0-9]+", "-", name.casefold()).strip("-") for name in fem.catalogue()}
+    assert files == stems
     plain = ["".join(each.split()).replace("-", "").casefold() for each in fem.material_names()]
     assert len(set(plain)) == len(plain)
 
