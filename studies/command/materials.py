@@ -2,7 +2,7 @@
 
 import argparse
 
-from studies.command.output import print_answer
+from studies.command.output import print_answer, warn
 
 HELP = "list the catalogue of materials, or show one or a file of constants"
 
@@ -26,5 +26,6 @@ def call(arguments: argparse.Namespace) -> int:
         print(f"wrote {copied(arguments.material, arguments.copy)}")
         return 0
     answer = material_answer(arguments.material)
+    warn(answer["probable_mistakes"])
     print_answer(arguments, answer, material_text(answer))
     return 0

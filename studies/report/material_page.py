@@ -52,6 +52,7 @@ def material_answer(name: str) -> dict:
         "coupling_C_per_m2": solid.coupling, "permittivity_relative": solid.permittivity / EPS0,
         "mechanical_quality": solid.mechanical_quality if math.isfinite(solid.mechanical_quality) else None,
         "dielectric_loss": solid.dielectric_loss,
+        "probable_mistakes": [] if isinstance(material, str) else list(fem.plausibility(solid)),
         "cuts": {cut: _wave(solid, cut) for cut in CUTS.get(kind, ("Z",))},
     }  # fmt: skip
     return plain("", answer)

@@ -166,7 +166,7 @@ def test_constants_that_do_not_fit_are_refused(changes, sentence):
         Scene.from_table("", table | {"drive": {"frequency": 1e7}})
 
 
-def test_the_command_lists_and_shows_materials(capsys):
+def test_the_command_lists_and_shows_materials(capsys, tmp_path):
     assert main(["materials"]) == 0
     listed = capsys.readouterr().out
     assert all(name in listed for name in fem.catalogue())
@@ -177,5 +177,9 @@ def test_the_command_lists_and_shows_materials(capsys):
     assert main(["materials", "PZT-8"]) == 0
     text = capsys.readouterr().out
     assert "surface wave 2181.91 m/s, K2 1.78 %" in text
+    file = tmp_path / "ours.toml"
+    file.write_text(fem.catalogue_text("LiNbO3").replace("c33 = 227.9", "c33 = 127.9"))
+    assert main(["materials", str(file)]) == 0
+    assert "stiffness of LiNbO3 (Kovacs) differs by" in capsys.readouterr().err
     assert main(["materials", "unobtainium"]) == 2
     assert main(["materials", "PZT-8", "--copy", "x.txt"]) == 2
