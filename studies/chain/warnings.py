@@ -286,7 +286,7 @@ def _ripple(record: Record) -> Iterator[str]:
     for point in record.points:
         if "mean_velocity_m_per_s" in point:
             mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
-            if high - low >= RIPPLE * abs(mean) > 0.0:
+            if high > low and high - low >= RIPPLE * abs(mean):
                 rippled.append((point[record.level], point["velocity_m_per_s"], mean, low, high))
     level, *speeds = max(rippled)
     here, mean, low, high = (f"{1e3 * speed:.4g}" for speed in speeds)

@@ -203,6 +203,12 @@ class Fit:
     def _notes(self) -> Iterator[tuple[str, str]]:
         """Yield the label and the text of each line below the table of the estimates."""
         yield "goodness of fit", self._goodness()
+        if not self.problem.predictor.prescribed_wave:
+            quantities = {each.quantity for each in self.problem.measurements}
+            if "velocity" in quantities:
+                yield "velocity", "predicted at the slider's position"
+            if "mean velocity" in quantities:
+                yield "mean velocity", "predicted as the mean over place within half a wavelength about the position"
         for each in self.tied:
             spread = "" if each.stderr is None else f", standard error {each.text(each.stderr)}"
             expression = self.problem.ties.expressions[each.key]

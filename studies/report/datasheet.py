@@ -262,8 +262,8 @@ def _stroke_rows(point: dict, travel: StrokeSpeed, model: float | None) -> Itera
         condition += f"; {shown.with_unit(abs(over.mean_over_time))} in the mean over the time of a slow slider"
     if travel.missing:
         condition += f"; {travel.missing:.0%} of the places have no answer"
-    yield Row("speed", "speed", abs(over.mean), "m/s", over.error / abs(over.mean), condition, model)
-    if "mean_velocity_m_per_s" in point:
+    yield Row("speed", "speed", abs(over.mean), "m/s", over.error / (abs(over.mean) or 1.0), condition, model)
+    if point.get("mean_velocity_m_per_s"):
         mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
         condition = f"within half a wavelength about the position: {shown.interval(low, high)}, mean {shown.text(mean)}"
         yield Row("speed", "ripple", (high - low) / abs(mean), "1", None, condition)

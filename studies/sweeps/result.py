@@ -98,6 +98,9 @@ class Sweep:
         ]
         if self.summary["largest_relative_error"] is not None:
             notes.insert(0, ("relative error", f"{self.summary['largest_relative_error']:.1e} at most, where ok"))
+        if {"velocity_m_per_s", "conductance_S"} <= set(self.columns()):  # on a stator
+            mean = "" if "mean_velocity_m_per_s" in self.columns() else "; --also ripple adds mean and range about it"
+            notes.append(("velocity", f"that of the slider's position{mean}"))
         notes += [("seconds", f"{self.seconds:.2f}, {duration(self.cost)} of work"), ("results", f"{self.path}")]
         points = labelled([("points", f"{self.points}: {kinds}")])
         return "\n".join([*points, *(table(ranges) if ranges else []), *labelled(notes)])

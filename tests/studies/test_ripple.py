@@ -155,7 +155,9 @@ def test_a_sweep_and_a_design_have_the_columns_of_a_run(rippled, small):
     """Property: the same mean and range by three doors; of a search for the least ripple, the best is that place."""
     one = small.replace(drive={"voltage": ["120 V"]})
     places = [8.8e-3, 9e-3]
-    rows = sweep(one, {"slider.position": places}, tolerance=TOLERANCE, also=("ripple",)).to_dataframe()
+    swept = sweep(one, {"slider.position": places}, tolerance=TOLERANCE, also=("ripple",))
+    assert "that of the slider's position" in str(swept)
+    rows = swept.to_dataframe()
     assert np.allclose(rows[list(COLUMNS)].iloc[1], [rippled.points[2][name] for name in COLUMNS], rtol=1e-6, atol=0.0)
     assert rows["mean_velocity_relative_error"].max() < TOLERANCE
     width = rows["highest_velocity_m_per_s"] - rows["lowest_velocity_m_per_s"]
@@ -167,6 +169,7 @@ def test_a_sweep_and_a_design_have_the_columns_of_a_run(rippled, small):
         options=Options(evaluations=14, tolerance=0.1),
     )  # fmt: skip
     assert found.columns == ("mean_velocity_m_per_s",)
+    assert "that of the slider's position" in str(found)
     fastest = max(abs(point["mean_velocity_m_per_s"]) for point in found.points if point["velocity_ripple"] <= 0.5)
     assert abs(found.optimum["mean_velocity_m_per_s"]) == fastest
     assert abs(found.optimum["mean_velocity_m_per_s"]) != abs(found.optimum["velocity_m_per_s"])
