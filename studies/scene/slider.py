@@ -118,8 +118,9 @@ class Slider(Block):
     travel: Annotated[
         bool | None,
         FLAG,
-        "true: in a burst the wave's amplitude changes with the slider's position; false: it stays that at "
-        "slider.position. Absent: true if the slider travels more than a tenth of a wavelength.",
+        "true: in a burst the slider is followed on the wave at its own place, up to fingers, a piece or the stator's "
+        "end; false: the wave stays that at slider.position. Absent: true if the slider travels more than a tenth of a "
+        "wavelength.",
     ] = None
     damping: Annotated[Damping, Within(Damping), "Damping of the slider's motion."] = Damping()
     pillars: Annotated[

@@ -49,6 +49,19 @@ def test_steps_of_a_motor_on_a_stator(motor):
     assert np.all(record.panels[0].data["distance_m"]["80 V"] > 0.0)
 
 
+def test_regime_map_has_the_preload_of_the_slider():
+    def data(contacts):
+        scene = Scene.load("twente-contact").replace(slider={"contacts": contacts, "preload": "0.9 mN"})
+        return regime_map.run(scene, amplitudes=8, preloads=3, checked=1).panels[0].data
+
+    one, three = data(1), data(3)
+    assert [each["operating_preload_N"] for each in (one, three)] == pytest.approx([0.9e-3, 0.9e-3], rel=1e-12)
+    np.testing.assert_allclose(three["preload_N"], one["preload_N"], rtol=1e-12)
+    # three balls share the load, and the release grows as its power of 2/3
+    ratio = np.array(three["lines_m"]["release"]) / one["lines_m"]["release"]
+    np.testing.assert_allclose(ratio, 3.0 ** (-2.0 / 3.0), rtol=1e-2)
+
+
 def test_regime_map_lies_on_its_lines():
     record = regime_map.run(amplitudes=15, preloads=9, checked=4)
     assert [finding.confirmed for finding in record.findings] == [True, True]

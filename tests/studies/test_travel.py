@@ -6,6 +6,7 @@ The motion along a track is tested in tests/contact/test_track.py.
 import numpy as np
 import pytest
 
+import contact
 from studies import run
 from studies.chain import resolve
 from studies.chain.bridge import DrivenContact
@@ -13,6 +14,7 @@ from studies.chain.free_way import free_way
 from studies.chain.travel import WaveAlong
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement import Measurement
+from studies.record.text import answer
 from studies.scene import Scene
 from tests.studies.settings import assigned
 
@@ -76,6 +78,40 @@ def test_a_burst_stops_at_the_fingers_and_says_so(small):
     crossing = run(Scene.from_table("", fixed), tolerance=0.05)
     (sentence,) = (each for each in crossing.warnings if "although" in each)
     assert "reaches the fingers of transducer left" in sentence
+
+
+MIDDLE, UPPER, LOWER = ["0 mm", "0 mm"], ["0 mm", "1 mm"], ["0 mm", "-1 mm"]  # the wave is symmetric in y
+HEIGHTS = {
+    "middle highest": ([MIDDLE, UPPER, LOWER], ["0 nm", "-2 nm", "-2.3 nm"], (1, 3)),
+    "in another order": ([LOWER, MIDDLE, UPPER], ["-2.3 nm", "0 nm", "-2 nm"], (2, 1)),
+    "mirrored": ([UPPER, MIDDLE, LOWER], ["-2.3 nm", "0 nm", "-2 nm"], (2, 1)),
+}
+
+
+@pytest.mark.parametrize("name", HEIGHTS)
+def test_contacts_that_leave_one_after_another_are_named(small, name):
+    contacts, heights, (last, first) = HEIGHTS[name]
+    record = run(small.replace(slider={"contacts": contacts, "heights": heights}), tolerance=0.05)
+    summary, driven = record.summary, DrivenContact.of_run(record)
+    factors = [each.value for each in contact.releases(driven.slider, driven.orbits)]
+    assert (summary["first_released_contact"], summary["last_released_contact"]) == (first, last)
+    assert summary["release_voltage_V"] == pytest.approx(min(factors), rel=1e-9)
+    assert summary["last_release_voltage_V"] == pytest.approx(max(factors), rel=1e-9)
+    text = " ".join(answer(record).split())
+    assert f"contact {first}, the first of 3, leaves the surface in every cycle; contact {last} is the last" in text
+    level = f"{summary['last_release_voltage_V']:.4g} V"
+    assert f"is the last, from {level}" in text
+
+
+def test_a_slider_with_memory_travels_event_by_event(small):
+    scene = small.replace(drive={"burst": "0.3 ms", "voltage": "120 V"}, slider={"travel": True, "law": "hysteretic"})
+    moved, still = (run(each, tolerance=0.05) for each in (scene, scene.replace(slider={"travel": False})))
+    assert moved.points[0]["burst_method"] == "exact"
+    (v, e), (w, _) = (
+        (each.points[0]["velocity_at_burst_end_m_per_s"], each.points[0]["relative_error"]) for each in (moved, still)
+    )
+    assert v == pytest.approx(w, rel=0.02)  # in so short a burst the slider hardly moves
+    assert 0.0 < e < 0.05
 
 
 def test_the_way_ends_at_fingers_and_ends(small):
