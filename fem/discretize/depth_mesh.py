@@ -2,8 +2,8 @@
 
 The elements shrink by a fixed ratio per layer towards the surface, where the charge at a finger edge is singular
 (r^-1/2), and towards a bottom corner where a clamped face meets a free one.  An absorbing bottom is described in
-absorber.py.  The matrices of the elements (stiffness, inertia) are integrated in element_matrices.py, and on meshes in
-quads.py.
+absorber.py, the vacuum above in vacuum.py.  The matrices of the elements (stiffness, inertia) are integrated in
+element_matrices.py, and on meshes in quads.py.
 """
 
 import numpy as np
@@ -12,10 +12,11 @@ from fem.analytic.half_space import rayleigh
 from fem.discretize.absorber import absorber
 from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
+from fem.discretize.vacuum import vacuum_elements
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
-from fem.materials.medium import medium, units, vacuum_medium
+from fem.materials.medium import medium
 
 # Depth of ordinary solid above the absorbing layer, in wavelengths: of a half-space, and the largest
 HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0
@@ -25,9 +26,6 @@ FINGER_SCALE = 0.125
 # MINUTES_AT_MAX.
 MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7
 MINUTES_AT_MAX = 10
-# Height of the vacuum in length units; the field of a transducer without net charge decays as the square of the
-# distance.
-VACUUM_HEIGHT = 64.0
 
 
 def discretise(
@@ -74,8 +72,8 @@ def discretise(
     media = [each for _, _, each in below] + [body] * len(solid)
     solid_elements = len(media)
     if stator.above == "vacuum" and "phi" in names:
-        above = _vacuum_heights(top, layers, resolution.element_size)
-        media += [vacuum_medium(*units(stator.solid))] * len(above)
+        above, vacuum = vacuum_elements(stator, body, resolution, wavelength=wavelength, top=top, layers=layers)
+        media += vacuum
     heights = np.concatenate([[height.real for height, _, _ in below], solid, above])
     breakpoints = np.concatenate([[0.0], np.cumsum(heights)])
     breakpoints -= breakpoints[solid_elements]
@@ -145,14 +143,6 @@ def _solid_heights(stator: Stator, resolution: Resolution, depth: float, top: fl
     corner_layers = resolution.edge_layers if bottom_corners(stator) and layers else 0
     rest = graded(depth - top, corner_layers, largest=largest, smallest_first=True, ratio=CORNER_RATIO)
     return np.concatenate([rest, surface])
-
-
-def _vacuum_heights(top: float, layers: int, largest: float) -> np.ndarray:
-    """Heights of the elements of the vacuum from the surface up, length units: they grow with the distance."""
-    heights = graded(top, layers, largest=largest, smallest_first=True).tolist()
-    while (reached := sum(heights)) < VACUUM_HEIGHT:
-        heights.append(min(reached, 0.5) if reached < 2 else reached)
-    return np.array(heights)
 
 
 def lateral_fields(solid) -> tuple[str, ...]:

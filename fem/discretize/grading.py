@@ -31,7 +31,8 @@ class Resolution:
     element_size : float
         Largest element in wavelengths of the slowest bulk wave.
     absorber : int
-        Level of the absorbing layer (`fem.discretize.absorber.DEPTHS`), from 0 to 5.
+        Level of the absorbing layer (`fem.discretize.absorber.DEPTHS`) and of the height of the vacuum
+        (`fem.discretize.vacuum`), from 0 to 5.
     """
 
     order: int

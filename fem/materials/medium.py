@@ -160,8 +160,12 @@ def damped(body: Medium, factor: complex) -> Medium:
     return replace(body, law=law, inertia=body.inertia * factor)
 
 
-def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
-    """Vacuum above the surface, in the units of the solid below: phi alone."""
+def vacuum_medium(stress_unit: float, potential_unit: float, *, along: float = 1.0) -> Medium:
+    """Vacuum above the surface, in the units of the solid below: phi alone.
+
+    ``along``: factor on its permittivity along the surface, in both directions.
+    """
     law = np.zeros((9, 9))
-    law[6:, 6:] = -np.eye(3) * VACUUM_PERMITTIVITY * potential_unit**2 / stress_unit
+    scaled = VACUUM_PERMITTIVITY * potential_unit**2 / stress_unit
+    law[6:, 6:] = -scaled * np.diag([along, along, 1.0])
     return Medium(fields=("phi",), law=law, inertia=np.zeros(1), stress_unit=stress_unit, potential_unit=potential_unit)

@@ -22,6 +22,7 @@ import numpy as np
 from fem.discretize.section import LineSpace
 from fem.eigenproblem import companion_modes, even_odd_modes
 from fem.exceptions import ConvergenceError
+from fem.waveguide.slow_modes import STATIC, refined_slow_modes
 from fem.waveguide.surface_modes import surface_modes
 
 POLISHING_STEPS = 6
@@ -30,6 +31,7 @@ POLISHING_STEPS = 6
 RICCATI_TOLERANCE, MODES_TOLERANCE = 1e-12, 1e-3
 SLOW = 40.0  # |k| below which a mode is slow, radians per slowest bulk wavelength
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
+MOVING = 0.1  # share of a mode's norm that is motion, at least; a static field of wavenumber k << 1 has one of about k
 # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
 NEARLY_REAL = 3e-3
 
@@ -97,8 +99,9 @@ class GuidedModes:
 
     @property
     def nearest_cut_off(self) -> float:
-        """Smallest |k|, radians per length unit, of all modes except the constant potential."""
-        return float(abs(self.wavenumbers[self.wavenumbers != 0]).min())
+        """Smallest |k|, radians per length unit, of all modes with motion: static fields have none and no cut-off."""
+        motion = np.linalg.norm(self.right[self.section.mechanical], axis=0)
+        return float(abs(self.wavenumbers[motion > MOVING * np.linalg.norm(self.right, axis=0)]).min())
 
     @property
     def propagating(self) -> np.ndarray:
@@ -158,13 +161,13 @@ def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: compl
         wavenumbers = np.where(reversed_ones, -wavenumbers, wavenumbers)
         right = np.where(reversed_ones, mirror[:, None] * right, right)
         wavenumbers, right = _with_constant(constant, wavenumbers, right)
-        right_flux = _flux(second, first, wavenumbers, right)
         backwards, left = -wavenumbers, mirror[:, None] * right
-        left_flux = -mirror[:, None] * right_flux
     else:
         (wavenumbers, right), (backwards, left) = _both_ways(constant, second, first, skew, zeroth)
-        right_flux = _flux(second, first, wavenumbers, right)
-        left_flux = _flux(second, first, backwards, left)
+    if section is section.full and not lateral_wavenumber and "phi" in section.solid.fields:
+        _refine_slow_modes(section.full, (wavenumbers, right), (backwards, left), constant, (second, first, zeroth))
+    right_flux = _flux(second, first, wavenumbers, right)
+    left_flux = _flux(second, first, backwards, left)
     return GuidedModes(
         section=section,
         frequency=frequency,
@@ -200,7 +203,9 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
     """
     impedance = _symmetric(np.linalg.solve(shapes.T, flux.T).T)
     sums = 1j * (wavenumbers[:, None] + wavenumbers[None, :])
-    weights = np.where(sums == 0, 0.0, 1.0 / np.where(sums == 0, 1.0, sums))
+    # between two slow modes, which are right already, rounding of the residual decides
+    settled = (sums == 0) | np.logical_and.outer(abs(wavenumbers) < STATIC, abs(wavenumbers) < STATIC)
+    weights = np.where(settled, 0.0, 1.0 / np.where(settled, 1.0, sums))
     scale = abs(zeroth).max()
     best_residual, best = np.inf, impedance
     for _ in range(POLISHING_STEPS):
@@ -252,8 +257,8 @@ def _with_constant(constant, wavenumbers, shapes):
 def _both_ways(constant, second, first, skew, zeroth):
     """Modes going right and left where x -> -x is no symmetry: twice (wavenumbers, shapes).
 
-    A mode that goes left has the number of the mode that goes right whose wavenumber is most nearly opposite, matched
-    in the order of rising |k|.  The constant potential is a double mode, once in each direction.
+    A mode that goes left has the number of the mode that goes right whose wavenumber is most nearly opposite.  The
+    constant potential is a double mode, once in each direction.
     """
     size = len(second)
     wavenumbers, shapes = companion_modes(second, 1j * skew, zeroth)
@@ -268,12 +273,38 @@ def _both_ways(constant, second, first, skew, zeroth):
         )
     right = _with_constant(constant, wavenumbers[rightgoing], shapes[:, rightgoing])
     backwards, left_shapes = _with_constant(constant, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
-    partner, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
-    for index in np.argsort(abs(right[0])):
-        candidates = np.flatnonzero(free)
-        partner[index] = candidates[np.argmin(abs(backwards[candidates] + right[0][index]))]
-        free[partner[index]] = False
+    partner = _partners(right[0], backwards)
     return right, (backwards[partner], left_shapes[:, partner])
+
+
+def _partners(wavenumbers, backwards):
+    """Numbers of the modes to the left whose wavenumbers are most nearly opposite, in the order of rising |k|."""
+    partner, free = np.empty(len(wavenumbers), dtype=int), np.ones(len(wavenumbers), dtype=bool)
+    for index in np.argsort(abs(wavenumbers)):
+        candidates = np.flatnonzero(free)
+        partner[index] = candidates[np.argmin(abs(backwards[candidates] + wavenumbers[index]))]
+        free[partner[index]] = False
+    return partner
+
+
+def _refine_slow_modes(section, rightgoing, leftgoing, constant, matrices):
+    """Replace slowly decaying static modes by those of `refined_slow_modes`, in place."""
+    second, first, zeroth = matrices
+    refined = refined_slow_modes(
+        rightgoing, leftgoing, (second, 1j * (first - first.T), zeroth), constant, section.surface_dofs["phi"]
+    )
+    if refined is None:
+        return
+    wavenumbers, shapes, numbers = refined
+    right = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
+    if right.sum() != len(numbers):
+        raise ConvergenceError(
+            f"{int(right.sum())} of {len(right)} slow modes go right where {len(numbers)} should: change the frequency "
+            "slightly or give the solid a mechanical_quality"
+        )
+    back = np.flatnonzero(~right)[_partners(wavenumbers[right], wavenumbers[~right])]
+    for each, chosen in ((rightgoing, np.flatnonzero(right)), (leftgoing, back)):
+        each[0][numbers], each[1][:, numbers] = wavenumbers[chosen], shapes[:, chosen]
 
 
 def _goes_right(wavenumbers, shapes, flux):

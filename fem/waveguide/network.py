@@ -56,9 +56,25 @@ class Scatterer:
         return self.piece
 
     @cached_property
+    def matrix(self) -> np.ndarray:
+        """The piece's matrix; where its potential and that of its electrodes float together, of exactly no charge then.
+
+        The condensation leaves a charge by rounding, 1e-9 of the largest on the finest level, which would end the
+        static field of a plate under vacuum as a leak to ground does.
+        """
+        section = self.modes.section
+        if not (isinstance(self.piece, FingerColumns) and section.floating_potential):
+            return self.piece.matrix
+        matrix, constant = self.piece.matrix, section.constant_potential
+        everywhere = np.concatenate([constant, constant, np.ones(len(matrix) - 2 * len(constant))])
+        weights, charges = everywhere / (everywhere @ everywhere), matrix @ everywhere
+        leak = np.outer(charges, weights)  # P^T A P with P = 1 - c w^T for the constant c and its weights w
+        return matrix - leak - leak.T + np.outer(weights, weights) * (everywhere @ charges)
+
+    @cached_property
     def _between_ends(self):
         at = self.at
-        system = self.piece.matrix[at.lines, at.lines].astype(complex)
+        system = self.matrix[at.lines, at.lines].astype(complex)
         system[at.left, at.left] -= self.modes.left_impedance
         system[at.right, at.right] -= self.modes.right_impedance
         if self.piece.floating_potential:
@@ -72,7 +88,7 @@ class Scatterer:
         line; ``potentials``, (ports, m): of the piece's ports, scaled.
         """
         at, both = self.at, self.modes.impedance_sum
-        load = -self.piece.matrix[at.lines, at.ports] @ potentials
+        load = -self.matrix[at.lines, at.ports] @ potentials
         load = load.astype(complex)
         load[at.left] -= both @ incoming[at.left]
         load[at.right] -= both @ incoming[at.right]
@@ -80,7 +96,7 @@ class Scatterer:
 
     def reactions(self, sides: np.ndarray) -> np.ndarray:
         """Scaled reactions at the network's ports (minus the charge of a voltage) for lines and potentials (., m)."""
-        return self.potentials.T @ (self.piece.matrix[self.at.ports] @ sides)
+        return self.potentials.T @ (self.matrix[self.at.ports] @ sides)
 
 
 @dataclass(frozen=True, kw_only=True)
