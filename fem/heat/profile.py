@@ -153,11 +153,9 @@ def temperature_profile(plate: HeatedPlate, sources: Sequence[HeatSource]) -> Te
     stiffness[[0, -1], [0, -1]] += plate.end_loss
     for each in sources:
         load += _load(each, breakpoints, count)
-    from scipy.linalg import solve
-
     return TemperatureProfile(
         plate=plate, x=line_nodes(breakpoints, ORDER), power=float(sum(each.power for each in sources)),
-        steady=solve(stiffness, load, assume_a="pos"), breakpoints=breakpoints, conduction=stiffness, storage=mass,
+        steady=np.linalg.solve(stiffness, load), breakpoints=breakpoints, conduction=stiffness, storage=mass,
     )  # fmt: skip
 
 
