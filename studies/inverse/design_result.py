@@ -54,8 +54,12 @@ class Design:
             rows.append([each.key, best, _change_in_words(each), left, constraints])
         notes: list[tuple[str, str | list[str]]] = [("at the best", [
             f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
-            if isinstance(value, float) and "." not in name and name != "relative_error"
+            if isinstance(value, float) and "." not in name and not name.endswith("relative_error")
         ])]  # fmt: skip
+        if {"velocity_m_per_s", "conductance_S"} <= set(self.optimum):  # on a stator
+            notes.append(
+                ("velocity", "that of the slider's position; mean_velocity is over half a wavelength about it")
+            )
         if len(self.front) > 1:
             notes.append(("front", f"{len(self.front)} motors on the Pareto front of {' and '.join(self.goals)}"))
         ends = (each.end_in_words(self.optimum[each.key], NEAR_END) for each in self.variables)
