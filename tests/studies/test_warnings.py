@@ -57,6 +57,7 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
             power=5e-4,
             names=(chosen.drive.transducer,),
             voltages=np.ones(1, complex),
+            currents=np.zeros(1, complex),
         ),
     )
     return Record(
@@ -386,6 +387,7 @@ def test_each_transducer_has_the_field_of_its_own_voltage_in_its_own_gaps(order)
     gap = narrow.scene.transducer[1].period / 80
     circuit = narrow.surface_wave.circuit
     circuit.names, circuit.voltages = ("left", "right")[::order], np.array([1.0, 0.5j])[::order]
+    circuit.currents = np.zeros(2, complex)
     scene = replace(narrow.scene, transducer=narrow.scene.transducer[::order])
     found = [text for text in warnings_of(replace(narrow, scene=scene)) if "MV/m" in text]
     only(tuple(found), f"transducer right, 30 V over {gap * 1e6:.3g} um", f"{30 / gap / 1e6:.3g} MV/m",
