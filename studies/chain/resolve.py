@@ -3,8 +3,9 @@
 ``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
 ``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
 can be run again with the same numbers.  Where numbers are changed afterwards (tolerances, fits, sensitivities), weight
-and ball keep following them (`following`), and a scene stored with [uncertain] keeps "weight".  ``slider.method = "auto"`` is not replaced: the contact chooses its method
-(contact/choice.py).  Rules that need physics (an unknown material, an impossible layout) are checked here.
+and ball keep following them (`following`), and a scene stored with [uncertain] keeps "weight".
+``slider.method = "auto"`` is not replaced: the contact chooses its method (contact/choice.py).  Rules that need physics
+(an unknown material, an impossible layout) are checked here.
 """
 
 import itertools
