@@ -9,11 +9,13 @@ its bounce; because of its mass it follows the mean. Expected: Fresnel fringes o
 """
 
 import logging
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 import contact
+from studies.chain.bridge import scaled
 from studies.chain.steady import averaged
 from studies.chain.stroke_speed import slider_range
 from studies.chain.travel import WaveAlong
@@ -29,6 +31,7 @@ LINES = 3
 WITHIN = (16, 32, 64)  # places in half a wavelength, until the ends of the range agree to RANGE
 RANGE = 0.01  # of the largest velocity
 CLEAR = 0.5  # least distance from the fingers in wavelengths
+UNKNOWN_TOLERANCE = 1e-3  # of the velocity at places to which averaging does not apply
 PATH_TOLERANCE = 2e-3  # of the velocity of the travelling slider
 NO_PATH = np.zeros(0)
 
@@ -89,7 +92,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
                "relative difference of the steady velocities", abs(velocity_at_center / expected - 1), high=2e-3),
     ]  # fmt: skip
     if speeds[name].size:
-        largest = max(np.nanmax(np.abs(velocities[name].fastest)), abs(velocity_at_center))
+        largest = max(np.abs(velocities[name].fastest).max(), abs(velocity_at_center))
         findings.append(
             judged("A travelling slider is nowhere faster than the largest steady velocity.",
                    "its largest speed over the largest steady speed", abs(speeds[name]).max() / largest, high=1.001,
@@ -138,12 +141,11 @@ class _Places:
         """Return the statistics of a function of the displacements in m, or of its values there."""
         known = values(self.shifts(within)) if callable(values) else values
         windows = np.lib.stride_tricks.sliding_window_view(known, within + 1)[self.first * within // WITHIN[0]]
-        size = np.where(np.isnan(windows), np.inf, np.abs(windows))
-        rows = np.arange(len(windows))
-        slowest, fastest = size.argmin(axis=1), np.where(np.isinf(size), -1.0, size).argmax(axis=1)
+        size, rows = np.abs(windows), np.arange(len(windows))
+        slowest, fastest = size.argmin(axis=1), size.argmax(axis=1)
         return _Statistics(
-            mean=0.5 * (windows[:, :-1] + windows[:, 1:]).mean(axis=1), lowest=np.fmin.reduce(windows, axis=1),
-            highest=np.fmax.reduce(windows, axis=1), slowest=windows[rows, slowest], fastest=windows[rows, fastest],
+            mean=0.5 * (windows[:, :-1] + windows[:, 1:]).mean(axis=1), lowest=windows.min(axis=1),
+            highest=windows.max(axis=1), slowest=windows[rows, slowest], fastest=windows[rows, fastest],
             within=within,
         )  # fmt: skip
 
@@ -151,16 +153,28 @@ class _Places:
         """Return the statistics of the steady velocity at a level, with as many places as its range needs."""
 
         def known(within: int) -> _Statistics:
-            states = averaged([(slider, each, 0.0, level) for each in along.orbits(self.shifts(within))])
-            return self.statistics(np.array([velocity for velocity, *_ in states]), within)
+            return self.statistics(_steady(slider, along.orbits(self.shifts(within)), level), within)
 
         found = known(WITHIN[0])
         for within in WITHIN[1:]:
             last, found = found, known(within)
-            moved = np.fmax(np.abs(found.lowest - last.lowest), np.abs(found.highest - last.highest))
-            if not np.nanmax(moved) > RANGE * np.nanmax(np.abs(found.fastest)):
+            moved = np.maximum(np.abs(found.lowest - last.lowest), np.abs(found.highest - last.highest))
+            if moved.max() <= RANGE * np.abs(found.fastest).max():
                 break
         return found
+
+
+def _steady(slider, orbits: list[tuple], level: float) -> np.ndarray:
+    """Return the steady velocity at each place; where averaging has no answer, that of the motion itself, m/s.
+
+    A place without any answer gets that of its neighbours.
+    """
+    velocity = np.array([each for each, *_ in averaged([(slider, balls, 0.0, level) for balls in orbits])])
+    for k in np.flatnonzero(np.isnan(velocity)):
+        with suppress(contact.ConvergenceError):
+            velocity[k] = contact.steady(slider, scaled(orbits[k], level), tolerance=UNKNOWN_TOLERANCE).velocity
+    known = np.flatnonzero(np.isfinite(velocity))
+    return np.interp(np.arange(velocity.size), known, velocity[known])
 
 
 def _path(driven, along: WaveAlong, level: float, duration: float) -> tuple[np.ndarray, np.ndarray]:
