@@ -6,12 +6,13 @@ of a ripple; its sign may be wrong in cuts in which a beam hardly spreads.
 Sources:
 
 - side faces: `fem.surface_beam`;
-- finite aperture: `fem.Slowness`, the angular spectrum of a slit;
+- finite aperture: `fem.surface_beam` where it is left out by choice, else `fem.Slowness`, the spectrum of a slit;
 - mass of the electrodes: perturbation theory (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapter 12).
 """
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -56,8 +57,29 @@ class Effect(NamedTuple):
 
 def stator_effects(record: Record) -> Effects:
     """Yield the neglected effects on u_z; they do not depend on the level."""
-    for each in (_aperture, _finger_ends, vacuum_effect, _electrode_mass):
-        yield from each(record)
+    beam = _left_out_beam(record)
+    yield from _aperture(record, beam)
+    yield from _finger_ends(record, beam)
+    yield from vacuum_effect(record)
+    yield from _electrode_mass(record)
+
+
+def _left_out_beam(record: Record):
+    """Return the beam that ``stator.diffraction = false`` leaves out, where it takes less than a second, or None."""
+    block = record.scene.stator
+    if (
+        record.surface_motion.beam is not None
+        or block.diffraction is not False
+        or block.ends != "absorbing"
+        or record.scene.crossed
+        or record.scene.piece
+    ):
+        return None
+    if not fem.isotropic_about_normal(fem_model.solid(block)):
+        return None
+    with suppress(fem.BeamError, fem.ConvergenceError):
+        return fem.surface_beam(record.surface_wave, mirror_width=block.mirror_width)
+    return None
 
 
 def wavelength(record: Record) -> float:
@@ -65,8 +87,12 @@ def wavelength(record: Record) -> float:
     return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
 
 
-def _aperture(record: Record) -> Effects:
-    """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces."""
+def _aperture(record: Record, left_out) -> Effects:
+    """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces.
+
+    ``left_out``: the beam that a plane section leaves out by choice, or None.  It spreads the echoes of other
+    transducers too, which have gone farther; the angular spectrum is of the driven aperture's own wave alone.
+    """
     motion, block = record.surface_motion, record.scene.stator
     positions = record.scene.contact_positions
     if record.scene.piece:
@@ -77,6 +103,14 @@ def _aperture(record: Record) -> Effects:
         covered = any(map(motion.covered, positions))
     if covered:
         return
+    section = abs(motion.at(positions)[2])
+    if left_out is not None and section.all():
+        x, y = zip(*positions, strict=True)
+        with suppress(fem.BeamError, fem.ConvergenceError):
+            worst = max(abs(left_out.motion(x, y)[2]) / section - 1, key=abs)
+            how = "the beam of the finite aperture, computed for this line, over the plane section"
+            yield "finite aperture", "u_z", float(worst), how
+            return
     if motion.beam is None:
         spreads = [_spread(record, each, *zip(*positions, strict=True)) for each in record.scene.driven_transducers]
         worst = max(np.concatenate(spreads) - 1, key=abs)
@@ -121,20 +155,21 @@ def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
     return curve.spectrum(driven.aperture, np.subtract(x, driven.center_xy[0]), y)
 
 
-def _finger_ends(record: Record) -> Effects:
+def _finger_ends(record: Record, left_out) -> Effects:
     """Yield the effect of the charge distribution along the fingers.
 
     The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
-    static charge at the finger ends; the remaining error is yielded.
+    static charge at the finger ends; the remaining error is yielded. The beam that a plane section leaves out, with its
+    steps, is the line on the finite aperture, beside which the same error remains.
     """
     motion, positions = record.surface_motion, record.scene.contact_positions
-    beam, effect, ceramic = motion.beam, "charge at the finger ends", "in lead zirconate titanate"
+    beam, effect, ceramic = motion.beam or left_out, "charge at the finger ends", "in lead zirconate titanate"
     covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
     charge_error = None if beam is None or covered else beam.charge_error(*at)
     if charge_error is not None:
         yield effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers"
         return
-    if beam is None or covered or record.scene.crossed:
+    if motion.beam is None or covered or record.scene.crossed:
         yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     stator = fem_model.stator(record.scene.stator)
