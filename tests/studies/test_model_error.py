@@ -73,7 +73,7 @@ def partly_standing(*, mirrored=False) -> Scene:
         "material": "PZT-4", "orientation": "Z", "length": "40 mm", "thickness": "4 mm", "width": "20 mm",
         "ends": "absorbing", "diffraction": False,
     }  # fmt: skip
-    shared = {"finger_pairs": 6, "period": "0.9986 mm", "metallisation": 0.5, "aperture": "10 mm"}
+    shared = {"finger_pairs": 6, "period": "1.08685 mm", "metallisation": 0.5, "aperture": "10 mm"}
     table["transducer"] = [
         shared | {"name": "driven", "center": left}, shared | {"name": "far", "center": right, "termination": "short"},
     ]  # fmt: skip
