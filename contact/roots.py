@@ -15,6 +15,10 @@ turn negative and positive again, or touch zero; this is searched where the valu
 
 from contact.jit.compiled import compiled, formula
 
+# Rounding of a guard, which is a difference of lengths of order one. Guards are shifted by as much
+# (`law.elastic.FAR_SIDE`), so that one that begins at zero begins here.
+ROUNDING = 1e-15
+
 
 @compiled
 def interpolate(s, sigma, bary, values):
@@ -132,7 +136,7 @@ def first_root(sigma, bary, rates, values):
             width = sigma[j] - sigma[j - 1]
             before, slope = _slope(rates, j - 1, values), _slope(rates, j, values)
             near = low < 0.5 * width * max(abs(before), abs(slope))
-            if near and j == 1 and values[0] < 1e-12 * largest(values):
+            if near and j == 1 and values[0] < 1e-12 * largest(values) + 4.0 * ROUNDING:
                 # the guard is zero where the regime begins: a dip there would be the interpolation's own error
                 near = False
             if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
@@ -160,7 +164,7 @@ def _searched(start, stop, sigma, bary, values):
     Values within the rounding of the interpolation do not count as negative: a guard that starts from zero with zero
     slope has no root there.
     """
-    rounding = -1e-13 * largest(values)
+    rounding = -1e-13 * largest(values) - ROUNDING
     parts = 8
     step = (stop - start) / parts
     left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)

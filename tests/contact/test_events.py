@@ -78,6 +78,23 @@ def test_of_three_roots_in_one_stretch_the_first_is_taken(roots):
     assert first_root(table.sigma, table.bary, table.rates, values) == pytest.approx(roots[0], abs=1e-7)
 
 
+@pytest.mark.parametrize(("guard", "bracket"), [
+    ([1.237410509177543e-15, 4.4144190912378963e-07, 6.829390828206175e-06, 3.2332181116726774e-05,
+      9.110124196836083e-05, 0.00018561523049811742, 0.00029349221633092346, 0.00036444525934971285,
+      0.0003364289721413871, 0.00016854542683083888, -0.00012606959607625989, -0.0004701611038161607,
+      -0.000747432743856984, -0.0008537414929589652], (9, 10)),
+    ([1.2505731161191319e-15, 7.064988208268688e-07, 1.082780038342815e-05, 4.927688314259411e-05,
+      0.0001248967367841415, 0.00019980431495378445, 0.00017297088586725427, -5.8857697323064576e-05,
+      -0.0004691229165442977, -0.0008284289537471359, -0.000837251987337119, -0.00041212259939809454,
+      0.0001607552521748351, 0.00042536388270416475], (6, 7)),
+])  # fmt: skip
+def test_the_rounding_of_a_small_guard_that_begins_at_zero_is_no_event(guard, bracket):
+    # of a punch that has just touched, f_n/f = 0.57 and 0.79: 80 such events at one phase were "too many events"
+    table = collocation(14)
+    found = first_root(table.sigma, table.bary, table.rates, np.array(guard))
+    assert table.sigma[bracket[0]] < found < table.sigma[bracket[1]]
+
+
 def test_grazing_bounces_do_not_gain_energy():
     # Published trap: a slider falling on a resting stator, undamped, many impacts
     s = slider(normal_damping=0.0, tangential_damping=0.0)
