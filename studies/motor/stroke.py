@@ -58,12 +58,13 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
         resolved_scene.refuse("slider.position", "must leave the slider a way along x: it stands at the end of it")
     LOGGER.info("stroke: the field along the stator")
     places = _Places.along(along, slider_range(resolved_scene, CLEAR * along.wavelength), center, count)
-    velocities, paths, speeds = {}, {}, {}
+    velocities, paths, speeds, said = {}, {}, {}, []
     for level in driven.spread(1.05, LINES):
         name = driven.scene.named(level)
         LOGGER.info(f"stroke: {name}")
         velocities[name] = places.velocities(along, slider, level)
-        paths[name], speeds[name] = _path(driven, along, level, duration)
+        paths[name], speeds[name], sentence = _path(driven, along, level, duration)
+        said += [(f"path, {name}", sentence)] if sentence else []
     ((velocity_at_center, *_),) = averaged([(slider, along.orbits([0.0])[0], 0.0, level)])
     balls = np.array([x for x, _ in resolved_scene.slider.contact_positions])[:, None]
     size = places.statistics(lambda shifts: np.abs(along.track.at(shifts)[1]).mean(axis=0))
@@ -98,7 +99,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
                    "its largest speed over the largest steady speed", abs(speeds[name]).max() / largest, high=1.001,
                    expected="up to 1"),
         )  # fmt: skip
-    return panels, tuple(findings)
+    return panels, tuple(findings), said
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,8 +178,8 @@ def _steady(slider, orbits: list[tuple], level: float) -> np.ndarray:
     return np.interp(np.arange(velocity.size), known, velocity[known])
 
 
-def _path(driven, along: WaveAlong, level: float, duration: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return displacement in m and velocity of a slider that starts at the scene's position.
+def _path(driven, along: WaveAlong, level: float, duration: float) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return displacement in m and velocity of a slider that starts at the scene's position, and how its way ends.
 
     Both are empty if its contact needs every event followed, which takes too long.
     """
@@ -188,9 +189,9 @@ def _path(driven, along: WaveAlong, level: float, duration: float) -> tuple[np.n
             driven.slider, driven.at(level), duration=duration, track=along.track.scaled(level), **options
         )
     except contact.ConvergenceError as error:
-        LOGGER.warning(f"stroke: no path of a travelling slider: {error}")
-        return NO_PATH, NO_PATH
-    return path.displacement, path.velocity
+        return NO_PATH, NO_PATH, f"no motion of a travelling slider: {error}"
+    ended = f"ends after {path.time[-1]:.4g} s: {along.end(path.displacement[-1])}" if path.ended else ""
+    return path.displacement, path.velocity, ended
 
 
 @of_record

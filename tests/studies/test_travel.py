@@ -3,6 +3,8 @@
 The motion along a track is tested in tests/contact/test_track.py.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,8 @@ from studies.lab.measurement import Measurement
 from studies.record.text import answer
 from studies.scene import Scene
 from tests.studies.settings import assigned
+
+SCENES = Path(__file__).parent / "scenes"
 
 
 def test_a_run_says_how_far_it_went(small):
@@ -114,7 +118,7 @@ def test_a_slider_with_memory_travels_event_by_event(small):
     assert 0.0 < e < 0.05
 
 
-def test_the_way_ends_at_fingers_and_ends(small):
+def test_the_way_ends_at_fingers_pieces_and_ends(small):
     scene = resolve.resolved(Scene.load("twente"))
     left, right = scene.transducer
     way = free_way(scene)
@@ -126,6 +130,12 @@ def test_the_way_ends_at_fingers_and_ends(small):
     assert "reaches the fingers of transducer right" in way.at_high
     clear = free_way(scene, clear=1e-3)
     assert (clear.low, clear.high) == pytest.approx((way.low + 1e-3, way.high - 1e-3), abs=1e-15)
+    groove = free_way(resolve.resolved(Scene.load("reflector")))
+    assert groove.at_high == "the contact reaches the piece groove, at x = 26 mm"
+    rotated = free_way(resolve.resolved(Scene.load(SCENES / "crossing.toml")))
+    assert (rotated.low, rotated.high) == pytest.approx((-4.125e-3, 5e-3))
+    pillars = free_way(resolve.resolved(Scene.load(SCENES / "driven-pillars.toml")))
+    assert pillars.at_low == "a pillar reaches the fingers of transducer left, at x = 6.95 mm"
     alone = free_way(resolve.resolved(small))
     assert "reaches the stator's end" in alone.at_high
     assert alone.high == pytest.approx(5e-3)
