@@ -20,7 +20,9 @@ from studies.chain.nearby_motion import nearby_motions
 from studies.chain.pillar_points import PillarContact
 from studies.chain.pillar_ripple import pillar_columns
 from studies.chain.resolve import resolved
-from studies.chain.warnings import RIPPLE, warnings_of
+from studies.chain.ripple import Known, NearbyContact, ripples
+from studies.chain.solved_stator import SolvedStator
+from studies.chain.warnings import warnings_of
 from studies.inverse.optimum import Options, design
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement_csv import read_measured
@@ -105,7 +107,24 @@ def test_mean_and_range_are_those_of_a_scan(rippled, level):
     )
     assert low < mean < high < 0.0
     assert low <= point["velocity_m_per_s"] <= high
+    assert 0.5 * point["relative_error"] < point["mean_velocity_relative_error"] < TOLERANCE
     assert high - low > 0.3 * abs(mean)
+
+
+def test_the_error_of_the_motion_and_that_of_the_places_are_both_in_the_error(rippled, small):
+    """Property: a motion known 100 times worse moves the velocities by as much; a finer tolerance takes more places."""
+    driven = DrivenContact.of_stator(
+        rippled.scene, SolvedStator.of(rippled.surface_motion, rippled.scene.positions, nearby=True)
+    )
+    nearby, point = NearbyContact.of(driven, TOLERANCE), rippled.points[2]
+    worse = replace(nearby, motions=tuple(replace(each, error=100 * each.error) for each in nearby.motions))
+    known = {120.0: Known(point["velocity_m_per_s"], 1.0)}
+    one, other = (ripples(each, known)[120.0] for each in (nearby, worse))
+    assert other.mean == one.mean
+    stator = point["relative_error"] * abs(point["velocity_m_per_s"])
+    assert 50 * stator < other.error - one.error < 400 * stator
+    (finer,) = run(small.replace(drive={"voltage": "20 V"}), tolerance=1e-3).points
+    assert 2 * finer["mean_velocity_relative_error"] < rippled.points[0]["mean_velocity_relative_error"]
 
 
 def test_they_are_those_of_runs_at_other_positions(rippled, small):
@@ -193,6 +212,7 @@ def test_a_slider_that_sticks_at_some_places(small):
     found = [point[name] for name in COLUMNS[1:]]
     assert found == pytest.approx([velocities.min(), velocities.max()], rel=1e-3)
     assert found[0] < 0.0 < found[1]
+    assert point["mean_velocity_m_per_s"] == pytest.approx(truth(velocities)[0], rel=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -232,9 +252,9 @@ def test_without_reflection_there_are_no_columns(small, rippled):
 
 @pytest.mark.parametrize("share", [0.98, 1.02])
 def test_a_range_of_ten_percent_is_a_warning(rippled, share):
-    mean, half = -0.05, 0.5 * RIPPLE * 0.05 * share
+    mean, half = -0.05, 0.5 * 0.1 * 0.05 * share
     columns = dict(zip(COLUMNS, (mean, mean - half, mean + half), strict=True))
-    summary = rippled.summary | {"velocity_ripple": RIPPLE * share}
+    summary = rippled.summary | {"velocity_ripple": 0.1 * share}
     record = replace(rippled, points=tuple(each | columns for each in rippled.points), summary=summary)
     said = [each for each in warnings_of(record) if "partly a standing one" in each]
     assert len(said) == (share > 1.0)
