@@ -47,7 +47,8 @@ def forced_wave(
     frequency : float
         Hz.
     tolerance : float
-        Relative, of the surface motion at ``places``.
+        Relative, of the surface motion at ``places``; under strips, whose beam is asked for elsewhere too, also a
+        wavelength beside them.
     drive : str or Drive, optional
         Its source voltages are set to zero; its impedances terminate their transducers.
     places : tuple of float
@@ -79,6 +80,7 @@ def forced_wave(
     _refuse_forces(stator, forces)
     at = np.array(places)
     nearest = _nearest(forces, at)
+    at = np.append(at, _beside_strips(stator, forces, frequency))
     amplitudes = np.array([each.amplitude for each in forces])
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
@@ -110,6 +112,15 @@ def _nearest(forces: tuple[LineForce, ...], places: np.ndarray) -> float:
             rule = "must lie beside the forces: under a line force the motion is infinite"
             raise InputError("places", rule, each.position, "m")
     return min(distances)
+
+
+def _beside_strips(stator: Stator, forces: tuple[LineForce, ...], frequency: float) -> np.ndarray:
+    """Places on the stator a wavelength beside the forces of finite width, m, away from the other forces."""
+    away = NEAR_FORCE * slowest_wavelength(stator.solid, frequency)
+    beside = np.array([each.position + side * away for each in forces if np.isfinite(each.width) for side in (-1, 1)])
+    beside = beside[(beside >= 0) & (beside <= stator.length)]
+    distances = abs(np.subtract.outer(beside, [each.position for each in forces])).min(axis=1, initial=np.inf)
+    return beside[distances > away / 2]
 
 
 def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> None:

@@ -86,3 +86,15 @@ def test_a_place_under_a_force_is_refused():
     force = LineForce(name="f", position=stator.length / 2)
     with pytest.raises(InputError, match=r"places must lie beside the forces: .* infinite, got .* m"):
         forced_wave(stator, (), (force,), frequency=FREQUENCY, tolerance=1e-2, places=(1e-3, force.position))
+
+
+def test_strips_a_wavelength_apart_have_the_error_of_places_beside_both():
+    """The error of a strip is also that a wavelength beside it, of which one place lies under the other strip."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=12.0)
+    unit = stator.thickness / 0.8
+    one, other = (LineForce(name=name, position=at * unit, width=2e-3) for name, at in (("one", 5.0), ("other", 6.0)))
+    given = {"frequency": FREQUENCY, "tolerance": 1e-2, "places": (10.0 * unit,)}
+    lines = forced_wave(stator, (), (replace(one, width=np.inf), replace(other, width=np.inf)), **given)
+    strips = forced_wave(stator, (), (one, other), **given)
+    assert lines.relative_error < strips.relative_error < 1e-2
+    assert strips.motion(10.0 * unit) == pytest.approx(lines.motion(10.0 * unit), rel=1e-3)
