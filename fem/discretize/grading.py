@@ -33,12 +33,15 @@ class Resolution:
     absorber : int
         Level of the absorbing layer (`fem.discretize.absorber.DEPTHS`) and of the height of the vacuum
         (`fem.discretize.vacuum`), from 0 to 5.
+    vacuum : float
+        Largest height of the vacuum in wavelengths.
     """
 
     order: int
     edge_layers: int
     element_size: float = 1.0
     absorber: int = 2
+    vacuum: float = 2e5  # beyond it the eigenproblem has too few digits for slowly decaying fields
 
     @property
     def name(self) -> str:

@@ -31,9 +31,8 @@ from fem.materials.medium import Medium, units, vacuum_medium
 GROWTH, START = 4.0, 0.25
 # Permittivity along the surface of the last of these elements for which the first integral of (2) vanishes.
 LAST_ALONG = 1.3526658716
-# Height over D + length at the coarsest level, and its limits in length units: those of the field of the fingers, and
-# of the digits that the eigenproblem has for slowly decaying fields.
-REACH, LEAST, MOST = 2.0, 64.0, 2e5
+# Height over D + length at the coarsest level, and the least height in length units, which the field of fingers needs.
+REACH, LEAST = 2.0, 64.0
 CLOSED_REACH = 4.0  # over the length between closed ends, where the error is exp(-2 pi H / length)
 
 
@@ -70,11 +69,11 @@ def needed_height(stator: Stator, body: Medium, resolution: Resolution, waveleng
     """Least height of the vacuum in length units, and whether closed ends bound the field."""
     length = stator.length / wavelength
     if stator.ends != "absorbing":
-        return max(LEAST, CLOSED_REACH * length), True
+        return float(np.clip(CLOSED_REACH * length, LEAST, resolution.vacuum)), True
     reach = length
     if stator.bottom != "grounded" and not stator.absorbs_below:
         reach += plate_reach(stator, body, wavelength)
-    return float(np.clip(REACH * 2**resolution.absorber * reach, LEAST, MOST)), False
+    return float(np.clip(REACH * 2**resolution.absorber * reach, LEAST, resolution.vacuum)), False
 
 
 def plate_reach(stator: Stator, body: Medium, wavelength: float) -> float:
