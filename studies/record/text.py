@@ -159,8 +159,8 @@ def _heat(block: dict):
     """Yield where the power goes at the largest level, and how warm a continuous drive makes the stator."""
     if not block:
         return
-    named = (("the left end", "left_end"), ("the right end", "right_end"), ("dielectric loss", "dielectric"),
-             ("the solid along the beam", "along_beam"), ("loads", "loads"))  # fmt: skip
+    named = (("into the left end", "left_end"), ("into the right end", "right_end"), ("dielectric loss", "dielectric"),
+             ("lost in the solid along the beam", "along_beam"), ("into loads", "loads"))  # fmt: skip
     power = quantity("heat.power_W")
     shares = [f"{power.with_unit(block[f'power_{key}_W'])} {name}" for name, key in named
               if block[f"power_{key}_W"] > 1e-4 * block["power_W"]]  # fmt: skip
@@ -171,19 +171,20 @@ def _heat(block: dict):
 
     def banded(key: str) -> str:
         low, high = (rise.text(block[f"{key}_rise{side}_K"]) for side in ("_low", "_high"))
-        return f"{rise.with_unit(block[f'{key}_rise_K'])} ({low} to {high})"
+        return f"+{rise.with_unit(block[f'{key}_rise_K'])} ({low} to {high})"
 
     places = [("slider", "slider"), ("fingers", "fingers"), ("left end", "left_end"), ("right end", "right_end")]
-    rises = ", ".join(f"{name} +{banded(key)}" for name, key in places if f"{key}_rise_K" in block)
-    rate = ""
+    rises = ", ".join(f"{name} {banded(key)}" for name, key in places if f"{key}_rise_K" in block)
+    lines = [f"steady: {rises}"]
     if "heating_rate_K_per_s" in block:
-        rate = f"{block['heating_rate_K_per_s']:.2g} K/s at first, time constant {block['time_constant_s']:.3g} s; "
-    yield "temperature", f"{rate}steady {rises}"
+        rate, settling = f"{block['heating_rate_K_per_s']:.2g} K/s", f"{block['time_constant_s']:.3g} s"
+        lines.insert(0, f"a continuous drive warms the stator by {rate} at first, with a time constant of {settling}")
     if "frequency_drift" in block:
         drift = f"{1e6 * block['frequency_drift']:.3g} ppm of the frequency"
         factor = f"amplitude of the transducer x {block['warm_amplitude_factor']:.4f}"
         more = f", foldover number {block['foldover_number']:.2g}" if "foldover_number" in block else ""
-        yield "drift", f"{drift}, {factor} at a fixed frequency{more}"
+        lines.append(f"{drift}, {factor} at a fixed frequency{more}")
+    yield "temperature", lines
 
 
 def _ripple(record: "Record"):

@@ -111,7 +111,7 @@ def test_the_velocity_coefficient_gives_drift_and_foldover(motor):
 def test_the_text_and_the_files_hold_it(motor, tmp_path):
     text = str(motor)
     assert "power" in text
-    assert "K/s at first, time constant" in text
+    assert "K/s at first, with a time constant of" in text
     motor.save(tmp_path / "run")
     from studies.record import Record
 
