@@ -69,9 +69,10 @@ def test_breakdown_counts_the_gaps_of_a_period(settings, gaps):
 def test_breakdown_of_a_second_source_that_is_the_larger():
     one = record("twente", 'drive.voltage="400 V"')
     assert not any("Paschen" in each for each in warnings_of(one))
-    sources = {"left": {"voltage_per_volt": 1.0}, "right": {"voltage_per_volt": 4 + 3j}}
-    two = replace(one, electrical=one.electrical | {"sources": sources})
-    assert any(each.startswith("2e+03 V between fingers") for each in warnings_of(two))
+    circuit = one.surface_motion.circuit
+    circuit.names, circuit.voltages = ("left", "right"), np.array([1.0, 4 + 3j])
+    circuit.currents = np.zeros(2, complex)
+    assert any(each.startswith("2e+03 V between fingers") for each in warnings_of(one))
 
 
 def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):
