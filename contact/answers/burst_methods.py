@@ -18,6 +18,7 @@ from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
 from contact.envelope import Envelope
 from contact.error_estimate import (
+    averaged_burst_error,
     calibrated_error,
     event_driven_error,
     held_orbits_error,
@@ -61,8 +62,10 @@ ENVELOPE_OUT = "leave the envelope out, or give the elastic law without reciproc
 # RINGING_STEPS: minimum number of steps per cycle during the ring-down.
 SPENT, RINGING_STEPS = 1e-7, 80
 
-# Errors of the averaged method and of the fixed time steps: calibrated by the exact method in this many first cycles.
-WINDOW = 1000
+# Errors are calibrated by the exact method in this many first cycles: those of the fixed time steps, and those of the
+# averaged method. Where averaging fails it fails in the first cycles too: 24 to 256 of them find no more
+# (`tests/benchmarks/averaging_error.py`, `--checked`).
+WINDOW, CHECKED = 1000, 16
 
 
 def rest_problem(slider, orbits):
@@ -344,19 +347,19 @@ def largest_divisor(number, most):
 
 
 def _averaged(burst):
-    """Integrate the averaged equations."""
-    window = Window.of(burst)
-
-    def follow(part):
-        return averaged_run(part, rest(part.slider, part.orbits, part.problem, nodes=14, truncation=1e-11))
-
-    def in_window():
-        _, record, error, _ = follow(window.burst._replace(stride=window.burst.cycles_per_compared_sample))
-        return record[:, Column.VELOCITY], error
-
-    motion, record, error, statistics = follow(burst)
-    velocity = float(motion.state[At.VELOCITY])
-    return Result((motion, record), window.error(error, velocity, in_window), burst.allowed(velocity), statistics)
+    """Integrate the averaged equations, checked by the exact method in the first cycles."""
+    nodes, truncation, _, _ = ORDERS[0 if burst.tolerance >= 1e-5 else 1]
+    motion = rest(burst.slider, burst.orbits, burst.problem, nodes=nodes, truncation=truncation)
+    exact, true = motion.copy(), None
+    motion, record, error, check, statistics = averaged_run(burst, motion, np.arange(2, CHECKED + 1))
+    checked, velocities, stated = check
+    try:
+        first = exact.turn(int(checked[-1]), stride=1)[checked - 1, Column.VELOCITY]
+        true = float(np.max(np.abs(velocities - first)))
+    except ConvergenceError:  # the estimate remains without check
+        pass
+    error, velocity = averaged_burst_error(error, true, stated), float(motion.state[At.VELOCITY])
+    return Result((motion, record), error, burst.allowed(velocity), statistics)
 
 
 def _averaged_refusals(burst):
@@ -369,7 +372,7 @@ def _averaged_refusals(burst):
 
 
 class Window(NamedTuple):
-    """The first cycles of a burst, computed by the exact method to measure the error of another method.
+    """The first cycles of a burst, computed by the exact method to measure the error of fixed time steps.
 
     If the burst has an envelope, the wave in the window has the envelope's largest amplitude throughout. On a track the
     slider remains in its first place in the window.

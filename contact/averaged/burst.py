@@ -19,7 +19,7 @@ import numpy as np
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
 from contact.codes import Status
-from contact.error_estimate import richardson, second_order_burst_error
+from contact.error_estimate import averaged_steps_error, second_order_burst_error
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
@@ -66,11 +66,13 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
         )
 
 
-def averaged_run(burst, motion):
-    """Return (motion, record, error, statistics) of a `methods.Burst` of at least 3 cycles.
+def averaged_run(burst, motion, checked):
+    """Return (motion, record, error, check, statistics) of a `methods.Burst` of at least 3 cycles.
 
     `motion` is the motion at phase 0; it is advanced to the end of the burst. The record has (v, z_s); z_s excludes
-    the motion within a cycle. `error` is that of v, scaled. It is the sum of three parts:
+    the motion within a cycle. `error` is that of v at the end, scaled. `checked` are numbers of cycles after which the
+    motion is compared with the exact one; those inside the burst are returned in `check`, with v there and the error
+    that is stated for these. An error is the sum of three parts:
 
     - step size and quadrature, from a second run with half the steps and fewer nodes;
     - for a first-order run, the difference between first and second order, both with the coarse steps;
@@ -80,42 +82,41 @@ def averaged_run(burst, motion):
     motion.turn(1)
     ends = burst.stride * np.arange(1, cycles // burst.stride + 1)
     inner = (ends > 1) & (ends < cycles)
-    at = turn * (ends[inner] - 1.0)
-    compared = turn * np.unique(np.linspace(cycles // 2, cycles - 2, COMPARED).astype(int))
-    phases = np.union1d(at, compared)
-    late, stop = np.isin(phases, compared), turn * (cycles - 2)
+    checked = checked[(checked > 1) & (checked < cycles)]
+    compared = 1 + np.unique(np.linspace(cycles // 2, cycles - 2, COMPARED).astype(int))
+    numbers = np.unique(np.concatenate([ends[inner], compared, checked]))
+    late, early = np.searchsorted(numbers, compared), np.searchsorted(numbers, checked)
+    phases, stop = turn * (numbers - 1.0), turn * (cycles - 2)
 
     def follow(second_order, v_tolerance, per_period, nodes):
         """Return (final state, record) of a run with `per_period` steps per bounce and this relative tolerance on v."""
         state, record = motion.carried.slider.copy(), np.zeros((phases.size, 2))
-        rule = quadrature(nodes)
-        span = Span(stop, v_tolerance * unit, per_period, rule, int(second_order), phases, record)
+        span = Span(stop, v_tolerance * unit, per_period, quadrature(nodes), int(second_order), phases, record)
         why = response(burst.problem, state, span, HARMONICS)
         if why != Status.DONE:
             raise ConvergenceError(*(STICKS if why == Status.STICKS else UNSETTLED))
         return state, record
 
-    def difference(one, other):
-        """Return the largest difference in v between two runs over the second half of the burst."""
-        (state, record), (other_state, other_record) = one, other
-        apart = np.abs(record - other_record)[late, Column.VELOCITY]
-        return max(float(np.max(apart)), abs(float(state[At.VELOCITY] - other_state[At.VELOCITY])))
+    def differences(one, other):
+        """Return the largest difference in v between two runs in the second half of the burst, and where checked."""
+        apart = np.abs(one[1][:, Column.VELOCITY] - other[1][:, Column.VELOCITY])
+        last = abs(one[0][At.VELOCITY] - other[0][At.VELOCITY])
+        return np.array([max(np.max(apart[late]), last), np.max(apart[early], initial=0.0)])
 
     v_tolerance = max(min(tolerance, 1e-3), 1e-9)
     per_period = int(min(8.0 * max(1.0, 1e-4 / v_tolerance) ** 0.4, 96.0))
     few, nodes = (8, 10) if v_tolerance >= 1e-5 else (12, 16)
     first, second = (follow(order, 2.0 * v_tolerance, per_period // 2, few) for order in (False, True))
-    averaging = difference(first, second)
+    averaging = differences(first, second)
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
     left = second_order_burst_error(averaging, ratio, unit)
-    second_order_needed = averaging + left > 0.7 * tolerance * unit
+    second_order_needed = averaging[0] + left[0] > 0.7 * tolerance * unit
     state, averaged_record = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
-    # the midpoint rule, with half the steps
-    steps = richardson(difference(fine, second if second_order_needed else first), 2.0, 2)
-    error = steps + left + (0.0 if second_order_needed else averaging)
+    steps = averaged_steps_error(differences(fine, second if second_order_needed else first), v_tolerance * unit)
+    error, stated = steps + left + (0.0 if second_order_needed else averaging)
     record = np.zeros((ends.size, 2))
     record[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    record[inner] = averaged_record[np.searchsorted(phases, at)]
+    record[inner] = averaged_record[np.searchsorted(numbers, ends[inner])]
     # The contacts slip within a cycle, so that the deformations at its start do not matter. The first cycle, started
     # with zero deformations, gives those at phase 0. The second cycle starts from the averaged state with these
     # deformations and is the last cycle of the burst.
@@ -124,4 +125,5 @@ def averaged_run(burst, motion):
     motion.set_state(*state, motion.carried.deformation)
     motion.turn(1)
     record[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    return motion, record, error, {"cycles": cycles, "order": 2 if second_order_needed else 1}
+    check = checked, averaged_record[early, Column.VELOCITY], float(stated)
+    return motion, record, float(error), check, {"cycles": cycles, "order": 2 if second_order_needed else 1}

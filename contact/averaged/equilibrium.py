@@ -107,10 +107,11 @@ def work_arrays(harmonics: int) -> Work:
 
 
 @compiled
-def settle(problem, rule, h, v, work, most):
+def settle(problem, rule, h, v, work, most, close=1e-13):
     """Set fast motion, means and height of the cycle that repeats at mean velocity v; return (h, residual change).
 
     `work` is a `Cycle`; the first guess is its fast motion and `h`, and each round gains a factor of about (f_n/f)^2.
+    The search ends where a round changes them by less than `close`.
     """
     change, fast = np.inf, work.fast
     for _ in range(most):
@@ -122,7 +123,7 @@ def settle(problem, rule, h, v, work, most):
         h += step
         change = max(abs(step), abs(fast.normal_cos[0] - a), abs(fast.normal_sin[0] - b))
         change = max(change, abs(fast.tangential_cos[0] - c), abs(fast.tangential_sin[0] - d))
-        if change < 1e-13:
+        if change < close:
             break
     return h, change
 

@@ -24,6 +24,9 @@ from contact.stepping.end_corrections import cubic
 # A step whose error stays above the tolerance is shortened this many times, each time to between 0.2 and 0.9 of it. The
 # error falls with the step at least in proportion, so that more rejections mean rates without bound.
 MAX_REJECTED = 60
+# Change of height and fast motion, over the tolerance of a step, below which a stage's cycle counts as settled. The
+# next round would change them by (f_n/f)^2 of it.
+CLOSE = 0.1
 _TABLE = np.array(
     [
         [0.0] * 6,
@@ -147,14 +150,17 @@ def follow_bounce(problem, state, span, work):
 
 
 @compiled
-def averaged_rate(problem, h, v, rule, work, max_rounds):
+def averaged_rate(problem, h, v, rule, work, max_rounds, close):
     """Return (V', h): the scaled acceleration at the scaled mean velocity `v`, and the riding height.
 
-    The height follows after at most `max_rounds` rounds of `equilibrium.settle`; 0 keeps it.
+    The height follows after at most `max_rounds` rounds of `equilibrium.settle`; 0 keeps it. A round that changes
+    height and fast motion by less than `close` is the last one, and the means are those of its cycle.
     """
+    change = np.inf
     if max_rounds > 0:
-        h, _ = settle(problem, rule, h, v, work, max_rounds)
-    cycle(problem, h, v, rule, work)
+        h, change = settle(problem, rule, h, v, work, max_rounds, close)
+    if change >= close:
+        cycle(problem, h, v, rule, work)
     return force_left(problem, work.means[Mean.TANGENTIAL], v), h
 
 
@@ -163,12 +169,12 @@ def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity without the bounce; return the `Status`. `k`: (7,) work array, the stages' rates."""
     stop, at, record, tolerance = span.stop, span.at, span.record, 0.1 * span.tolerance
     h, v, rule, second = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
-    max_rounds = 3 if span.second_order else 0
+    max_rounds, close = 3 if span.second_order else 0, CLOSE * tolerance
     if span.second_order:
-        averaged_rate(problem, h, v, rule, second, 8)
+        averaged_rate(problem, h, v, rule, second, 8, close)
     else:  # the fast motion stays that of the start
         h = riding(problem, rule)
-    k[0], h = averaged_rate(problem, h, v, rule, second, max_rounds)
+    k[0], h = averaged_rate(problem, h, v, rule, second, max_rounds, close)
     top = full_slip_speed(problem.paths, 0.0)
     d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
     rejected = 0
@@ -180,7 +186,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             new_v = v  # of the last stage: the velocity after the step
             for j in range(i):
                 new_v += d * _TABLE[i, j] * k[j]
-            k[i], h = averaged_rate(problem, h, new_v, rule, second, max_rounds)
+            k[i], h = averaged_rate(problem, h, new_v, rule, second, max_rounds, close)
         error = 0.0
         for i in range(7):
             error += d * _ERROR[i] * k[i]

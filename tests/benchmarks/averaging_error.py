@@ -2,20 +2,39 @@ r"""Stated against true error of averaged bursts, aimed at where averaging is we
 
 Random sliders with a strong Hunt-Crossley damper, with a load while they hop, without normal damping, and on several
 contacts at different phases of the wave. Prints how many are further off than twice the error that they state, and
-how many beyond the tolerance with status "ok". `--share S` multiplies the two shares of what second order leaves.
+how many beyond the tolerance with status "ok", of the answers by averaging itself. `--share S` multiplies the two
+shares of what second order leaves, `--checked C` sets the number of first cycles in which the exact method checks it,
+and `--draws` takes the sliders of `tests/contact/aimed.py` or `tests/contact/calibration.py` instead.
 
     python -m tests.benchmarks.averaging_error --number 100
+    python -m tests.benchmarks.averaging_error --draws aimed --number 320
+    python -m tests.benchmarks.averaging_error --draws calibration --number 200
 """
 
 import argparse
-import math
 
 import numpy as np
 
 from contact import ConvergenceError, Orbit, Slider, burst, error_estimate
+from contact.answers import burst_methods
 from contact.averaged import burst as averaged
+from tests.contact import aimed, calibration
 
 FREQUENCY = 2.2e6
+LONGEST = 6000  # cycles of a burst of `--draws`
+
+
+def drawn(which: str, number: int):
+    """Yield (slider, orbits, cycles, tolerance) of the tests' draws to which averaging applies."""
+    for k in range(number):
+        if which == "aimed":
+            slider, orbits, method, cycles, tolerance = aimed.drawn(k)
+            tolerances = (tolerance,) if method == "averaged" else ()
+        else:
+            slider, orbits, cycles = calibration.drawn(k)
+            tolerances = calibration.TOLERANCES
+        for tolerance in () if averaged.refusals(slider, orbits) else tolerances:
+            yield slider, orbits, min(cycles, LONGEST), tolerance
 
 
 def scenes(number: int, seed: int):
@@ -45,15 +64,20 @@ def scenes(number: int, seed: int):
 
 
 def errors(slider, orbits, cycles, tolerance):
-    """Return (true error, stated error, status) of the averaged burst, relative in the sense of `tolerance`."""
+    """Return (true error, stated error, status) of the averaged burst, relative in the sense of `tolerance`.
+
+    None if the exact method answers, because averaging misses the tolerance.
+    """
 
     def run(method, allowed):
-        return burst(
-            slider, orbits, duration=cycles / FREQUENCY, after=0.0, tolerance=allowed, samples=2, method=method
-        )
+        duration = cycles / orbits[0].frequency
+        return burst(slider, orbits, duration=duration, after=0.0, tolerance=allowed, samples=2, method=method)
 
-    found, exact = run("averaged", tolerance), run("exact", 1e-7)
-    reference = max(abs(exact.velocity_at_burst_end), 0.1 * 2.0 * math.pi * FREQUENCY * abs(orbits[0].tangential))
+    found = run("averaged", tolerance)
+    if found.method != "averaged":
+        return None
+    exact = run("exact", 1e-8)
+    reference = error_estimate.reference_speed(exact.velocity_at_burst_end, orbits)
     true = abs(found.velocity_at_burst_end - exact.velocity_at_burst_end) / reference
     return true, found.relative_error, found.status
 
@@ -64,19 +88,30 @@ def main():
     parser.add_argument("--number", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--share", type=float, default=1.0)
+    parser.add_argument("--checked", type=int, default=burst_methods.CHECKED)
+    parser.add_argument("--draws", choices=("own", "aimed", "calibration"), default="own")
     chosen = parser.parse_args()
     error_estimate.LEFT_OF_FIRST *= chosen.share
     error_estimate.LEFT_OF_RATIO *= chosen.share
-    rows, refused = [], 0
-    for scene in scenes(chosen.number, chosen.seed):
+    burst_methods.CHECKED = chosen.checked
+    rows, refused, exact = [], 0, 0
+    own = chosen.draws == "own"
+    for scene in scenes(chosen.number, chosen.seed) if own else drawn(chosen.draws, chosen.number):
         try:
-            true, stated, status = errors(*scene)
+            found = errors(*scene)
         except ConvergenceError:
             refused += 1
             continue
+        if found is None:
+            exact += 1
+            continue
+        true, stated, status = found
         rows.append((true / stated, status == "ok", status == "ok" and true > scene[-1]))
     ratio, kept, beyond = np.array(rows).T
-    print(f"{len(rows)} bursts, {refused} refused, {kept.sum():.0f} within the tolerance by their own estimate")
+    print(
+        f"{len(rows)} bursts, {refused} refused, {exact} by the exact method, {kept.sum():.0f} within the tolerance by "
+        "their own estimate"
+    )
     print(
         f"further off than twice the stated error: {np.sum(ratio > 2.0)}; "
         f"ok but beyond the tolerance: {beyond.sum():.0f}"

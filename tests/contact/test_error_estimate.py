@@ -33,6 +33,14 @@ def test_an_optimistic_estimate_is_scaled_by_what_it_missed_in_the_first_cycles(
     assert estimate.calibrated_error(1e-4, 1e-7, 1e-5) == pytest.approx(1.5e-4)  # never below the estimate
     assert estimate.calibrated_error(1e-6, 5e-5, 1e-2) == pytest.approx(5e-5)  # nor below the true error there
     assert estimate.calibrated_error(1e-6, None, 0.0) == pytest.approx(5e-6)
+    assert estimate.averaged_burst_error(1e-4, 4e-5, 1e-5) == pytest.approx(0.8 * 1e-4 * 5.0 * 4.0)
+    assert estimate.averaged_burst_error(1e-4, 1e-7, 1e-5) == pytest.approx(0.8e-4)
+    assert estimate.averaged_burst_error(1e-6, 5e-5, 1e-2) == pytest.approx(5e-5)
+
+
+def test_two_averaged_runs_that_agree_keep_a_share_of_what_their_steps_were_chosen_for():
+    assert estimate.averaged_steps_error(0.0, 1e-3) == pytest.approx(3e-6)
+    assert estimate.averaged_steps_error(3e-4, 0.0) == pytest.approx(1e-4)
 
 
 def test_the_error_of_batch_means_is_students():
