@@ -179,7 +179,7 @@ def _by_averaging(slider, orbits, factor):
         return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     error = float(factor * averaged_threshold_error(ratio, ACCURACY))
-    return Answer(value=factor, error=error, reasons=("cycle means",))
+    return Answer(value=float(factor), error=float(error), reasons=("cycle means",))
 
 
 def _by_full_motion(slider, orbits, averaged_factor, margins=None):

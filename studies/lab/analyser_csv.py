@@ -175,7 +175,7 @@ class _Reading:
             raise self.error(f"must state the unit of {head.text!r}, such as {head.text} (Hz)")
         if kind == "s":
             if part == "magnitude" and not head.unit and np.min(values) < 0.0:
-                raise self.error(f"must state the unit of {head.text!r}, such as {head.text} (dB)")
+                raise self.error(f"must state the unit of {head.text!r} in brackets behind it, such as dB")
             return 10.0 ** (values / 20.0) if head.unit == "dB" else values
         if not head.unit:
             remarks.append(f"{head.text!r} has no unit: taken in {'ohm' if kind == 'z' else 'S'}")

@@ -19,8 +19,9 @@ from studies.refusal import SceneError, nearest
 ENDINGS = {
     "_rad_per_m": "rad/m", "_rad": "rad",
     "_m_per_N": "m/N", "_A_per_N": "A/N", "_V_per_N": "V/N",
+    "_K_per_s": "K/s",
     "_W_per_V2": "W/V^2", "_A_per_V": "A/V", "_m_per_V": "m/V", "_m_per_s": "m/s", "_per_m": "1/m", "_per_s": "1/s",
-    "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_kg": "kg", "_m": "m", "_s": "s",
+    "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_K": "K", "_kg": "kg", "_m": "m", "_s": "s",
 }  # fmt: skip
 ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| [^|]+ \|[^|]*\|$", re.MULTILINE)  # of a table of quantities
 

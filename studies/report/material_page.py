@@ -9,6 +9,7 @@ import numpy as np
 import fem
 from studies.chain.solid_constants import named_solid
 from studies.chain.solver_errors import stator_keys
+from studies.record.quantities import quantity
 from studies.record.text import labelled
 from studies.refusal import SceneError, shown
 from studies.results.content import plain
@@ -84,10 +85,11 @@ def material_text(answer: dict) -> str:
             continue
         coupling = f", K2 {100 * wave['coupling_K2']:.3g} %" if "coupling_K2" in wave else ""
         lines.append((cut, f"surface wave {wave['velocity_m_per_s']:.6g} m/s{coupling}"))
+    keys = [("stiffness_Pa", "at constant E"), ("coupling_C_per_m2", ""), ("permittivity_relative", "")]
     tables = [
-        ("c^E (GPa)", np.array(answer["stiffness_Pa"]) / 1e9),
-        ("e (C/m^2)", np.array(answer["coupling_C_per_m2"])),
-        ("eps^S (eps_0)", np.array(answer["permittivity_relative"])),
+        (f"{shown.axis} {condition}".rstrip(), np.array(answer[key]) * shown.scale)
+        for key, condition in keys
+        for shown in (quantity(f"crystal.{key}"),)
     ]
     shown_tables = [line for label, own in tables if abs(own).max() > 0 for line in _rows(label, own)]
     return "\n".join([answer["name"], "", *labelled([each for each in lines if each[1]]), "", *shown_tables])

@@ -76,7 +76,7 @@ def test_velocity_through_the_bounce(A, first, second):
     v = exact.velocity_at_burst_end
     problem = rest_problem(slider(), (orbit(A),))
     for tolerance, allowed in ((1e-4, first), (1e-7, second)):
-        asked = Burst(slider(), (orbit(A),), problem, 4400, 4400, tolerance, np.empty(0, complex))
+        asked = Burst(slider(), (orbit(A),), problem, 4400, 4400, tolerance, None)
         result = BURST_METHODS["averaged"].follow(asked)
         motion, _ = result.run
         error = over(motion.state[2] * problem.speed - v, v, A)
