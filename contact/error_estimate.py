@@ -39,9 +39,11 @@ FLOOR = 0.01
 # Orbits along a track that are held for a cycle in the event-driven motion and change at its end. Error of the velocity
 # over the reference speed and the largest change; it was 0.14 in `tests/contact/test_track.py` for two wavelengths.
 HELD_ORBITS = 0.5
-# Safety factors of `calibrated_error`. CALIBRATION: on the ratio of true and stated error in the first cycles. BEYOND:
-# on the estimate of the whole burst, of which only these cycles were checked. UNCHECKED: on an estimate without check.
-CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
+# Factors of a burst's error in fixed steps, of which only the first cycles were checked. CALIBRATION: on the ratio of
+# true and stated error there; LEAST_SHARE: the least of that product, 1 for the coarsest two step sizes (level 1 of
+# `burst_methods.STEPS`), which agree by chance most easily; BEYOND: on the estimate of the whole burst; UNCHECKED: on
+# an estimate without check. `tests/benchmarks/stepped_error.py` measured them.
+CALIBRATION, LEAST_SHARE, BEYOND, UNCHECKED = 3.0, 0.5, 1.5, 5.0
 # The same for an averaged burst, and AVERAGED_FLOOR: smallest error of its step size and quadrature over the tolerance
 # that they were chosen for, because two runs may agree by chance. `tests/benchmarks/averaging_error.py` measured them.
 AVERAGED_CALIBRATION, AVERAGED_BEYOND, AVERAGED_FLOOR = 5.0, 0.8, 0.003
@@ -140,16 +142,18 @@ def held_orbits_error(change: float, reference: float) -> float:
 
 
 def calibrated_error(
-    estimate: float, true: float | None, stated: float, calibration: float = CALIBRATION, beyond: float = BEYOND
-) -> float:
+    estimate: float, true: float | None, stated: float, calibration: float = CALIBRATION, beyond: float = BEYOND,
+    least: float = 1.0,
+) -> float:  # fmt: skip
     """Return the error of a burst whose first cycles have also been computed by the event-driven method.
 
     `estimate` is that of the whole burst, `stated` that of the first cycles and `true` their largest deviation from the
-    event-driven motion, None if this is not known. If `true` exceeds `stated`, `estimate` is scaled by their ratio.
+    event-driven motion, None if this is not known. `estimate` is scaled by `calibration` times their ratio, but by
+    `least` or more, and by `beyond`.
     """
     if true is None:
         return UNCHECKED * estimate
-    return max(beyond * estimate * max(1.0, calibration * true / (stated + 1e-300)), true)
+    return max(beyond * estimate * max(least, calibration * true / (stated + 1e-300)), true)
 
 
 def averaged_burst_error(estimate: float, true: float | None, stated: float) -> float:

@@ -18,6 +18,7 @@ from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
 from contact.envelope import Envelope
 from contact.error_estimate import (
+    LEAST_SHARE,
     averaged_burst_error,
     calibrated_error,
     event_driven_error,
@@ -310,7 +311,10 @@ def _stepped(burst):
     def error(level, run, difference, reference):
         estimate = levels_error(level, difference, reference)
         # without motion of the surface along x, and with the slider at rest, there is no error to state
-        return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
+        # under an envelope or along a track the first cycles of the burst are not those of the check
+        same = burst.envelope is None and burst.track is None
+        least = LEAST_SHARE if same and level > 1 else 1.0
+        return window.error(estimate, run[0][-1], lambda: in_window(level), least) if reference > 0.0 else 0.0
 
     small = [k for k, (number, _) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
     # the coarsest level with small enough steps is run for comparison only
@@ -399,18 +403,18 @@ class Window(NamedTuple):
             return cls(short, None, math.inf, whole)
         return cls(short, runs[-1], float(abs(runs[-1][-1] - runs[0][-1])), whole)
 
-    def error(self, estimate: float, velocity: float, in_window: Callable) -> float:
+    def error(self, estimate: float, velocity: float, in_window: Callable, least: float) -> float:
         """Return the error of a method's velocity at the end of the burst.
 
         `estimate` is the method's own estimate. `in_window()` returns the method's velocities in the window and its
-        estimate for them.
+        estimate for them. `least` as for `calibrated_error`.
         """
         if self.velocities is None:
             return calibrated_error(estimate, None, 0.0)
         if self.whole:
             return abs(velocity - float(self.velocities[-1])) + self.exact_error
         velocities, stated = in_window()
-        return calibrated_error(estimate, float(np.max(np.abs(velocities - self.velocities))), stated)
+        return calibrated_error(estimate, float(np.max(np.abs(velocities - self.velocities))), stated, least=least)
 
 
 def _refined(burst, follow, error, levels, least):

@@ -66,6 +66,16 @@ def test_at_most_one_in_a_hundred_is_beyond_twice_its_error():
     assert len(wrong) <= 5, wrong
 
 
+def test_a_tenth_of_a_second_in_fixed_steps_keeps_a_tolerance_of_one_in_a_million():
+    # "above tolerance" while a check in the first cycles could not lower the stated error
+    asked = {"duration": 0.1, "after": 0.0, "samples": 2}
+    found = burst(slider(), orbit(10e-9), tolerance=1e-6, method="stepped", **asked)
+    assert (found.method, found.status) == ("stepped", "ok")
+    exact = burst(slider(), orbit(10e-9), tolerance=1e-2, method="exact", **asked)
+    assert exact.relative_error < 1e-8
+    assert abs(found.velocity_at_burst_end - exact.velocity_at_burst_end) < 2.0 * found.answer.error
+
+
 @pytest.mark.parametrize("number", [63, 66, 162, 195])
 def test_averaging_that_fails_is_seen_in_the_first_cycles(monkeypatch, number):
     # these were 6 to 50 times off by what two averaged runs and the two orders tell

@@ -29,8 +29,9 @@ def test_two_event_driven_runs_that_agree_keep_truncation_and_rounding():
 
 
 def test_an_optimistic_estimate_is_scaled_by_what_it_missed_in_the_first_cycles():
-    assert estimate.calibrated_error(1e-4, 4e-5, 1e-5) == pytest.approx(1.5 * 1e-4 * 2.0 * 4.0)
+    assert estimate.calibrated_error(1e-4, 4e-5, 1e-5) == pytest.approx(1.5 * 1e-4 * 3.0 * 4.0)
     assert estimate.calibrated_error(1e-4, 1e-7, 1e-5) == pytest.approx(1.5e-4)  # never below the estimate
+    assert estimate.calibrated_error(1e-4, 1e-7, 1e-5, least=0.5) == pytest.approx(0.75e-4)
     assert estimate.calibrated_error(1e-6, 5e-5, 1e-2) == pytest.approx(5e-5)  # nor below the true error there
     assert estimate.calibrated_error(1e-6, None, 0.0) == pytest.approx(5e-6)
     assert estimate.averaged_burst_error(1e-4, 4e-5, 1e-5) == pytest.approx(0.8 * 1e-4 * 5.0 * 4.0)

@@ -1,0 +1,84 @@
+r"""Stated against true error of bursts in fixed steps, whose first cycles the exact method checks.
+
+Every level of `burst_methods.STEPS` that applies to the sliders of `tests/contact/aimed.py` and
+`tests/contact/calibration.py`, in bursts of 300 to 5000 cycles. The check has the first third, at most 1000 cycles. For
+each pair of `CALIBRATION` and `LEAST_SHARE` it prints how many are further off than once and twice the stated error.
+
+    python -m tests.benchmarks.stepped_error --draws aimed --number 400
+    python -m tests.benchmarks.stepped_error --draws calibration --number 200
+"""
+
+import argparse
+from itertools import product
+
+import numpy as np
+
+from contact import ConvergenceError, error_estimate
+from contact.answers import burst_methods as methods
+from contact.events.segment import Column
+from contact.orbit import towards_plus
+from contact.stepping.time_stepping import steps
+from tests.contact import aimed, calibration
+
+SHORTEST, LONGEST, LEVELS = 300, 5000, 6
+FACTORS = (2.0, 3.0, 4.0), (1.0, 0.5, 0.35, 0.25)
+
+
+def compared(slider, orbits, cycles):
+    """Yield (level, true error, estimate, largest true error and estimate in the first cycles), over the reference."""
+    _, driven = towards_plus(orbits)
+    problem = methods.rest_problem(slider, driven)
+    burst = methods.Burst(slider, driven, problem, cycles, 1, 1e-4, None)
+    levels = [k for k, (n, _) in enumerate(methods.STEPS) if not methods.stepped_refusals(slider, problem, n)][:LEVELS]
+    exact = methods.rest(slider, driven, problem, nodes=14, truncation=1e-11).turn(cycles, stride=1)
+    exact, found = exact[:, Column.VELOCITY], {}
+    for k in levels:
+        motion = methods.rest(slider, driven, problem, nodes=16, truncation=1e-12)
+        found[k] = steps(problem, motion.state, cycles, methods.STEPS[k][0])[:, Column.VELOCITY]
+    reference, every = burst.reference(exact[-1]), max(1, cycles // 48)
+    late = np.append(np.arange(cycles // 2, cycles, every), cycles - 1)
+    first = np.arange(every - 1, min(methods.WINDOW, cycles // 3), every)
+    for k in levels[1:]:
+        apart, off = np.abs(found[k] - found[k - 1]), np.abs(found[k] - exact)
+        pair, expected = (methods.STEPS[k][0], methods.STEPS[k - 1][0]), methods.STEPS[k][1] * reference
+        whole = error_estimate.stepped_error(np.max(apart[late]), *pair, expected)
+        stated = error_estimate.stepped_error(np.max(apart[first]), *pair)
+        yield k, off[-1] / reference, whole / reference, np.max(off[first]) / reference, stated / reference
+
+
+def main():
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--draws", choices=("aimed", "calibration"), default="aimed")
+    parser.add_argument("--number", type=int, default=400)
+    chosen, rows = parser.parse_args(), []
+    for number in range(chosen.number):
+        slider, orbits, *_, cycles = draw(chosen.draws, number)
+        try:
+            rows += compared(slider, orbits, min(cycles, LONGEST)) if cycles >= SHORTEST else []
+        except ConvergenceError:
+            continue
+    print(f"{len(rows)} answers")
+    for calibrated, share in product(*FACTORS):
+        ratio = []
+        for level, true, estimate, seen, stated in rows:
+            least = share if level > 1 else 1.0
+            error = error_estimate.calibrated_error(estimate, seen, stated, calibrated, least=least)
+            ratio.append(true / max(error, 1e-13))
+        ratio = np.array(ratio)
+        print(
+            f"CALIBRATION {calibrated:g}, LEAST_SHARE {share:g}: beyond once {np.sum(ratio > 1.0)}, twice "
+            f"{np.sum(ratio > 2.0)}, median {np.median(ratio):.2g}, largest {np.max(ratio):.2f}"
+        )
+
+
+def draw(which, number):
+    """Return (slider, orbits, cycles) of a draw."""
+    if which == "calibration":
+        return calibration.drawn(number)
+    slider, orbits, _, cycles, _ = aimed.drawn(number)
+    return slider, orbits, cycles
+
+
+if __name__ == "__main__":
+    main()
