@@ -119,6 +119,7 @@ class LayeredImpedance:
         if frequency is not None:
             refuse_unless_positive("frequency", frequency, "Hz")
         self.layers, self.omega = tuple(layers), None if frequency is None else 2.0 * np.pi * frequency
+        self.absolute = absolute  # the impedance over k depends on the frequency, beside v
         solids = (substrate, *(each.solid for each in layers))
         present = {name for each in solids for name in fields(each)}
         self.fields = tuple(name for name in ORDER if name in present)

@@ -17,11 +17,14 @@ from fem.analytic.layered import Layer, LayeredImpedance, Stack
 from fem.exceptions import ConvergenceError, InputError
 from fem.materials import Solid
 
-GRID, GRID_PER_WAVELENGTH, MAX_GRID = 24, 16, 4000  # velocities of the first search: in all, and of layers
+# velocities of the first search: in all, and of layers; 16 each missed the second wave of three wavelengths of gold on Si
+GRID, GRID_PER_WAVELENGTH, MAX_GRID = 48, 128, 8000
 SHORTED_GRID, LOWEST_SHORTED = 5, 0.8  # velocities of the search for a shorted wave, and their range below the free one
 SHORTEST = 1e-9  # rad: shorter intervals with a wave beside a pole are not searched any further
 SCALE, NOISE = 0.3, 1e-12  # typical eigenvalue, and rounding of one, over the half-space's stiffest modulus
 MAX_ROTATION = 1.5  # of the eigenvalues within an interval, rad
+MAX_RISE = 3.0  # of an eigenvalue at a fixed frequency, rad per rad; aluminium on 128YX: 0.4
+MAX_INTERVALS = 50_000  # of one pass; more are not narrowed by halving
 MAX_WAVELENGTHS = 3.0  # a thicker layer holds the whole wave
 
 
@@ -143,7 +146,7 @@ def layered_waves(
 
     waves_across = float(impedance.stack(np.array([impedance.slowest()])).depth.sum()) / (2.0 * np.pi)
     points = min(GRID + int(GRID_PER_WAVELENGTH * waves_across), MAX_GRID)
-    brackets = _brackets(eigenvalues, impedance.slowest(), impedance.limit, impedance.limit, points)
+    brackets = _brackets(eigenvalues, impedance, impedance.slowest(), impedance.limit, points)
     roots = [_root(eigenvalues, *bracket) for bracket in sorted(brackets)[:number]]
     if not roots:
         thickest = max(layers, key=lambda each: each.thickness or each.wavelengths or 0.0, default=None)
@@ -176,7 +179,7 @@ def shorted_velocity(wave: LayeredWave, shorted: int) -> float:
         return np.linalg.eigvalsh(impedance.mechanical(impedance.stack(velocity, plane).impedance, surface=surface))
 
     top = min(wave.velocity * (1.0 + 1e-12), impedance.limit * (1.0 - BELOW_LIMIT))
-    brackets = _brackets(eigenvalues, LOWEST_SHORTED * wave.velocity, top, impedance.limit, SHORTED_GRID)
+    brackets = _brackets(eigenvalues, impedance, LOWEST_SHORTED * wave.velocity, top, SHORTED_GRID)
     if not brackets:
         raise ConvergenceError(f"no shorted wave within a fifth below {wave.velocity:.6g} m/s")
     return max(_root(eigenvalues, *bracket)[0] for bracket in brackets)
@@ -196,25 +199,34 @@ def principal_wave(waves: Sequence[LayeredWave]) -> LayeredWave:
     raise ConvergenceError("only transverse (Love) waves are bound: the wave with sagittal motion leaks")
 
 
-def _brackets(eigenvalues: Callable, low: float, high: float, limit: float, points: int):
-    """Return intervals in m/s with one wave each, and the index of the eigenvalue that falls through zero there."""
+def _brackets(eigenvalues: Callable, impedance: LayeredImpedance, low: float, high: float, points: int):
+    """Return intervals in m/s with one wave each, and the index of the eigenvalue that passes through zero there."""
+    # At a fixed wavenumber every eigenvalue falls with the velocity, by its kinetic energy.  At a fixed frequency a slower
+    # wave sees thicker layers, and an eigenvalue may rise: through zero for a wave whose energy runs backwards.
+    limit, rise = impedance.limit, MAX_RISE if impedance.absolute else 0.0
     # in the angle whose sine is v over the limit the impedance is smooth up to the limit
-    angles = np.linspace(np.arcsin(low / limit), np.arcsin(min(high / limit, 1.0 - BELOW_LIMIT)), points)
+    first, last = np.arcsin(low / limit), np.arcsin(min(high / limit, 1.0 - BELOW_LIMIT))
+    angles = np.linspace(first, last, points)
+    if impedance.absolute:  # resonances of a layer follow each other evenly in 1/v
+        slowness = np.linspace(1.0 / np.sin(last), 1.0 / np.sin(first), points)
+        angles = np.union1d(angles, np.arcsin(1.0 / slowness[1:-1]))
     values = eigenvalues(limit * np.sin(angles))
     todo, found = list(zip(angles[:-1], angles[1:], values[:-1], values[1:], strict=True)), []
     while todo:
         cut = []
         for a, b, at_a, at_b in todo:
-            poles, rotation = _poles(at_a, at_b)
-            first = int(np.sum(at_a < 0.0))
-            crossings = int(np.sum(at_b < 0.0)) - first + poles
-            if rotation < MAX_ROTATION and (crossings == 0 or (crossings == 1 and poles == 0)):
+            poles, rotation = _poles(at_a, at_b, rise * (b - a))
+            below = int(np.sum(at_a < 0.0))
+            crossings = int(np.sum(at_b < 0.0)) - below + poles
+            if rotation < MAX_ROTATION and (crossings == 0 or (abs(crossings) == 1 and poles == 0)):
                 if crossings:
-                    found.append((limit * np.sin(a), limit * np.sin(b), first))
+                    found.append((limit * np.sin(a), limit * np.sin(b), below if crossings > 0 else below - 1))
             elif b - a > SHORTEST:
                 cut.append((a, b, at_a, at_b))
             elif poles == 0:  # waves that coincide
-                found += [(limit * np.sin(a), limit * np.sin(b), first + k) for k in range(crossings)]
+                found += [(limit * np.sin(a), limit * np.sin(b), below + k) for k in range(crossings)]
+        if len(cut) > MAX_INTERVALS:
+            raise ConvergenceError(f"the waves between {low:.6g} and {high:.6g} m/s could not be told apart")
         middles = np.array([0.5 * (a + b) for a, b, _, _ in cut])
         between = eigenvalues(limit * np.sin(middles)) if cut else ()
         todo = []
@@ -223,17 +235,17 @@ def _brackets(eigenvalues: Callable, low: float, high: float, limit: float, poin
     return found
 
 
-def _poles(before: np.ndarray, after: np.ndarray) -> tuple[int, float]:
+def _poles(before: np.ndarray, after: np.ndarray, rise: float) -> tuple[int, float]:
     """Return how many eigenvalues jumped from -inf to +inf between two velocities, and their rotation altogether.
 
     Eigenvalues are points arctan(value/SCALE) on a circle of circumference pi, which all turn one way as the velocity
-    rises. The least number of jumps is taken for which every other eigenvalue falls; it is right where the rotation is
-    small.
+    rises, but for ``rise`` in rad. The least number of jumps is taken for which every other eigenvalue falls; it is right
+    where the rotation is small.
     """
-    count = len(before)
-    poles = next(q for q in range(count + 1) if np.all(after[: count - q] <= before[q:] + NOISE))
-    angles = np.arctan(np.stack([before, after]) / SCALE).sum(axis=1)
-    return poles, float(angles[0] - angles[1] + np.pi * poles)
+    count, (start, end) = len(before), np.arctan(np.stack([before, after]) / SCALE)
+    allowed = NOISE / SCALE + rise
+    poles = next(q for q in range(count + 1) if np.all(end[: count - q] <= start[q:] + allowed))
+    return poles, float(np.sum(start - end) + np.pi * poles)
 
 
 def _root(eigenvalues: Callable, low: float, high: float, index: int) -> tuple[float, int]:

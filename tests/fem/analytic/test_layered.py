@@ -102,6 +102,27 @@ def test_all_waves_are_found_and_named():
     assert [each.name for each in coating] == ["Rayleigh", "Love"]
 
 
+def test_no_wave_of_a_thick_slow_layer_is_missed():
+    """Three wavelengths of gold: the second wave is the layer's first shear resonance, k h sqrt(v^2/c_s^2 - 1) = pi."""
+    gold = fem.material("gold")
+    waves = layered_waves(Si, [Layer(solid=gold, wavelengths=3.0)])
+    shear = np.sqrt(gold.stiffness[3, 3] / gold.density)
+    assert waves[1].velocity == pytest.approx(shear * np.sqrt(1.0 + 1.0 / 6.0**2), rel=0.01)  # 1505 m/s was given
+
+
+@pytest.mark.parametrize(
+    ("substrate", "layer", "thickness", "frequency"),
+    [(LN128, "gold", 1e-7, 1e7), (LN128, "aluminium", 1e-7, 1e8), (Si, "epoxy", 1e-5, 1e8), (PZT8, "fused silica", 5e-6, 1e7)],
+)
+def test_waves_at_a_frequency_are_those_at_their_wavelengths(substrate, layer, thickness, frequency):
+    """At a frequency the impedance may rise with v, at a wavenumber it falls; 100 nm of gold took hours and all memory."""
+    solid = fem.material(layer)
+    waves = layered_waves(substrate, [Layer(solid=solid, thickness=thickness)], frequency=frequency)
+    for number, wave in enumerate(waves):
+        same = layered_waves(substrate, [Layer(solid=solid, wavelengths=thickness * frequency / wave.velocity)])
+        assert same[number].velocity == pytest.approx(wave.velocity, rel=1e-9)
+
+
 def test_a_love_wave_is_its_closed_form():
     """tan(k h b) = mu_s q/(mu b) with b^2 = v^2/c^2 - 1 and q^2 = 1 - v^2/c_s^2; found where u_y is coupled at all."""
     thickness, turned = 0.4, fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
