@@ -242,6 +242,7 @@ MATERIAL = MaterialFile() | TEXT | SOLID
 SOLIDS = Named('a table of solids by surface group such as { strip = "aluminium" }', MATERIAL)
 CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
+ABSOLUTE_ZERO, HOTTEST_AMBIENT = -273.15, 250.0  # degC; a number of 250 and more is a room's temperature in K
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -270,6 +271,9 @@ class Cooling(Block):
     def check_cooled(self) -> Any:
         if self.air == 0.0 and self.bottom == "air":
             yield "air", "must be positive where the bottom is in air: nothing would cool the stator"
+        if not ABSOLUTE_ZERO < self.ambient < HOTTEST_AMBIENT:
+            rule = f"must be above {ABSOLUTE_ZERO:g} and below {HOTTEST_AMBIENT:g} degC"
+            yield "ambient", f"{rule}, got {self.ambient:g}; 293 K are 20 degC"
         if self.ends_heat_stator > 1.0:
             yield "ends_heat_stator", f"must be at most 1, got {self.ends_heat_stator:g}"
 

@@ -123,6 +123,8 @@ def test_the_text_and_the_files_hold_it(motor, tmp_path):
     [
         ({"air": 0.0}, "stator.cooling.air must be positive"),
         ({"ends_heat_stator": 1.5}, "stator.cooling.ends_heat_stator must be at most 1"),
+        ({"ambient": -300}, "stator.cooling.ambient must be above -273.15 and below 250 degC, got -300"),
+        ({"ambient": 293.0}, "stator.cooling.ambient must be above -273.15 and below 250 degC, got 293"),
         ({"air": "10 W"}, "stator.cooling.air must be"),
         ({"bottom": "glue"}, "stator.cooling.bottom must be"),
         ({"wind": 1.0}, "stator.cooling.wind"),
