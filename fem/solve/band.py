@@ -189,7 +189,7 @@ def frequency_band(
             break  # a finer discretisation would not help
         level_tolerance *= level_share / level_error
     raise ConvergenceError(
-        f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, {tolerance:.1e} was "
+        f"the stator's surface motion in the band is known to {band.relative_error:.4g} only, {tolerance:g} was "
         "asked for: ask for less, give the solid a lower mechanical_quality, or solve one frequency at a time",
         reached=band,
     )
