@@ -17,7 +17,7 @@ from fem.analytic.layered import Layer, LayeredImpedance, Stack
 from fem.exceptions import ConvergenceError, InputError
 from fem.materials import Solid
 
-# velocities of the first search: in all, and of layers; 16 each missed the second wave of three wavelengths of gold on Si
+# velocities of the first search: in all, and of layers; 16 a wavelength missed the second wave of three of gold on Si
 GRID, GRID_PER_WAVELENGTH, MAX_GRID = 48, 128, 8000
 SHORTED_GRID, LOWEST_SHORTED = 5, 0.8  # velocities of the search for a shorted wave, and their range below the free one
 SHORTEST = 1e-9  # rad: shorter intervals with a wave beside a pole are not searched any further
@@ -201,8 +201,8 @@ def principal_wave(waves: Sequence[LayeredWave]) -> LayeredWave:
 
 def _brackets(eigenvalues: Callable, impedance: LayeredImpedance, low: float, high: float, points: int):
     """Return intervals in m/s with one wave each, and the index of the eigenvalue that passes through zero there."""
-    # At a fixed wavenumber every eigenvalue falls with the velocity, by its kinetic energy.  At a fixed frequency a slower
-    # wave sees thicker layers, and an eigenvalue may rise: through zero for a wave whose energy runs backwards.
+    # At a fixed wavenumber every eigenvalue falls with the velocity, by its kinetic energy.  At a fixed frequency a
+    # slower wave sees thicker layers, and an eigenvalue may rise: through zero for a wave whose energy runs backwards.
     limit, rise = impedance.limit, MAX_RISE if impedance.absolute else 0.0
     # in the angle whose sine is v over the limit the impedance is smooth up to the limit
     first, last = np.arcsin(low / limit), np.arcsin(min(high / limit, 1.0 - BELOW_LIMIT))
@@ -239,8 +239,8 @@ def _poles(before: np.ndarray, after: np.ndarray, rise: float) -> tuple[int, flo
     """Return how many eigenvalues jumped from -inf to +inf between two velocities, and their rotation altogether.
 
     Eigenvalues are points arctan(value/SCALE) on a circle of circumference pi, which all turn one way as the velocity
-    rises, but for ``rise`` in rad. The least number of jumps is taken for which every other eigenvalue falls; it is right
-    where the rotation is small.
+    rises, but for ``rise`` in rad. The least number of jumps is taken for which every other eigenvalue falls; it is
+    right where the rotation is small.
     """
     count, (start, end) = len(before), np.arctan(np.stack([before, after]) / SCALE)
     allowed = NOISE / SCALE + rise

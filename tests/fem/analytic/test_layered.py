@@ -112,10 +112,15 @@ def test_no_wave_of_a_thick_slow_layer_is_missed():
 
 @pytest.mark.parametrize(
     ("substrate", "layer", "thickness", "frequency"),
-    [(LN128, "gold", 1e-7, 1e7), (LN128, "aluminium", 1e-7, 1e8), (Si, "epoxy", 1e-5, 1e8), (PZT8, "fused silica", 5e-6, 1e7)],
+    [
+        (LN128, "gold", 1e-7, 1e7),
+        (LN128, "aluminium", 1e-7, 1e8),
+        (Si, "epoxy", 1e-5, 1e8),
+        (PZT8, "fused silica", 5e-6, 1e7),
+    ],
 )
 def test_waves_at_a_frequency_are_those_at_their_wavelengths(substrate, layer, thickness, frequency):
-    """At a frequency the impedance may rise with v, at a wavenumber it falls; 100 nm of gold took hours and all memory."""
+    """At a frequency the impedance may rise with v, at a wavenumber it falls; 100 nm of gold never ended."""
     solid = fem.material(layer)
     waves = layered_waves(substrate, [Layer(solid=solid, thickness=thickness)], frequency=frequency)
     for number, wave in enumerate(waves):
