@@ -223,13 +223,13 @@ def trajectories(record: "Record", ax):
     return ax
 
 
-def surface(record: "Record", ax, *, curves: bool = False):
+def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider.
 
     The ripple of a standing wave cannot be resolved on a surface longer than MAX_WAVELENGTHS. The range within each
-    wavelength is then shaded, and the upper half of the place of ``ax`` shows the curves near the slider, or in the
-    middle without one. With ``curves`` the curves are drawn along the whole surface whatever its length, for an axis
-    that the caller limits.
+    wavelength is then shaded, and unless ``window`` is false the upper half of the place of ``ax`` shows the curves
+    near the slider, or in the middle without one. With ``curves`` they are drawn along the whole surface whatever its
+    length, for an axis that the caller limits.
     """
     columns, scene = record.surface, record.scene
     label, scale, up = quantity("x_m").axis, quantity("x_m").scale, quantity("amplitude_m_per_V")
@@ -245,7 +245,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
             ax.fill_between(at, low, high, color=COLOURS[colour], alpha=0.5, linewidth=0.5, label=f"{name}, range")
         else:
             curve(ax, x, size, "-", colour, name)
-    top = _window(record, ax, x, values, wavelength) if rippled and ax.get_subplotspec() is not None else ax
+    top = _window(record, ax, x, values, wavelength) if window and rippled and ax.get_subplotspec() is not None else ax
     for each in scene.transducer:
         if each.angle % 180 == 0:  # in the section
             half, center = each.half_length, each.center_xy[0]

@@ -126,7 +126,7 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, middle = focus
     size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - middle) <= wavelength])
-    surface(record, whole)
+    surface(record, whole, window=False)
     surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
