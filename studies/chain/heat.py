@@ -70,7 +70,7 @@ def powers(record: Record) -> dict[str, float]:
         "power_along_beam_W": solid - dielectric,
         "power_left_end_W": electrical["power_radiated_left_W_per_V2"] * highest**2,
         "power_right_end_W": electrical["power_radiated_right_W_per_V2"] * highest**2,
-        "power_loads_W": electrical["power_loads_W_per_V2"] * highest**2,
+        "power_loads_W": max(electrical["power_loads_W_per_V2"], 0.0) * highest**2,
     }
 
 

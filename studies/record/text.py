@@ -196,10 +196,16 @@ def _ripple(record: "Record"):
     size = quantity("velocity_ripple").with_unit(summary["velocity_ripple"])
     errors = [point["mean_velocity_relative_error"] for point in record.points if "mean_velocity_m_per_s" in point]
     if not errors:
+        if record.at_rest:
+            return
         yield "ripple", f"the velocity differs by {size} at most within half a wavelength, {where}: below the tolerance"
         return
     yield "ripple", f"velocity: at the slider's position; mean (over place), lowest and highest: within {where}, half a"
-    yield "", f"wavelength of a partly standing wave (range up to {size}, relative error up to {max(errors):.1e})"
+    yield (
+        "",
+        f"wavelength of a partly standing wave (range up to {size} of the mean, or of a tenth of the surface's speed;",
+    )
+    yield "", f"relative error up to {max(errors):.1e})"
 
 
 def _source(electrical: dict, drive):
