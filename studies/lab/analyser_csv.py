@@ -21,6 +21,7 @@ from studies.refusal import SceneError, shown
 COMMENTS = ("#", "!", "%", "//", ";")
 SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
 REFERENCE = re.compile(r"\bz0\b\D{0,12}?(\d+(?:\.\d+)?)", re.IGNORECASE)
+DECIBEL = "dB"
 RADIANS = 1.6  # phases of a table without their unit that stay below may be radians
 
 
@@ -175,7 +176,7 @@ class _Reading:
             raise self.error(f"must state the unit of {head.text!r}, such as {head.text} (Hz)")
         if kind == "s":
             if part == "magnitude" and not head.unit and np.min(values) < 0.0:
-                raise self.error(f"must state the unit of {head.text!r} in brackets behind it, such as dB")
+                raise self.error(f"must state the unit of {head.text!r}, such as {head.text} ({DECIBEL})")
             return 10.0 ** (values / 20.0) if head.unit == "dB" else values
         if not head.unit:
             remarks.append(f"{head.text!r} has no unit: taken in {'ohm' if kind == 'z' else 'S'}")
