@@ -11,9 +11,11 @@
 SI units, x along the surface, z out of it, slider velocity positive along +x.  Importing this package imports no
 numerical library; ``run`` imports what its scene needs.
 
-Packages, bottom to top: scene (the file and its rules), results (directories) - record - chain (voltage to velocity) -
-report (the files of a run) - view (looking at fields and contacts), sweep (many runs of one scene) - command (the
-command line) - stator, papers, motor (questions, one file each) - evidence (what shows that the rest can be trusted).
+Packages, bottom to top: scene (the file and its rules), results (directories) - record - model (a scene as objects of
+fem and contact) - solve (surface motion, contact, velocity, errors) - remarks (what is left out, warnings) - runs (from
+a scene to its record) - report (the files of a run) - view (looking at fields and contacts), sweep (many runs of one
+scene) - command (the command line) - stator, papers, motor (questions, one file each) - evidence (what shows that the
+rest can be trusted).
 """
 
 import sys
@@ -22,9 +24,6 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from studies.chain.predictor import Predictor
-    from studies.chain.runs import run
-    from studies.chain.scattering import network
     from studies.inverse.fitting import fit
     from studies.inverse.optimum import Design, design
     from studies.inverse.parameters import Parameter
@@ -34,17 +33,20 @@ if TYPE_CHECKING:
     from studies.record.record import Record
     from studies.refusal import RunError, SceneError
     from studies.report.datasheet import Datasheet, datasheet
+    from studies.runs import run
     from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Stator, Transducer
     from studies.scene.drive import Drive, Wave
     from studies.scene.file import shipped_scenes
     from studies.scene.scene import Scene
     from studies.scene.slider import Damping, Slider
+    from studies.solve.predictor import Predictor
+    from studies.solve.scattering import network
     from studies.sweeps import Sweep, sweep
 
 _PUBLIC = {
-    "chain.predictor": "Predictor",
-    "chain.runs": "run",
-    "chain.scattering": "network",
+    "solve.predictor": "Predictor",
+    "runs": "run",
+    "solve.scattering": "network",
     "inverse.fitting": "fit",
     "inverse.optimum": "Design design",
     "inverse.parameters": "Parameter",

@@ -15,15 +15,16 @@ from inspect import Signature, cleandoc, signature
 from pathlib import Path
 from typing import Any
 
-from studies.chain import run as run_chain
-from studies.chain.bridge import DrivenContact
-from studies.chain.resolve import resolved
-from studies.chain.solver_errors import as_run_errors
+from studies.model.contact import Contact
+from studies.model.resolve import resolved
+from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.text import labelled
 from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
+from studies.runs import run as run_chain
 from studies.scene import Scene
+from studies.solve.solved_stator import contact_of_run
 
 LOGGER = logging.getLogger(__name__)
 
@@ -168,7 +169,7 @@ Answered = (
 )
 
 
-def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False) -> DrivenContact:
+def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False) -> Contact:
     """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
     ``tolerance``: of the slider velocity there, which sets the discretisation of the stator.  ``pillars``: True if the
@@ -186,11 +187,11 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
         known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
         resolved_scene.refuse("slider.pillars", f"are not supported by this study: {known}")
     if resolved_scene.wave is not None:
-        return DrivenContact.prescribed(resolved_scene)
+        return Contact.prescribed(resolved_scene)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a prescribed [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
-    driven = DrivenContact.of_run(run_chain(steady, tolerance=tolerance))
+    driven = contact_of_run(run_chain(steady, tolerance=tolerance))
     return replace(driven, scene=resolved_scene.with_source(frequency=driven.scene.frequency))
 
 

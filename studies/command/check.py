@@ -17,9 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
-    from studies.chain.resolve import resolved
-    from studies.chain.scene_warnings import scene_warnings
+    from studies.model.resolve import resolved
     from studies.record.text import labelled
+    from studies.remarks.scene_warnings import scene_warnings
     from studies.report.contents import contents
 
     file = changed_file(arguments)

@@ -78,7 +78,7 @@ def warn(warnings) -> None:
 
 def warn_of_scene(scene: Scene) -> tuple[str, ...]:
     """Print the warnings about a scene and return them."""
-    from studies.chain.scene_warnings import scene_warnings
+    from studies.remarks.scene_warnings import scene_warnings
 
     warnings = tuple(scene_warnings(scene))
     warn(warnings)

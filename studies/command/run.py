@@ -38,11 +38,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and write its files."""
-    from studies.chain import run as run_chain
     from studies.record.files import write_run
     from studies.record.text import answer
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, long_wait, plan
+    from studies.runs import run as run_chain
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None
@@ -75,7 +75,7 @@ def call(arguments: argparse.Namespace) -> int:
         with Progress():
             record = run_chain(scene, tolerance=tolerance)
             if measured is not None:
-                from studies.chain.measured_run import measured_block
+                from studies.solve.measured_run import measured_block
 
                 record = replace(record, measured=measured_block(record, measured))
             whole = record.to_dict()

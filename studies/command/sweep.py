@@ -62,7 +62,7 @@ def call(arguments: argparse.Namespace) -> int:
 
 def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
     """Return a sentence on the expected time of a sweep that takes more than a minute."""
-    from studies.chain.changed_scenes import ChangedScenes
+    from studies.model.changed_scenes import ChangedScenes
     from studies.report.explanation import long_sweep
     from studies.sweeps.plan import designed
 

@@ -24,9 +24,9 @@ from multiprocessing import get_context
 import numpy as np
 
 import contact
-from studies.chain import run as run_chain
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
+from studies.runs import run as run_chain
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 

@@ -18,13 +18,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import contact
-from studies.chain import bridge
-from studies.chain import run as run_chain
-from studies.chain.resolve import resolved
 from studies.evidence.own_process import alone, peak_memory
+from studies.model.contact import contact_slider
+from studies.model.resolve import resolved
 from studies.record.plots import finished
 from studies.record.quantities import quantity
 from studies.refusal import RunError
+from studies.runs import run as run_chain
 from studies.scene import Scene
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
@@ -150,7 +150,7 @@ def _stator(source: str, tolerance: float) -> dict:
 def _contact(source: str, tolerance: float, kind: str, method: str, motion) -> dict:
     """Return the velocity of one slider by one method, on the orbit of a motion per volt at the largest level."""
     scene = _scene(source)
-    slider = bridge.contact_slider(scene.slider)
+    slider = contact_slider(scene.slider)
     per_volt = contact.Orbit(frequency=scene.frequency, tangential=complex(motion[0]), normal=complex(motion[1]))
     orbit = per_volt.scaled(max(scene.levels))
 

@@ -39,7 +39,7 @@ CENSUS = """
 import json, sys, time
 from studies.scene import Scene
 from studies.evidence.own_process import peak_memory
-from studies.chain import run
+from studies.runs import run
 table, tolerance = json.loads(sys.argv[1])
 record = run(Scene.from_table("", table), tolerance=tolerance)
 wave = record.to_dict()["wave"].get("normal_m_per_V", [])

@@ -1,7 +1,7 @@
 """The averaged motor of a scene: its drives, tables and errors.
 
 The tables of mean forces are those of `force_grid`; the step response of the surface comes from
-`studies.chain.ring_up`.
+`studies.solve.ring_up`.
 """
 
 import logging
@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 import contact
-from studies.chain.bridge import DrivenContact
-from studies.chain.ring_up import RingUp, switched
-from studies.chain.solver_errors import as_run_errors
 from studies.export import reduced_motor as model
 from studies.export.force_grid import force_tables, mean_forces, packed
 from studies.export.motor_model import RESPONSE_STEP, AveragedMotor, Drive, ring_speed
+from studies.model.contact import Contact
+from studies.model.scene_errors import as_run_errors
 from studies.scene import Scene
+from studies.solve.ring_up import RingUp, switched
 from studies.study import driven_contact
 
 LOGGER = logging.getLogger(__name__)
@@ -27,7 +27,7 @@ SETTLED = 2e-4  # of the steady amplitude: from there on the wave counts as sett
 MAX_RESPONSE = 20_000  # nodes; what rings longer is taken as settled there
 
 
-def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> DrivenContact:
+def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     """Return the contact with the scene's own drive, from which `averaged_motor` goes on.
 
     Raises
@@ -49,7 +49,7 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> DrivenContact:
 
 
 def averaged_motor(
-    scene: str | Scene, *, tolerance: float = 1e-3, first: DrivenContact | None = None,
+    scene: str | Scene, *, tolerance: float = 1e-3, first: Contact | None = None,
 ) -> AveragedMotor:  # fmt: skip
     """Return the averaged motor of a scene with a slider, its stator solved with each of its drives.
 
@@ -60,7 +60,7 @@ def averaged_motor(
         drives one of them; of a prescribed wave it is the same wave running in the other direction.
     tolerance : float
         Relative, of the slider velocity; the stator is solved to it.
-    first : DrivenContact, optional
+    first : Contact, optional
         The `first_drive` of the scene, if it has been computed.
 
     Raises
@@ -120,7 +120,7 @@ def other_drives(scene: Scene) -> list[Scene]:
     return [replace(scene, drive=replace(scene.drive, transducer=other.name))] if other.has_two_electrodes else []
 
 
-def _drive(driven: DrivenContact, left_out: list) -> Drive:
+def _drive(driven: Contact, left_out: list) -> Drive:
     if driven.scene.wave is not None:
         return Drive(name="wave", orbits=driven.orbits)
     record, (ringing, reason) = driven.record, switched(driven)

@@ -10,14 +10,12 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from studies.chain import fem_model, passband
-from studies.chain.scan_prediction import placed, scan_and_error
-from studies.chain.scattering import converged_scattering, reference_impedance
 from studies.export.exported import Exported
 from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.scan import Scan, scan_csv
 from studies.lab.scan_uff import scan_uff
+from studies.model import fem_objects
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
@@ -25,6 +23,9 @@ from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
+from studies.solve import passband
+from studies.solve.scan_prediction import placed, scan_and_error
+from studies.solve.scattering import converged_scattering, reference_impedance
 
 PER_WAVELENGTH = 8  # points of a scan along x
 LINES = 41  # of an area along y
@@ -164,8 +165,8 @@ def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance
 
 def vtu_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return field.vtu and the surface map of a scene with a driven stator."""
-    from studies.chain import run
     from studies.record.files import write_run
+    from studies.runs import run
 
     if not scene.transducer:
         scene.refuse("transducer", "is missing: the field of a driven stator is written")
@@ -201,12 +202,12 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
 
 def _points(scene: Scene, kind: str, band) -> Scan:
     """Return the points of a kind of scan, with values of zero."""
-    wavelength = fem_model.wavelength(scene)
+    wavelength = fem_objects.wavelength(scene)
     driven, (slider_x, slider_y) = scene.driven_transducer, scene.positions[0]
     around = ((each.name, each.center_xy[0], each.half_length) for each in scene.transducer)
     rows = {name: (center - half, center + half) for name, center, half in around}
     ahead, length = slider_x >= driven.center_xy[0], scene.stator.length
-    low, high = fem_model.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
+    low, high = fem_objects.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
     low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
     if high <= low:
         low, high = max(slider_x - 2 * wavelength, 0.0), min(slider_x + 2 * wavelength, length)
@@ -232,7 +233,7 @@ def _frequencies(scene: Scene, band: str | None) -> np.ndarray:
 
 def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float) -> str:
     """Return what an encoder records of the scene's burst at its largest level, as CSV; the noise is added last."""
-    from studies.chain import run
+    from studies.runs import run
 
     level = max(scene.levels)
     _, path = run(scene.at_level(level), tolerance=tolerance).trajectories[0]

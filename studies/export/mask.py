@@ -15,7 +15,7 @@ from math import cos, radians, sin
 import numpy as np
 
 import fem
-from studies.chain import fem_model, resolve
+from studies.model import fem_objects, resolve
 from studies.refusal import SceneError, nearest
 from studies.scene import Scene
 from studies.scene.blocks import Transducer
@@ -93,8 +93,8 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     if not scene.transducer:
         scene.refuse("transducer", "is missing: a mask draws transducers")
     resolved = resolve.resolved(scene)
-    stator = fem_model.whole_stator(resolved)
-    for difference in stator.other_fingers(fem_model.transducers(resolved)):
+    stator = fem_objects.whole_stator(resolved)
+    for difference in stator.other_fingers(fem_objects.transducers(resolved)):
         raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {difference}")
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]

@@ -15,14 +15,14 @@ from itertools import pairwise
 import numpy as np
 
 import contact
-from studies.chain import fem_model
-from studies.chain.outcomes import OF_PILLARS, keywords
-from studies.chain.resolve import resolved
 from studies.inverse.prediction import MeasurementPredictor
+from studies.model import fem_objects
+from studies.model.resolve import resolved
 from studies.progress import counted
 from studies.refusal import RunError, SceneError
 from studies.scene.keys import coordinate
 from studies.scene.override import walk
+from studies.solve.requested_quantities import OF_PILLARS, keywords
 
 LOGGER = logging.getLogger(__name__)
 
@@ -151,7 +151,7 @@ def wavelength(predictor: MeasurementPredictor) -> float | None:
     scene = predictor.scene({})
     if scene.stator is None:
         return scene.wave.wavelength if scene.wave else None
-    return fem_model.wavelength(resolved(scene))
+    return fem_objects.wavelength(resolved(scene))
 
 
 def answers_at(

@@ -9,8 +9,8 @@ import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studies.chain.solved_stator import POSITION_KEYS
 from studies.inverse.parameters import Parameter
+from studies.model.stator_alone import POSITION_KEYS
 from studies.progress import Countdown
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at

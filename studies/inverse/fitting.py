@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.chain.scan_prediction import placed, refuse_other_range
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Minimum, Problem, standard_deviations
 from studies.inverse.next_measurement import ranked
@@ -29,6 +28,7 @@ from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
 from studies.scene.keys import LEVELS
+from studies.solve.scan_prediction import placed, refuse_other_range
 
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
 MAX_ATTEMPTS = 4  # a profile may reach a lower minimum; the fit is then repeated about that one

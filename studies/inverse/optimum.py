@@ -15,19 +15,19 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.chain import fem_model
-from studies.chain.outcomes import keywords
-from studies.chain.resolve import resolved
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
 from studies.inverse.parameters import Parameter, ranges
 from studies.inverse.search import UNKNOWN, Search
+from studies.model import fem_objects
+from studies.model.resolve import resolved
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
 from studies.scene.keys import coordinate
 from studies.scene.override import replaced
+from studies.solve.requested_quantities import keywords
 
 DEFAULT = Options()
 # Change of each variable for the robustness: a share of it, of a position that of a wavelength, of an angle in degrees
@@ -146,7 +146,7 @@ def _changes(table: dict, variables: tuple[Parameter, ...], optimum: dict) -> di
             for each in variables:
                 best = replaced(best, each.key, optimum[each.key])
             scene = resolved(Scene.from_table("", best))
-            length = scene.wave.wavelength if scene.stator is None else fem_model.wavelength(scene)
+            length = scene.wave.wavelength if scene.stator is None else fem_objects.wavelength(scene)
             changes[key] = CHANGE * (length or optimum[key])
     return changes
 

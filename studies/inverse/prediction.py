@@ -1,7 +1,7 @@
 """Predictions of measurements of one motor, for many sets of its numbers at once.
 
-The steady states of all sets and levels are solved together, as all other steady states (`studies.chain.steady`); a
-burst is followed as in a run.
+The steady states of all sets and levels are solved together, as all other steady states
+(`studies.solve.steady_states`); a burst is followed as in a run.
 """
 
 import logging
@@ -15,14 +15,6 @@ from typing import Any
 import numpy as np
 
 import contact
-from studies.chain.bridge import DrivenContact
-from studies.chain.bursts import followed_burst
-from studies.chain.predictor import Predictor
-from studies.chain.resolve import following, resolved
-from studies.chain.ripple import Known, NearbyContact, ripples
-from studies.chain.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
-from studies.chain.solved_stator import POSITION_KEYS, changes_stator
-from studies.chain.steady import steady_answers
 from studies.inverse.parameters import (
     AMPLITUDE_FACTOR,
     AMPLITUDE_PER_VOLT,
@@ -35,10 +27,18 @@ from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.network import NetworkData
 from studies.lab.scan import Scan
+from studies.model.contact import Contact
+from studies.model.resolve import following, resolved
+from studies.model.stator_alone import POSITION_KEYS, changes_stator
 from studies.progress import Countdown
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
+from studies.solve.bursts import followed_burst
+from studies.solve.predictor import Predictor
+from studies.solve.ripple import Known, NearbyContact, ripples
+from studies.solve.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
+from studies.solve.steady_states import steady_answers
 
 LOGGER = logging.getLogger(__name__)
 
@@ -80,7 +80,7 @@ class MeasurementPredictor(Predictor):
         """True if the scene prescribes the surface motion by its [wave]."""
         return "wave" in self.table
 
-    def contact(self, changes: dict, step: int = 0) -> DrivenContact:
+    def contact(self, changes: dict, step: int = 0) -> Contact:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
         driven, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
         return replace(driven, orbits=driven.at(factor), amplitudes=tuple(each * factor for each in driven.amplitudes))
@@ -107,7 +107,7 @@ class MeasurementPredictor(Predictor):
         The steady velocities of all questions are solved together at the end.
         """
         answers: list[np.ndarray | slice] = []  # a slice: of the velocities of ``states``
-        states: list[tuple[DrivenContact, float]] = []
+        states: list[tuple[Contact, float]] = []
         for measurement, numbers in questions:
             self._count_one()
             numbers = numbers | measurement.settings
@@ -166,7 +166,7 @@ class MeasurementPredictor(Predictor):
             self._fields[key] = data, predict()  # with the data, so that no other object takes their identity
         return self._fields[key][1]
 
-    def _factors(self, measurement: Measurement, numbers: dict, driven: DrivenContact) -> np.ndarray:
+    def _factors(self, measurement: Measurement, numbers: dict, driven: Contact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
         if not measurement.levels:
             return np.array([max(driven.scene.levels)])
@@ -182,22 +182,22 @@ class MeasurementPredictor(Predictor):
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
-    def velocities(self, states: list[tuple[DrivenContact, float]]) -> np.ndarray:
+    def velocities(self, states: list[tuple[Contact, float]]) -> np.ndarray:
         """Return the steady velocity of each contact at a level, m/s; NaN where there is none."""
         if self.one_by_one:
-            from studies.chain.pillar_points import pillar_velocity
+            from studies.solve.pillar_points import pillar_velocity
 
             return np.array([pillar_velocity(driven, level) for driven, level in states])
         answers = steady_answers(states, self.tolerance)
         return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
-    def _mean_velocities(self, driven: DrivenContact, levels: np.ndarray, numbers: dict) -> np.ndarray:
+    def _mean_velocities(self, driven: Contact, levels: np.ndarray, numbers: dict) -> np.ndarray:
         """Return the mean velocities over place about the slider's position; NaN where there is none."""
         velocities = self.velocities([(driven, float(level)) for level in levels])
         if self.prescribed_wave:
             return velocities
         if self.one_by_one:
-            from studies.chain.pillar_ripple import mean_velocity
+            from studies.solve.pillar_ripple import mean_velocity
 
             return np.array(
                 [mean_velocity(driven, *each, self.tolerance) for each in zip(levels, velocities, strict=True)]
@@ -210,7 +210,7 @@ class MeasurementPredictor(Predictor):
         found = {} if nearby is None else ripples(nearby, known)
         return np.array([found[key].mean if key in found else math.nan for key in keys])
 
-    def _burst(self, measurement: Measurement, driven: DrivenContact, level: float, numbers: dict) -> np.ndarray:
+    def _burst(self, measurement: Measurement, driven: Contact, level: float, numbers: dict) -> np.ndarray:
         """Return velocity or position at the measured instants of a burst, with its ring-up and travel.
 
         The instrument's bandwidth, sampling and origin of time are applied to the prediction.

@@ -21,7 +21,6 @@ from collections.abc import Iterator
 import numpy as np
 
 import contact
-from studies.chain.pillars import layout
 from studies.inverse.elasticity import (
     SIDE,
     answers_at,
@@ -32,6 +31,7 @@ from studies.inverse.elasticity import (
     wavelength,
 )
 from studies.inverse.prediction import MeasurementPredictor
+from studies.model.pillars import layout
 from studies.record.plots import COLOURS, finished
 from studies.record.quantities import quantity
 from studies.report.explanation import plan

@@ -100,7 +100,7 @@ def measured_network(data: NetworkData) -> Measurement:
 def measured_scan(scan: Scan, option: str = "--measured") -> Measurement:
     """Return a vibrometer's scan as a measurement: per volt, and of displacements if the file states frequencies.
 
-    Velocities and accelerations without a frequency are those at the drive's, which `studies.chain.scan_prediction`
+    Velocities and accelerations without a frequency are those at the drive's, which `studies.solve.scan_prediction`
     knows.
     """
     scan = scan.per_volt_of_source(option).without_rest(option)

@@ -18,7 +18,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from studies.chain.resolve import resolved
+from studies.model.resolve import resolved
 from studies.motor.regime_map import finite_lists
 from studies.record.plots import finished, logarithmic, own
 from studies.record.quantities import quantity

@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import contact
-from studies.chain import run as run_chain
-from studies.chain.bridge import DrivenContact
 from studies.motor import regime_map
 from studies.record import Record
 from studies.record.run_pictures import velocity
+from studies.runs import run as run_chain
 from studies.scene import Scene
+from studies.solve.solved_stator import contact_of_run
 from studies.stator import admittance
 from studies.study import Panel, StudyRecord
 from studies.view.contact_view import steady_history
@@ -70,7 +70,7 @@ def run(scene: str | Scene = "twente", *, films: bool = True, maps: bool = True)
         loaded.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     LOGGER.info("running the scene")
     record = run_chain(loaded.with_source(burst=None), tolerance=1e-3)
-    wave_field, driven = run_field(record), DrivenContact.of_run(record)
+    wave_field, driven = run_field(record), contact_of_run(record)
     moving = driven.above(1.0)
     nearest = (min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS))
     voltage, *voltages = nearest

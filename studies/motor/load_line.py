@@ -14,11 +14,11 @@ from functools import partial
 import numpy as np
 
 import contact
-from studies.chain.pillar_points import PillarContact, moves
 from studies.record.plots import curve, family, finished
 from studies.record.quantities import quantity
 from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
+from studies.solve.pillar_points import PillarContact, moves
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)

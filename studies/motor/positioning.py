@@ -25,10 +25,9 @@ from dataclasses import fields, replace
 import numpy as np
 
 import contact
-from studies.chain.resolve import resolved
-from studies.chain.stroke_speed import slider_range
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
 from studies.export.motor_model import AveragedMotor, push, ring_speed
+from studies.model.resolve import resolved
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
@@ -39,6 +38,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
+from studies.solve.stroke_speed import slider_range
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)

@@ -19,8 +19,7 @@ import numpy as np
 
 import contact
 from contact.error_estimate import averaged_threshold_error
-from studies.chain import bridge
-from studies.chain.bridge import DrivenContact
+from studies.model.contact import Contact, scaled
 from studies.record.plots import COLOURS, curve, finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -105,7 +104,7 @@ def run(
     return (panel,), findings
 
 
-def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
+def _grid(driven: Contact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
     """Return amplitudes and preloads of a grid that covers all regimes, and the amplitudes of the scene."""
     operating = driven.amplitude * np.array(driven.levels)
     threshold = contact.threshold_factor(driven.slider, per_metre)
@@ -130,7 +129,7 @@ def _largest_difference(sliders, per_metre, amplitudes, states, checked: int) ->
     moving = np.argwhere(np.abs(np.nan_to_num(states.velocity)) > 0.0)
     differences = [0.0]
     for i, j in moving[:: max(1, len(moving) // checked)][:checked]:
-        orbits = bridge.scaled(per_metre, float(amplitudes[j]))
+        orbits = scaled(per_metre, float(amplitudes[j]))
         full = contact.steady(sliders[i], orbits, tolerance=1e-6).velocity
         differences.append(abs(full - states.velocity[i, j]) / contact.reference_speed(full, orbits[:1]))
     return float(max(differences))

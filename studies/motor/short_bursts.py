@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 import contact
-from studies.chain.bridge import DrivenContact
-from studies.chain.changed_contacts import ChangedContacts
-from studies.chain.resolve import resolved
-from studies.chain.solved_stator import changes_stator
-from studies.chain.steps import Steps
-from studies.chain.uncertainty import sampled, without_level
 from studies.export.motor_model import AveragedMotor
+from studies.model.contact import Contact
+from studies.model.resolve import resolved
+from studies.model.stator_alone import changes_stator
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
+from studies.solve.burst_steps import Steps
+from studies.solve.changed_contacts import ChangedContacts
+from studies.solve.uncertainty import sampled, without_level
 
 LOGGER = logging.getLogger(__name__)
 
@@ -24,7 +24,7 @@ DRAWS = 24  # number of random motors within the tolerances, for the scatter
 SCATTER_CYCLES = 100
 
 
-def short_bursts(driven: DrivenContact, motor: AveragedMotor, cycles: tuple[int, ...]) -> dict:
+def short_bursts(driven: Contact, motor: AveragedMotor, cycles: tuple[int, ...]) -> dict:
     """Return the steps of short bursts at the largest level, from the exact contact model and from the averaged motor.
 
     The keys are columns over ``cycles``, the elastic deformation of the contacts in m, and the largest ``difference``

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 import contact
-from studies.chain.bridge import scaled
-from studies.chain.steady import averaged
-from studies.chain.stroke_speed import slider_range
-from studies.chain.travel import WaveAlong
+from studies.model.contact import scaled
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
+from studies.solve.steady_states import averaged
+from studies.solve.stroke_speed import slider_range
+from studies.solve.travel import WaveAlong
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)

@@ -5,8 +5,8 @@ and the steady motion of the slider. Expected: rest below a threshold voltage; a
 transducer that increases through slip to intermittent contact. Run time: about 3 s.
 """
 
-from studies.chain import run as run_chain
 from studies.record import Record
+from studies.runs import run as run_chain
 from studies.scene import Scene
 
 QUICK = {"tolerance": 1e-2}

@@ -1,8 +1,8 @@
 """The slider and the wave of the seed paper's simulation."""
 
 import contact
-from studies.chain import bridge
-from studies.chain.resolve import resolved
+from studies.model.contact import contact_slider, prescribed_orbits, scaled
+from studies.model.resolve import resolved
 from studies.scene import Scene
 
 TOLERANCE = 1e-3  # relative tolerance of steady velocities
@@ -14,13 +14,13 @@ class Seed:
     def __init__(self, *, steps: tuple[float, ...] = ()):
         scene = resolved(Scene.load("twente-contact"))
         self.steps = steps
-        self.slider = bridge.contact_slider(scene.slider)
-        self.shape = bridge.prescribed_orbits(scene.wave)
+        self.slider = contact_slider(scene.slider)
+        self.shape = prescribed_orbits(scene.wave)
         self.levels = scene.levels
 
     def orbits(self, amplitude: float) -> tuple:
         """Return the wave of a normal amplitude in m."""
-        return bridge.scaled(self.shape, amplitude)
+        return scaled(self.shape, amplitude)
 
     def steady(self, amplitude: float):
         """Return the steady state at a normal amplitude in m."""

@@ -69,7 +69,7 @@ class Record:
         Columns of pillars.csv and slider_wave.csv at the last level (slider on pillars).
     trajectories : tuple of (level, contact.Trajectory or Motion)
         With a burst.
-    surface_motion : studies.chain.surface_motion.SurfaceMotion or None
+    surface_motion : studies.solve.surface_motion.SurfaceMotion or None
         The stator's answer itself, with ``wave``, from which the interior field can be rebuilt; None after `load`.
     meshed_pieces : tuple of (float, float)
         Ends along x of each meshed piece without fingers, m; empty after `load`.

@@ -4,8 +4,8 @@ import cmath
 import math
 from collections.abc import Iterator
 
-from studies.chain.fem_model import solid
-from studies.chain.moduli import direction_dependence
+from studies.model.contact_moduli import direction_dependence
+from studies.model.fem_objects import solid
 from studies.record.quantities import quantity
 from studies.report.intermediate import si
 from studies.scene import Scene
@@ -42,7 +42,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {si(slider.preload_force, 'N')}"
         if slider.pillars is not None:
-            from studies.chain.pillars import layout, stiffnesses
+            from studies.model.pillars import layout, stiffnesses
 
             geometry, (k_n, k_t) = layout(slider), stiffnesses(slider)
             lines = [

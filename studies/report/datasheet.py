@@ -17,25 +17,27 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 import contact
-from studies.chain import resolve, run
-from studies.chain.bridge import DrivenContact
-from studies.chain.pillar_points import PillarContact
-from studies.chain.pillar_points import burst as pillar_burst
-from studies.chain.predictor import Predictor
-from studies.chain.ripple import Known
-from studies.chain.steps import Steps
-from studies.chain.stroke_speed import StrokeSpeed, slider_range, stroke_speed
+from studies.model import resolve
+from studies.model.contact import Contact
 from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.quantities import quantity
 from studies.record.text import leaving, sentences
 from studies.refusal import RunError
 from studies.report.intermediate import si
+from studies.runs import run
 from studies.scene import Scene
+from studies.solve.burst_steps import Steps
+from studies.solve.pillar_points import PillarContact
+from studies.solve.pillar_points import burst as pillar_burst
+from studies.solve.predictor import Predictor
+from studies.solve.ripple import Known
+from studies.solve.solved_stator import contact_of_run
+from studies.solve.stroke_speed import StrokeSpeed, slider_range, stroke_speed
 
 if TYPE_CHECKING:
     from contact.answers.transient import Trajectory
-    from studies.chain.pillar_points import PillarBurst
+    from studies.solve.pillar_points import PillarBurst
 
 LOGGER = logging.getLogger(__name__)
 LOADS = 13  # number of loads of a load line
@@ -86,7 +88,7 @@ class Datasheet:
     """The datasheet of a motor and the computed motions behind it."""
 
     record: Record  # of the underlying run
-    driven: DrivenContact
+    driven: Contact
     rated: float  # V of the source, or amplitude in m for a scene with a [wave]
     rows: tuple[Row, ...]
     lines: dict  # by level: contact.LoadLine of one computed ball
@@ -154,7 +156,7 @@ def datasheet(
         record = run(_without_load(scene), tolerance=tolerance)
         if record.shortfall:
             raise RunError(record.shortfall)
-        driven = DrivenContact.of_run(record)
+        driven = contact_of_run(record)
         on_pillars = record.scene.on_pillars
         moving = record.moving_levels if on_pillars else driven.above(1.0)
         if not moving:
@@ -193,7 +195,7 @@ def _without_load(scene: Scene) -> Scene:
     return replace(scene, slider=replace(scene.slider, load=0.0), uncertain=uncertain)
 
 
-def _of_balls(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
+def _of_balls(driven: Contact, rated: float, levels: list[float]) -> dict:
     """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
     options, named = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}, driven.scene.named
     shown = counted(LOGGER, "load lines", levels)
@@ -220,7 +222,7 @@ def _steps(bursts: Steps, rated: float) -> tuple[tuple, tuple[str, ...]]:
     return tuple(steps), tuple(remarks)
 
 
-def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dict:
+def _of_pillars(driven: Contact, rated: float, levels: list[float]) -> dict:
     """Return the fields of `_of_balls` for a slider on pillars, without steps, because its bounce is not modelled."""
     body, slider = PillarContact.of(driven), driven.scene.slider
     shown = counted(LOGGER, "load lines", levels)
@@ -236,7 +238,7 @@ def _of_pillars(driven: DrivenContact, rated: float, levels: list[float]) -> dic
     return {"lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (friction,)}
 
 
-def _start_and_stop_motion(driven: DrivenContact, rated: float) -> Any:
+def _start_and_stop_motion(driven: Contact, rated: float) -> Any:
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
     acceleration = slider.least_friction(len(orbits)) / slider.mass
@@ -246,7 +248,7 @@ def _start_and_stop_motion(driven: DrivenContact, rated: float) -> Any:
     return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
 
 
-def _over_stroke(record: Record, driven: DrivenContact, rated: float) -> StrokeSpeed | None:
+def _over_stroke(record: Record, driven: Contact, rated: float) -> StrokeSpeed | None:
     """Return the velocity over the stroke at the rated level."""
     LOGGER.info("speed along the stroke")
     point = next(each for each in record.points if each[record.level] == rated)
@@ -272,7 +274,7 @@ def _stroke_rows(point: dict, travel: StrokeSpeed, model: float | None) -> Itera
     yield Row("speed", "stroke", high - low, "m", None, condition)
 
 
-def _start_distance(driven: DrivenContact, rated: float, motion: Any) -> tuple[tuple[Row, ...], tuple[str, ...]]:
+def _start_distance(driven: Contact, rated: float, motion: Any) -> tuple[tuple[Row, ...], tuple[str, ...]]:
     """Return the row on the distance of the start on a stator, and a remark if it does not fit in the stroke."""
     scene = driven.scene
     if scene.stator is None:
@@ -293,7 +295,7 @@ def _start_distance(driven: DrivenContact, rated: float, motion: Any) -> tuple[t
 
 
 def _speeds(
-    record: Record, driven: DrivenContact, rated: float, under_load: tuple[Row, ...], travel: StrokeSpeed | None
+    record: Record, driven: Contact, rated: float, under_load: tuple[Row, ...], travel: StrokeSpeed | None
 ) -> Iterator[Row]:
     """Yield the rows on the velocity, without and with the load of the scene, the threshold and the release.
 
@@ -356,7 +358,7 @@ def _velocity_error(record: Record, point: dict) -> float:
     return point["relative_error"] * contact.speed_scale(speed, omega * point["tangential_amplitude_m"]) / speed
 
 
-def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Iterator[Row]:
+def _forces(driven: Contact, rated: float, line: Any, balls: float) -> Iterator[Row]:
     """Yield the rows on forces; ``line`` is the load line of one ball that represents ``balls`` of them."""
     slider, stall = driven.slider, line.stall
     averaged, held = contact.blocked_thrust(slider, driven.at(rated))
@@ -420,7 +422,7 @@ def _start_time(motion: Any) -> float:
     return float(motion.time[np.argmax(abs(motion.velocity) >= SETTLED * abs(motion.velocity_at_burst_end))])
 
 
-def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Iterator[Row]:
+def _powers(record: Record, driven: Contact, rated: float, line: Any, balls: float) -> Iterator[Row]:
     """Yield the rows on powers and efficiencies at the load of the largest mechanical power."""
     best = int(np.argmax(line.power))
     error = 2.0 * driven.stator_error + float(np.max(line.relative_error)) + CONTACT_TOLERANCE
@@ -444,7 +446,7 @@ def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, ball
         yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
 
 
-def _resonances(record: Record, driven: DrivenContact) -> Iterator[Row]:
+def _resonances(record: Record, driven: Contact) -> Iterator[Row]:
     """Yield the rows on the drive's frequency and the resonances of the slider on its contacts."""
     scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import contact
-from studies.chain.bridge import DrivenContact
-from studies.chain.bursts import STEADY_METHODS
-from studies.chain.points import SHARE
 from studies.record import Record
+from studies.solve.bursts import STEADY_METHODS
+from studies.solve.contact_at_level import SHARE
+from studies.solve.solved_stator import contact_of_run
 
 MAX_POINTS = 3  # first moving point, middle point, last point
 LEDGER = {
@@ -40,7 +40,7 @@ def balances(record: Record) -> tuple[Balance, ...]:
     # the points of a slider on pillars already contain these powers
     if scene.slider is None or scene.on_pillars:
         return ()
-    driven = DrivenContact.of_run(record)
+    driven = contact_of_run(record)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     power = scene.slider.share * scene.frequency
     shown = {name: text for name, text in LEDGER.items() if name not in STORED}

@@ -14,15 +14,15 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain import fem_model, resolve
-from studies.chain.left_out import left_out
-from studies.chain.points import SHARE
-from studies.chain.ring_up import RingUp
-from studies.chain.solver_errors import as_run_errors
-from studies.chain.spectrum import groups
+from studies.model import fem_objects, resolve
+from studies.model.scene_errors import as_run_errors
 from studies.record.text import labelled, table
+from studies.remarks.left_out import left_out
 from studies.report.contents import section
 from studies.scene import Scene
+from studies.solve.contact_at_level import SHARE
+from studies.solve.ring_up import RingUp
+from studies.solve.spectrum import groups
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # observed factors between prediction and measurement
 SPEED = 2.5e10  # real operations per second of the stator's linear algebra on one x86_64 core of 2026
@@ -86,7 +86,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
         number = len(slider.offsets)
         if slider.pillars is not None:
-            from studies.chain.pillars import layout
+            from studies.model.pillars import layout
 
             number = layout(slider).x.size
             seconds += PILLAR * number * len(scene.levels)
@@ -127,7 +127,7 @@ def band_seconds(scene: Scene, frequencies: np.ndarray, *, tolerance: float) -> 
     """Return the expected time in s of the admittances of a resolved scene at rising frequencies in Hz."""
     plane = replace(scene, slider=None, stator=replace(scene.stator, diffraction=False))
     one = plan(plane, tolerance=tolerance)["expected"]["stator_seconds"]
-    ports = sum(each.has_two_electrodes for each in scene.transducer) if fem_model.diffracts(scene) else 1
+    ports = sum(each.has_two_electrodes for each in scene.transducer) if fem_objects.diffracts(scene) else 1
     return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(scene, frequencies))
 
 
@@ -170,9 +170,9 @@ def explanation(plan: dict) -> str:
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
-    slider, (along, _) = scene.slider, fem_model.first_section(scene, (0.0, 0.0))
-    stator, transducers = fem_model.whole_stator(along), fem_model.transducers(along)
-    sections = len(fem_model.transducer_groups(scene)) if scene.crossed else 1
+    slider, (along, _) = scene.slider, fem_objects.first_section(scene, (0.0, 0.0))
+    stator, transducers = fem_objects.whole_stator(along), fem_objects.transducers(along)
+    sections = len(fem_objects.transducer_groups(scene)) if scene.crossed else 1
     resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
@@ -201,7 +201,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
     operations = sections * sum(_operations(sizes[k]) for k in resolutions)
     block_bytes = sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:])
-    reason = fem_model.section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
+    reason = fem_objects.section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})

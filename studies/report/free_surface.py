@@ -9,8 +9,8 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
-from studies.chain.solid_constants import named_solid
-from studies.chain.solver_errors import as_run_errors
+from studies.model.materials import named_solid
+from studies.model.scene_errors import as_run_errors
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table

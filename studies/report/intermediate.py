@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from studies.chain import bridge
+from studies.model.contact import contact_slider
 from studies.record import Record
 from studies.scene.keys import rule_at, unit_of
 
@@ -137,7 +137,7 @@ def _free(record: Record):
 
 
 def _contact(record: Record):
-    block, slider = record.scene.slider, bridge.contact_slider(record.scene.slider)
+    block, slider = record.scene.slider, contact_slider(record.scene.slider)
     contacts = block.computed_contacts
     depth, normal_force = max(slider.rest_approaches(contacts)), slider.preload / contacts
     average_note, highest_note = (" on average", ", of the highest contact") if block.heights else ("", "")

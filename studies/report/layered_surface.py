@@ -3,8 +3,8 @@
 import math
 
 import fem
-from studies.chain.solid_constants import named_solid
-from studies.chain.solver_errors import as_run_errors
+from studies.model.materials import named_solid
+from studies.model.scene_errors import as_run_errors
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.refusal import SceneError

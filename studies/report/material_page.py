@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.chain.solid_constants import named_solid
-from studies.chain.solver_errors import stator_keys
+from studies.model.materials import named_solid
+from studies.model.scene_errors import stator_keys
 from studies.record.quantities import quantity
 from studies.record.text import labelled
 from studies.refusal import SceneError, shown

@@ -7,13 +7,13 @@ import numpy as np
 
 import contact
 import fem
-from studies.chain import fem_model
-from studies.chain.bridge import DrivenContact
+from studies.model import fem_objects
 from studies.record import Record
 from studies.record.plots import COLOURS, curve, finished, shaded
 from studies.record.quantities import quantity
 from studies.report.intermediate import key_axis
 from studies.report.surface_map import draw_surface_map
+from studies.solve.solved_stator import contact_of_run
 
 SHOWN_WAVELENGTHS = 12  # of the section that is drawn
 PER_WAVELENGTH = 16  # lines of the drawn section
@@ -44,7 +44,7 @@ def layout(record: Record, ax):
     scene, along, across = record.scene, quantity("x_m"), quantity("y_m")
     length, width = scene.stator.length * along.scale, scene.stator.width * across.scale
     ax.add_patch(Rectangle((0.0, -width / 2), length, width, facecolor="#F2EEE6", edgecolor=COLOURS["line"]))
-    for each in fem_model.transducers(scene):
+    for each in fem_objects.transducers(scene):
         driven = each.name in scene.drive.driven
         colour = COLOURS["slip" if driven else "stick"]
         label = f"{each.name}, {'driven' if driven else 'not driven'}"
@@ -84,7 +84,7 @@ def section_field(record: Record, ax):
 
 def load_line(record: Record, ax):
     """Draw the speed at the largest level of the drive against the load of the whole slider."""
-    driven, up, scene = DrivenContact.of_run(record), quantity("velocity_m_per_s"), record.scene
+    driven, up, scene = contact_of_run(record), quantity("velocity_m_per_s"), record.scene
     orbits = driven.at(max(scene.levels))
     try:
         line = contact.load_line(driven.slider, orbits, points=LOADS, tolerance=LOAD_LINE_TOLERANCE)

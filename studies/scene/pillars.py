@@ -1,4 +1,4 @@
-"""The block of a slider's pillars; `studies.chain.pillars` reads their file."""
+"""The block of a slider's pillars; `studies.model.pillars` reads their file."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar

@@ -1,6 +1,6 @@
 """The range ``START:STOP:N`` or ``START:STOP:N:log``: levels of a scene, values of a sweep, frequencies of a band.
 
-`studies.chain.passband.band_frequencies` adds what a band has of its own: MHz without a unit, and its limits.
+`studies.solve.passband.band_frequencies` adds what a band has of its own: MHz without a unit, and its limits.
 """
 
 import math

@@ -10,10 +10,11 @@ sent, the susceptance is that of the static capacitance within 25 %. Run time: a
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband
-from studies.chain.spectrum import driving_point, port_admittances
+from studies.model import fem_objects
 from studies.record.plots import lines
 from studies.scene import Scene
+from studies.solve import passband
+from studies.solve.spectrum import driving_point, port_admittances
 from studies.study import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 5, "tolerance": 0.1}
@@ -33,7 +34,7 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
     resolved = passband.driven_scene(scene)
     at = passband.frequencies(resolved, count, 81)
     ports = port_admittances(resolved, at, tolerance)
-    admittance = driving_point(ports, fem_model.transducers(resolved), fem_model.drive(resolved))
+    admittance = driving_point(ports, fem_objects.transducers(resolved), fem_objects.drive(resolved))
     theory = passband.expected(resolved)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (

@@ -15,13 +15,14 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband
-from studies.chain.surface_motion import solved_motion
+from studies.model import fem_objects
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
 from studies.refusal import RunError
 from studies.scene import Scene
+from studies.solve import passband
+from studies.solve.surface_motion import solved_motion
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
 from studies.study import Answered, Panel, judged, of_record, study
 
@@ -47,8 +48,8 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     """
     whole = passband.driven_scene(scene)
     scan = None if measured is None else scan_file(whole, measured, "position")
-    section_scene, slider_x = fem_model.first_section(whole, whole.positions[0])
-    transducers, driven = fem_model.transducers(section_scene), fem_model.driven(section_scene)
+    section_scene, slider_x = fem_objects.first_section(whole, whole.positions[0])
+    transducers, driven = fem_objects.transducers(section_scene), fem_objects.driven(section_scene)
     section = replace(section_scene, stator=replace(section_scene.stator, diffraction=False))
     try:
         wave = solved_motion(section, [(slider_x, 0.0)], tolerance=tolerance).wave
@@ -56,7 +57,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
         # on the slider's side of the driven transducer, up to the next one or the end
         edge, clear = driven.extent[slider_x >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
         extents = [each.extent for each in transducers]
-        x = np.linspace(*fem_model.free_span(extents, edge, section_scene.stator.length, clear), count)
+        x = np.linspace(*fem_objects.free_span(extents, edge, section_scene.stator.length, clear), count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(slider_x, y)
     except (fem.BeamError, fem.ConvergenceError) as error:

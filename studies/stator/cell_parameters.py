@@ -19,10 +19,11 @@ import numpy as np
 from scipy.special import ellipk, eval_legendre
 
 import fem
-from studies.chain import fem_model, passband
+from studies.model import fem_objects
 from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
 from studies.record.quantities import quantity
 from studies.scene import Scene
+from studies.solve import passband
 from studies.study import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
@@ -44,7 +45,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
     """
     resolved = passband.driven_scene(scene)
     driven = resolved.driven_transducer
-    solid, above, m = fem_model.solid(resolved.stator), resolved.stator.above, driven.metallisation
+    solid, above, m = fem_objects.solid(resolved.stator), resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     LOGGER.info(f"gratings of {solid.name}")
     cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)

@@ -18,13 +18,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband
-from studies.chain.solver_errors import as_run_errors
+from studies.model import fem_objects
+from studies.model.scene_errors import as_run_errors
 from studies.record.plots import PALETTE, curve, lines
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.report.explanation import band_seconds, plan
 from studies.scene import Scene
+from studies.solve import passband
 from studies.study import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
@@ -123,12 +124,12 @@ class _ForceProblem:
     @classmethod
     def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
         position = scene.positions[0] if scene.slider is None else scene.slider.center
-        stator = fem_model.whole_stator(scene)
+        stator = fem_objects.whole_stator(scene)
         wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
         if not reason and stator.ends != "absorbing":
             reason = "the beam of a force needs stator.ends = 'absorbing'"
-        narrowest = min(each.aperture for each in fem_model.section_transducers(scene))
+        narrowest = min(each.aperture for each in fem_objects.section_transducers(scene))
         if reason and width is not None:
             scene.refuse("stator", f"must allow a beam for a strip of a specified width: {reason}")
         width = width or (narrowest if reason else wavelength / 2)
@@ -170,8 +171,8 @@ class _ForceProblem:
         try:
             with as_run_errors(f"at {frequency / 1e6:.6g} MHz"):
                 return solve(
-                    fem_model.whole_stator(scene), fem_model.section_transducers(scene), frequency=float(frequency),
-                    tolerance=self.tolerance, drive=fem_model.drive(scene), **options,
+                    fem_objects.whole_stator(scene), fem_objects.section_transducers(scene), frequency=float(frequency),
+                    tolerance=self.tolerance, drive=fem_objects.drive(scene), **options,
                 )  # fmt: skip
         except fem.InputError as error:
             if error.key != "force.position":
@@ -202,7 +203,7 @@ def _over_the_band(problem: _ForceProblem, at: np.ndarray) -> list[Panel]:
                 LOGGER.info(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
                 circuits.append(problem.response(component, frequency).circuit)
         else:
-            circuits = prepared.forced(at, problem.force(component), fem_model.drive(problem.scene))
+            circuits = prepared.forced(at, problem.force(component), fem_objects.drive(problem.scene))
         for number, port in enumerate(circuits[0].names):
             for unit, field in (("A", "currents"), ("V", "voltages")):
                 values = np.array([getattr(each, field)[number] for each in circuits])
@@ -221,8 +222,8 @@ def _band(problem: _ForceProblem, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
     scene = problem.scene
     return fem.frequency_band(
-        fem_model.whole_stator(scene), fem_model.section_transducers(scene), lowest=float(at.min()),
-        highest=float(at.max()), drive=fem_model.drive(scene), tolerance=problem.tolerance,
+        fem_objects.whole_stator(scene), fem_objects.section_transducers(scene), lowest=float(at.min()),
+        highest=float(at.max()), drive=fem_objects.drive(scene), tolerance=problem.tolerance,
         places=(problem.position[0],),
     )  # fmt: skip
 
@@ -232,13 +233,13 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
     if problem.spreads:
         worst, quantity, high = max(each.scattering_error for each in answers.values()), BY_CHARGES, 0.3
     else:
-        drive, scene = fem_model.drive(problem.scene), problem.scene
+        drive, scene = fem_objects.drive(problem.scene), problem.scene
         if len(drive.sources) > 1 or drive.match:
             return ()
         LOGGER.info("stator: the response to a volt")
         driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.position[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
-        own = next(each.aperture for each in fem_model.section_transducers(scene) if each.name == name)
+        own = next(each.aperture for each in fem_objects.section_transducers(scene) if each.name == name)
         for component, answer in answers.items():
             moved = driven.motion(problem.position[0])["xz".index(component)] * own / problem.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]

@@ -14,13 +14,14 @@ import logging
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband
-from studies.chain.spectrum import response
-from studies.chain.surface_motion import solved_motion
+from studies.model import fem_objects
 from studies.record.plots import curve, lines, shaded
 from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
 from studies.scene import Scene
+from studies.solve import passband
+from studies.solve.spectrum import response
+from studies.solve.surface_motion import solved_motion
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
@@ -48,12 +49,12 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     driven = resolved.driven_transducer
     prepared = response(resolved, at[0], at[-1], positions=(x,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, fem_model.drive(resolved))
+    waves = prepared.waves(at, fem_objects.drive(resolved))
     normal = np.array([each.motion(x)[1] for each in waves])
     covered = any(each.covered(x) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(x)[1] for each in waves])
     distance = abs(x - driven.center_xy[0])
-    free = fem.free_wave(fem_model.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
+    free = fem.free_wave(fem_objects.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory = passband.expected(resolved).normal(at) * np.exp(-free.attenuation * distance)
     travel_time = distance / free.velocity
     delay = passband.group_delay(at, surface, travel_time)
@@ -91,7 +92,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
 
 def _aperture(scene: Scene, x: float, tolerance: float) -> tuple[dict, tuple[Finding, ...]]:
     """Return the amplitude of the finite aperture at the drive's frequency and its finding, if the beam spreads."""
-    if not fem_model.diffracts(scene):
+    if not fem_objects.diffracts(scene):
         return {}, ()
     LOGGER.info("stator: the beam at the drive's frequency")
     at = (x, 0.0) if scene.slider is None else scene.slider.center

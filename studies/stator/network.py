@@ -15,17 +15,18 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband
-from studies.chain.scan_prediction import refuse_other_range
-from studies.chain.scattering import converged_scattering, reference_impedance
-from studies.chain.spectrum import driving_point
 from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
+from studies.model import fem_objects
 from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
 from studies.scene import Scene
+from studies.solve import passband
+from studies.solve.scan_prediction import refuse_other_range
+from studies.solve.scattering import converged_scattering, reference_impedance
+from studies.solve.spectrum import driving_point
 from studies.stator.network_deviation import deviations
 from studies.study import Answered, Panel, StudyRecord, judged, of_record, study
 
@@ -88,7 +89,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.center_xy[0] for each in resolved.transducer if each.name in names[:2])
-        velocity = fem_model.surface_velocity(resolved.stator)
+        velocity = fem_objects.surface_velocity(resolved.stator)
         travel_time = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], travel_time)
         data, title = ({"frequency_Hz": at, "group_delay_s": delay}, f"{resolved.title}: {names[0]} to {names[1]}")
@@ -97,7 +98,7 @@ def run(
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        admittance = driving_point(ports, fem_model.transducers(resolved), name)
+        admittance = driving_point(ports, fem_objects.transducers(resolved), name)
         models[name] = [fem.motional_model(at, admittance, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, admittance, models[name]))
     if lab_file is not None:

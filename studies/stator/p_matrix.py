@@ -15,12 +15,13 @@ from itertools import pairwise
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband
-from studies.chain.solver_errors import as_run_errors
-from studies.chain.spectrum import port_admittances
+from studies.model import fem_objects
+from studies.model.scene_errors import as_run_errors
 from studies.record.plots import COLOURS, curve, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
+from studies.solve import passband
+from studies.solve.spectrum import port_admittances
 from studies.stator.reflector import from_the_left, stator_beside_pieces
 from studies.study import Answered, Panel, judged, of_record, study
 
@@ -42,7 +43,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     """
     resolved = passband.driven_scene(scene)
     stator = stator_beside_pieces(resolved)
-    row = tuple(sorted(fem_model.section_transducers(resolved), key=lambda each: each.center))
+    row = tuple(sorted(fem_objects.section_transducers(resolved), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]

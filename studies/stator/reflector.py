@@ -11,10 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 import fem
-from studies.chain import fem_model, passband, resolve
-from studies.chain.solver_errors import as_run_errors
+from studies.model import fem_objects, resolve
+from studies.model.scene_errors import as_run_errors
 from studies.record.plots import lines
 from studies.scene import Scene
+from studies.solve import passband
 from studies.study import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
@@ -93,7 +94,7 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
 
 def stator_beside_pieces(scene: Scene) -> fem.Stator:
     """Return the stator of a resolved scene; refuse a piece that is all of it."""
-    stator = fem_model.whole_stator(scene)
+    stator = fem_objects.whole_stator(scene)
     if stator.placement.whole is not None:
         scene.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
     return stator

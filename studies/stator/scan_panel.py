@@ -2,13 +2,13 @@
 
 from functools import partial
 
-from studies.chain.measured_run import scan_block
-from studies.chain.scan_prediction import placed, scan_and_error
 from studies.lab.measurement_csv import read_measured
 from studies.lab.scan import Scan
 from studies.record.scan_comparison import scan_comparison
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.solve.measured_run import scan_block
+from studies.solve.scan_prediction import placed, scan_and_error
 from studies.study import Panel
 
 

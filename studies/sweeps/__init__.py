@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.chain.changed_scenes import ChangedScenes
+from studies.model.changed_scenes import ChangedScenes
 from studies.refusal import InterruptedRunError, SceneError
 from studies.scene import Scene, read_table
 from studies.scene.numbers import Quantity

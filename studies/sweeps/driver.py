@@ -15,10 +15,10 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from studies.chain.changed_contacts import Shared
-from studies.chain.predictor import Predictor
 from studies.record.status import Status
 from studies.refusal import RunError
+from studies.solve.changed_contacts import Shared
+from studies.solve.predictor import Predictor
 from studies.sweeps.plan import Design, Question
 from studies.sweeps.store import Store
 from studies.sweeps.workers import Workers

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.chain.changed_scenes import ChangedScenes
-from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
-from studies.chain.solved_stator import POSITION_KEYS, changes_stator
+from studies.model.changed_scenes import ChangedScenes
+from studies.model.stator_alone import POSITION_KEYS, changes_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
+from studies.solve.requested_quantities import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
 from studies.sweeps.axes import Axis, axis, level_key, point_axis
 
 MAX_POINTS = 10_000_000

@@ -17,15 +17,15 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.patches import Circle, Patch
 
 import contact
-from studies.chain.bridge import DrivenContact
-from studies.chain.solver_errors import as_run_errors
-from studies.chain.surface_motion import surface_motion
+from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.record.quantities import Quantity, quantity
 from studies.refusal import SceneError
 from studies.report.page import picture_page
+from studies.solve.solved_stator import contact_of_run
+from studies.solve.surface_motion import surface_motion
 from studies.view import movie
 from studies.view.run_field import recomputed_motion
 
@@ -102,7 +102,7 @@ def steady_history(record: Record, *, level: float | None):
             motion = surface_motion(motion.wave, scene.stator, scene.slider.contact_positions)
         record = replace(record, surface_motion=motion)
     LOGGER.info("following the contact")
-    driven = DrivenContact.of_run(record)
+    driven = contact_of_run(record)
     slider, orbits = driven.slider, driven.at(level)
     with as_run_errors():
         speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity

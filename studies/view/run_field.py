@@ -11,14 +11,14 @@ import numpy as np
 
 import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
-from studies.chain import fem_model
-from studies.chain import run as run_chain
-from studies.chain.solver_errors import as_run_errors
-from studies.chain.surface_motion import SurfaceMotion, crossed_motion
+from studies.model import fem_objects
+from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.files import DamagedRunError
 from studies.refusal import RunError, SceneError, shown
+from studies.runs import run as run_chain
 from studies.scene import Scene
+from studies.solve.surface_motion import SurfaceMotion, crossed_motion
 
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
@@ -155,9 +155,9 @@ def _driven(record: Record) -> RunField:
     scene, motion = record.scene, recomputed_motion(record)
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
-    transducers = fem_model.transducers(scene) if crossed is None else crossed.rows[0].transducers
+    transducers = fem_objects.transducers(scene) if crossed is None else crossed.rows[0].transducers
     positions = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
-    whole_mesh = fem_model.whole_stator(scene).placement.whole  # a mesh of the whole stator defines the fingers itself
+    whole_mesh = fem_objects.whole_stator(scene).placement.whole  # a mesh of the whole stator defines its fingers
 
     def fingers(transducer, sign: str):
         """Return the edges of the fingers of one sign."""
@@ -203,12 +203,12 @@ def recomputed_motion(record: Record) -> SurfaceMotion:
 
     if scene.crossed:
         return crossed_motion(scene, (), solve)
-    wave = solve(fem_model.whole_stator(scene), fem_model.transducers(scene), fem_model.drive(scene))
+    wave = solve(fem_objects.whole_stator(scene), fem_objects.transducers(scene), fem_objects.drive(scene))
     return SurfaceMotion(wave=wave)
 
 
 def _free(record: Record) -> RunField:
-    scene, stator = record.scene, fem_model.whole_stator(record.scene)
+    scene, stator = record.scene, fem_objects.whole_stator(record.scene)
     with as_run_errors():
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     wavelength = wave.velocity / wave.frequency

@@ -21,7 +21,7 @@ import time
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from studies.chain.resolve import resolved
+from studies.model.resolve import resolved
 from studies.scene import Scene
 
 CONTACT = ("--over", "slider.preload=0.1 mN:10 mN:100:log", "--over", "wave.normal_amplitude=0.5 nm:20 nm:{}")

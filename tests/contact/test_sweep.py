@@ -7,7 +7,7 @@ import pytest
 
 from contact import Orbit, blocked_thrust, mean_motion, steady, steady_sweep, threshold_factor
 from contact.error_estimate import reference_speed
-from studies.chain.propagation import velocity_sensitivities
+from studies.solve.velocity_error import velocity_sensitivities
 from tests.contact.motors import orbit, slider
 
 SLIDERS = [slider(preload=p, friction_coefficient=mu) for p in (3e-4, 2e-3) for mu in (0.05, 0.2)]

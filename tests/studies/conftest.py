@@ -22,7 +22,7 @@ SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose s
 @pytest.fixture(autouse=True, scope="session")
 def _fields_are_solved_once():
     """Let tests that ask for the same field share its solution."""
-    from studies.chain import changed_contacts
+    from studies.solve import changed_contacts
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("driven_wave", "frequency_band", "port_admittance"):
@@ -55,7 +55,7 @@ def small():
 @pytest.fixture(scope="session")
 def small_run(small):
     """Give the record of a burst of the small motor."""
-    from studies.chain import run
+    from studies.runs import run
 
     return run(small.replace(drive={"burst": "0.05 ms"}), tolerance=1e-2)
 

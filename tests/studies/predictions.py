@@ -8,8 +8,8 @@ import json
 import sys
 import time
 
-from studies.chain import run
 from studies.evidence.own_process import peak_memory
+from studies.runs import run
 from studies.scene import Scene
 from tests.studies.settings import changed
 

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 import fem
-from studies.chain import run
 from studies.evidence import calibration
 from studies.evidence.calibration import VARIED, Checked, compared, drawn
 from studies.refusal import RunError, SceneError
+from studies.runs import run
 from studies.scene import Scene
 from tests.validation import random_scene
 

@@ -7,17 +7,18 @@ from dataclasses import replace
 import pytest
 
 import contact
-from studies import Scene, Wave
+from studies import Scene, Wave, runs
 from studies.__main__ import main
-from studies.chain import bridge, changed_contacts, run, runs
-from studies.chain.bridge import DrivenContact
-from studies.chain.changed_contacts import ChangedContacts
-from studies.chain.points import SliderAnswer
-from studies.chain.runs import needed_section_tolerance
+from studies.model.contact import prescribed_orbits
 from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
+from studies.runs import needed_section_tolerance, run
 from studies.scene import read_table
+from studies.solve import changed_contacts
+from studies.solve.changed_contacts import ChangedContacts
+from studies.solve.contact_at_level import SliderAnswer
+from studies.solve.solved_stator import contact_of_run
 from tests.studies.settings import changed
 
 
@@ -85,7 +86,7 @@ def test_a_burst_leaves_its_end_velocity_and_its_trajectory():
     assert level == 5e-9
     assert point["velocity_at_burst_end_m_per_s"] == motion.velocity_at_burst_end
     assert 0 < motion.velocity_at_burst_end < point["velocity_m_per_s"]
-    driven = DrivenContact.of_run(record)
+    driven = contact_of_run(record)
     step = contact.step(driven.slider, driven.at(5e-9), cycles=motion.cycles)
     assert point["displacement_m"] == pytest.approx(step.displacement, abs=1.1 * step.ring)
     assert step.ring < 0.1 * point["displacement_m"]
@@ -111,7 +112,7 @@ def test_a_point_that_has_no_answer_says_why_and_holds_no_number():
 
 def test_a_given_wave_drives_towards_plus_x():
     wave = Wave(frequency="1 MHz", normal_amplitude="1 nm", tangential_ratio=0.7)
-    (orbit,) = bridge.prescribed_orbits(wave)
+    (orbit,) = prescribed_orbits(wave)
     assert orbit.scaled(1e-9).crest_velocity > 0
 
 

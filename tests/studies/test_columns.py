@@ -13,10 +13,10 @@ import pytest
 import contact
 import fem
 from studies import Scene, sweep
-from studies.chain import bridge
-from studies.chain.solved_stator import SolvedStator
-from studies.chain.surface_motion import SurfaceMotion
+from studies.model.contact import contact_slider, prescribed_orbits
 from studies.record.files import write_run
+from studies.solve.solved_stator import SolvedStator, contact_of_run
+from studies.solve.surface_motion import SurfaceMotion
 
 
 def columns(path):
@@ -52,7 +52,7 @@ def test_the_table_of_velocities_has_every_value_of_every_point(files, small_run
 def test_the_points_have_the_amplitudes_of_the_wave_and_the_velocities_of_the_contact(small_run, small):
     u_x, _, u_z = fem.surface_beam(small_run.surface_wave).motion(small.slider.position)
     tangential, normal = abs(complex(u_x)), abs(complex(u_z))
-    slider = bridge.contact_slider(small_run.scene.slider)
+    slider = contact_slider(small_run.scene.slider)
     for point in small_run.points:
         volt = point["voltage_V"]
         assert point["normal_amplitude_m"] == pytest.approx(normal * volt, rel=1e-12)
@@ -129,7 +129,7 @@ def test_the_columns_of_a_sweep_are_those_of_a_run(rows, small_run):
 
 def test_thrust_and_efficiency_of_a_sweep_are_the_contact_s(rows, small_run):
     """Thrust: the load that stops the slider.  Efficiency at half of it: load times speed over the power."""
-    slider = bridge.contact_slider(small_run.scene.slider)
+    slider = contact_slider(small_run.scene.slider)
     for row, point in enumerate(small_run.points):
         u_x, u_z = (complex(small_run.wave[f"{side}_m_per_V"]) for side in ("tangential", "normal"))
         orbit = contact.Orbit(frequency=2.2e6, tangential=u_x, normal=u_z).scaled(point["voltage_V"])
@@ -168,7 +168,7 @@ def velocity_at_the_crest(orbit):
 
 def test_the_crest_of_a_rayleigh_wave_moves_against_it(small_run):
     """Retrograde (Rayleigh 1885): the wave runs to +x, its crest moves to -x and takes the slider with it."""
-    (orbit,) = bridge.DrivenContact.of_run(small_run).orbits
+    (orbit,) = contact_of_run(small_run).orbits
     speed = 2 * math.pi * orbit.frequency * abs(orbit.tangential)
     assert velocity_at_the_crest(orbit) < -0.8 * speed
     assert all(point["velocity_m_per_s"] < 0 for point in small_run.points)
@@ -176,6 +176,6 @@ def test_the_crest_of_a_rayleigh_wave_moves_against_it(small_run):
 
 def test_the_crest_of_a_given_wave_moves_to_plus_x():
     wave = Scene.load("twente-contact").wave
-    (orbit,) = bridge.prescribed_orbits(wave)
+    (orbit,) = prescribed_orbits(wave)
     speed = 2 * math.pi * wave.frequency * wave.tangential_ratio
     assert velocity_at_the_crest(orbit) == pytest.approx(speed, rel=1e-12)

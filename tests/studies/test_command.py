@@ -301,12 +301,12 @@ def test_a_run_with_some_answers_is_code_1():
 
 
 def test_an_interrupted_run_leaves_nothing(call, monkeypatch, tmp_path):
-    import studies.chain
+    import studies.runs
 
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(studies.chain, "run", interrupted)
+    monkeypatch.setattr(studies.runs, "run", interrupted)
     status, _, err = call(*CONTACT)
     assert status == 130
     assert "interrupted" in err
@@ -314,10 +314,10 @@ def test_an_interrupted_run_leaves_nothing(call, monkeypatch, tmp_path):
 
 
 def test_a_defect_leaves_its_traceback_in_a_file_that_is_named(call, monkeypatch, tmp_path):
-    import studies.chain
+    import studies.runs
 
     monkeypatch.delenv("SAWMOTOR_TRACEBACK", raising=False)
-    monkeypatch.setattr(studies.chain, "run", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(studies.runs, "run", lambda *_, **__: 1 / 0)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     status, _, err = call(*CONTACT)
     assert status == 70
@@ -407,7 +407,7 @@ def run_of(*words):
 def test_importing_studies_imports_nothing_heavy():
     assert imported("import studies") == []
     assert imported("import studies.__main__, studies.command.parser; studies.command.parser.parser()") == []
-    assert imported("import studies.chain, studies.chain.points") == ["numpy"]
+    assert imported("import studies.solve.contact_at_level") == ["numpy"]
 
 
 def test_a_contact_scene_imports_no_field_solver():

@@ -4,7 +4,7 @@ import pytest
 
 import contact
 from studies import Scene, run, sweep
-from studies.chain import bridge
+from studies.model.contact import contact_slider
 
 THREE = {"contacts": ["-5 mm", "0 mm", "5 mm"]}
 
@@ -53,4 +53,4 @@ def test_a_contact_that_hangs_in_the_air_changes_nothing(small):
 
 def test_heights_go_to_the_contacts_in_their_order():
     scene = Scene.load("twente").replace(slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"], "preload": "1 mN"})
-    assert bridge.contact_slider(scene.slider).heights == (0.0, -3e-9, 2e-9)
+    assert contact_slider(scene.slider).heights == (0.0, -3e-9, 2e-9)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studies import Scene, run
-from studies.chain import fem_model, resolve
+from studies.model import fem_objects, resolve
 from studies.report.surface_map import draw_surface_map
 from studies.stator import beam
 from tests.studies.conftest import SMALL
@@ -70,14 +70,14 @@ def test_places_and_angles_that_change_nothing(small):
     assert same.transducer[0].center == plain.center
     assert not same.crossed
     assert (
-        replace(fem_model.transducers(resolve.resolved(same))[0], angle=0.0)
-        == fem_model.transducers(resolve.resolved(small))[0]
+        replace(fem_objects.transducers(resolve.resolved(same))[0], angle=0.0)
+        == fem_objects.transducers(resolve.resolved(small))[0]
     )
 
 
 def test_a_turned_transducer_within_45_deg_of_x_drives(chip):
     turned = resolve.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
-    alone, place = fem_model.first_section(turned, turned.slider.center)
+    alone, place = fem_objects.first_section(turned, turned.slider.center)
     (front,) = alone.transducer
     assert not alone.crossed
     assert place - front.center_xy[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))

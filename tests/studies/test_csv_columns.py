@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.chain.resolve import resolved
-from studies.chain.scan_prediction import placed
 from studies.inverse import read_measurement
 from studies.inverse.fitting import prepared
 from studies.lab.measurement_csv import read_measured
+from studies.model.resolve import resolved
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.solve.scan_prediction import placed
 
 SCENE = Scene.load("twente-left")
 OMEGA = 2.0 * math.pi * 2.2e6

@@ -13,14 +13,14 @@ import pytest
 import contact
 from contact import steady
 from studies.__main__ import main
-from studies.chain import run
-from studies.chain.bridge import DrivenContact
-from studies.chain.steps import Steps
 from studies.record.plots import new_figure
 from studies.record.text import sentences
 from studies.report import datasheet_page
 from studies.report.datasheet import GROUPS, datasheet
+from studies.runs import run
 from studies.scene import Scene, read_table
+from studies.solve.burst_steps import Steps
+from studies.solve.solved_stator import contact_of_run
 from tests.studies.legible import assert_legible
 from tests.studies.settings import assigned
 
@@ -157,7 +157,7 @@ def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
 )
 def test_where_the_wave_s_growth_is_not_in_the_steps_they_say_so(sheet, changes, words):
     scene = replace(sheet.record.scene, slider=replace(sheet.record.scene.slider, **changes))
-    driven = DrivenContact.of_run(replace(sheet.record, scene=scene))
+    driven = contact_of_run(replace(sheet.record, scene=scene))
     bursts = Steps.of(driven)
     assert bursts.reason == words
     assert "at full size from the first cycle" in bursts.sentence

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from contact import steady, threshold_factor
-from studies.chain import bridge
-from studies.chain.resolve import resolved
+from studies.model.contact import contact_slider, prescribed_orbits, scaled
+from studies.model.resolve import resolved
 from studies.motor import design_map
 from studies.record.plots import new_figure
 from studies.refusal import SceneError
@@ -34,8 +34,8 @@ def test_a_value_of_the_map_is_that_of_the_contact(record):
     scene = resolved(Scene.load("twente-contact"))
     data = {panel.name: panel.data for panel in record.panels}
     i, j = 2, 5
-    slider = replace(bridge.contact_slider(scene.slider), radius=data["velocity"]["y"][i])
-    orbits = bridge.scaled(bridge.prescribed_orbits(scene.wave), data["velocity"]["x"][j])
+    slider = replace(contact_slider(scene.slider), radius=data["velocity"]["y"][i])
+    orbits = scaled(prescribed_orbits(scene.wave), data["velocity"]["x"][j])
     assert data["velocity"]["value"][i][j] == pytest.approx(steady(slider, orbits, tolerance=1e-3).velocity, rel=1e-6)
     assert data["velocity"]["threshold_factor"][i][j] == pytest.approx(threshold_factor(slider, orbits), rel=1e-12)
     thrust = data["thrust"]["value"][i][j]

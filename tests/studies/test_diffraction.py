@@ -6,8 +6,10 @@ import pytest
 import contact
 import fem
 from studies import Scene, run, sweep
-from studies.chain import bridge, fem_model
-from studies.chain.surface_motion import surface_motion
+from studies.model import fem_objects
+from studies.model.contact import contact_slider
+from studies.solve.solved_stator import contact_of_run
+from studies.solve.surface_motion import surface_motion
 from studies.study import driven_contact
 
 BALLS = [["-0.3 mm", "4 mm"], ["-0.2 mm", "-3 mm"], "0.3 mm"]
@@ -31,7 +33,7 @@ def test_without_diffraction_the_answer_is_that_of_the_section(plane):
     u_x, u_z = wave.motion(9e-3)
     assert plane.wave["normal_m_per_V"] == complex(u_z)
     assert plane.wave["relative_error"] == wave.relative_error
-    slider, orbit = bridge.contact_slider(scene.slider), contact.Orbit(
+    slider, orbit = contact_slider(scene.slider), contact.Orbit(
         frequency=2.2e6, normal=complex(u_z), tangential=complex(u_x)
     )  # fmt: skip
     velocities = [contact.steady(slider, (orbit.scaled(v),), tolerance=TOLERANCE / 4).velocity for v in scene.levels]
@@ -47,7 +49,7 @@ def test_each_ball_has_the_orbit_of_its_own_place(spread):
     beam = fem.surface_beam(spread.surface_wave)
     x, y = np.array([8.7e-3, 8.8e-3, 9.3e-3]), np.array([5e-3, -2e-3, 1e-3])
     assert np.allclose(spread.scene.slider.contact_positions, np.stack([x, y], axis=1), rtol=1e-12, atol=0.0)
-    orbits = bridge.DrivenContact.of_run(spread).orbits
+    orbits = contact_of_run(spread).orbits
     u_x, u_y, u_z = beam.motion(x, y)
     assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6, atol=0.0)
     assert np.allclose([each.tangential for each in orbits], u_x, rtol=1e-6, atol=0.0)
@@ -82,7 +84,7 @@ def test_every_door_has_the_same_orbit(spread, small):
     assert rows["normal_amplitude_m"][0] == pytest.approx(spread.normal_amplitude[-1], rel=1e-3)
     assert abs(rows["velocity_m_per_s"][1] / rows["velocity_m_per_s"][0] - 1) > 1e-3
     driven = driven_contact(given, tolerance=TOLERANCE)
-    orbits = bridge.DrivenContact.of_run(spread).orbits
+    orbits = contact_of_run(spread).orbits
     assert np.allclose([each.normal for each in driven.orbits], [each.normal for each in orbits], rtol=1e-3, atol=0.0)
 
 
@@ -110,8 +112,8 @@ def test_where_the_beam_is_not_known(small):
     free = small.replace(
         stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"}, drive={"voltage": "5 V"}
     )
-    refusal = fem.beam_refusal(fem_model.stator(free.stator))
-    assert fem_model.section_reason(free.stator, fem_model.stator(free.stator), [(0.0, 1e-3)]) == refusal
+    refusal = fem.beam_refusal(fem_objects.stator(free.stator))
+    assert fem_objects.section_reason(free.stator, fem_objects.stator(free.stator), [(0.0, 1e-3)]) == refusal
 
 
 def test_lateral_motion_is_reported(small):
@@ -209,7 +211,7 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
 
 def test_the_beam_is_the_default_in_any_cut_and_beside_the_axis():
     """The section does not know y: on 128YX it made the velocity of outer balls 2.4 times too large."""
-    assert fem_model.diffracts(Scene.load("lithium-niobate-128yx"))
+    assert fem_objects.diffracts(Scene.load("lithium-niobate-128yx"))
     motor = Scene.load("twente-left").replace(stator={"ends": "free"})
-    assert not fem_model.diffracts(motor)
-    assert fem_model.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
+    assert not fem_objects.diffracts(motor)
+    assert fem_objects.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from studies.__main__ import main
-from studies.chain import resolve
 from studies.export.mask import LAYERS, Sizes, apart, mask
 from studies.export.mask_files import dxf, gds
+from studies.model import resolve
 from studies.scene import Scene
 
 NAMES = ("twente", "lithium-niobate-128yx", "crossed")

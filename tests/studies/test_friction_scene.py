@@ -8,7 +8,7 @@ import pytest
 import contact
 from studies import Scene, run
 from studies.__main__ import main
-from studies.chain import bridge
+from studies.model.contact import contact_slider
 from studies.scene.toml import document
 
 TABLE = {"static": 0.3, "sliding": 0.15, "speed": "50 mm/s", "high_pressure": 0.2, "pressure": "80 MPa"}
@@ -30,7 +30,7 @@ def contact_only(**slider):
 
 def test_a_table_of_friction_reaches_the_contact():
     scene = contact_only(friction_coefficient=TABLE)
-    slider = bridge.contact_slider(run(scene).scene.slider)
+    slider = contact_slider(run(scene).scene.slider)
     expected = contact.FallingFriction(sliding=0.15, speed=0.05, high_pressure=0.2, pressure=8e7)
     assert (slider.friction_coefficient, slider.friction) == (0.3, expected)
     point = run(scene).points[0]
@@ -52,7 +52,7 @@ def test_a_law_file_is_found_beside_the_scene_and_its_text_kept(tmp_path, monkey
     monkeypatch.chdir(tmp_path)  # elsewhere
     scene = Scene.load(file)
     assert scene.slider.law.source == LAW
-    slider = bridge.contact_slider(replace(scene.slider, preload=scene.slider.preload_force))
+    slider = contact_slider(replace(scene.slider, preload=scene.slider.preload_force))
     assert slider.friction == contact.UserLaw("law.py", LAW)
     assert slider.static_coefficient == pytest.approx(0.15, rel=1e-15)
     # what a run leaves needs the file no longer, and what is edited is another scene

@@ -7,9 +7,9 @@ import pytest
 from scipy.linalg import solve_banded
 
 from studies import Scene, run
-from studies.chain.heat import heat_block, heat_warnings, plate, powers, sources
 from studies.refusal import SceneError
 from studies.scene.blocks import Cooling, IsotropicSolid
+from studies.solve.heat import heat_block, heat_warnings, plate, powers, sources
 
 
 @pytest.fixture(scope="module")

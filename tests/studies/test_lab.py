@@ -12,10 +12,6 @@ from matplotlib.figure import Figure
 import contact
 import fem
 from studies.__main__ import main
-from studies.chain import fem_model, resolve, run
-from studies.chain.measured_run import measured_block
-from studies.chain.scan_prediction import at_other_velocity, drawn_line, placed
-from studies.chain.scattering import scattering_matrix
 from studies.export.averaged_motor import averaged_motor
 from studies.export.instruments import Recording, csv_files, touchstone_files, virtual_scan
 from studies.inverse import fit, read_measurement, read_parameter
@@ -26,11 +22,16 @@ from studies.lab.measurement_csv import measured_scan, read_measured
 from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
 from studies.lab.scan import Scan, scan_csv
+from studies.model import fem_objects, resolve
 from studies.record import Record
 from studies.record.run_pictures import draw_scan, pictures
 from studies.record.scan_comparison import compared_scan
 from studies.refusal import SceneError
+from studies.runs import run
 from studies.scene import Scene
+from studies.solve.measured_run import measured_block
+from studies.solve.scan_prediction import at_other_velocity, drawn_line, placed
+from studies.solve.scattering import scattering_matrix
 from studies.stator.network_deviation import deviations
 from studies.study import driven_contact
 from tests.studies.settings import without
@@ -152,7 +153,7 @@ def test_another_wave_velocity_turns_the_phase_along_the_way():
     chosen = resolve.resolved(SMALL)
     scan = Scan(name="", x=np.array([0.03, 0.05]), y=np.zeros(2), values=np.ones(2, complex))
     turned = at_other_velocity(chosen, scan, np.ones(2, complex), 1.001)
-    velocity = fem.rayleigh(fem_model.solid(chosen.stator), "open").velocity
+    velocity = fem.rayleigh(fem_objects.solid(chosen.stator), "open").velocity
     expected = 2 * np.pi * 2.2e6 / velocity * (1 - 1 / 1.001) * 0.02
     assert np.angle(turned[1] / turned[0]) == pytest.approx(expected, rel=1e-9)
 
@@ -501,7 +502,7 @@ def test_a_touchstone_file_of_another_range_or_ports_is_refused(tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     # it is said before anything is solved
     monkeypatch.setattr("studies.stator.network.converged_scattering", None)
-    monkeypatch.setattr("studies.chain.scan_prediction.scattering_matrix", None)
+    monkeypatch.setattr("studies.solve.scan_prediction.scattering_matrix", None)
     Path("a.s1p").write_text("# MHz S RI R 50\n200 0.1 0.2\n201 0.1 0.2\n")
     assert main(["study", "network", "twente-left", "--measured", "a.s1p"]) == 2
     assert "must meet the passband" in capsys.readouterr().err

@@ -1,8 +1,8 @@
 """What the stator's problem is solved without is said where it holds, and only there."""
 
 from studies import Scene
-from studies.chain.left_out import left_out
-from studies.chain.resolve import resolved
+from studies.model.resolve import resolved
+from studies.remarks.left_out import left_out
 
 
 def reasons(name, **stator):

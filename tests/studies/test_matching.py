@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studies import Scene, run
-from studies.chain.resolve import resolved
+from studies.model.resolve import resolved
 from studies.record.text import answer
 from studies.refusal import SceneError
 from studies.report.contents import contents

@@ -11,8 +11,8 @@ import pytest
 import fem
 from studies import Scene, SceneError
 from studies.__main__ import main
-from studies.chain.fem_model import solid
-from studies.chain.solid_constants import crystal, named_solid
+from studies.model.fem_objects import solid
+from studies.model.materials import crystal, named_solid
 from studies.scene.blocks import CLASSES
 
 SCENE = """

@@ -5,9 +5,9 @@ import pytest
 
 import fem
 from studies import Scene, SceneError
-from studies.chain.fem_model import solid
-from studies.chain.scene_warnings import scene_warnings
-from studies.chain.solid_constants import crystal
+from studies.model.fem_objects import solid
+from studies.model.materials import crystal
+from studies.remarks.scene_warnings import scene_warnings
 from studies.scene.blocks import CONVENTIONS, FORMS, ORDERS
 from tests.fem.materials.test_forms import strain_charge
 

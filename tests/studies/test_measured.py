@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from studies.__main__ import main
-from studies.chain import run
-from studies.chain.resolve import resolved
 from studies.lab.measurement_csv import read_measured
+from studies.model.resolve import resolved
 from studies.record import Record
 from studies.record.run_pictures import velocity
 from studies.record.text import comparison
 from studies.record.velocity_comparison import compared, refuse_incomparable
 from studies.refusal import SceneError
+from studies.runs import run
 from studies.scene import Scene
 
 STRAIGHT = tuple(

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from studies import Record, Scene, run
-from studies.chain.predictor import Predictor
 from studies.report.datasheet import datasheet
+from studies.solve.predictor import Predictor
 
 LENGTH = 12e-3
 LEFT = {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}

@@ -12,12 +12,14 @@ import pytest
 import contact
 import fem
 from studies import Record, Scene, run
-from studies.chain import ball_effects, bridge, fem_model
-from studies.chain.model_error import model_error
-from studies.chain.stator_effects import stator_effects, vacuum_effect
-from studies.chain.surface_motion import solved_motion
+from studies.model import fem_objects
+from studies.model.contact import contact_slider
 from studies.record.text import sentences
+from studies.remarks import ball_effects
+from studies.remarks.model_error import model_error
+from studies.remarks.stator_effects import stator_effects, vacuum_effect
 from studies.scene import read_table
+from studies.solve.surface_motion import solved_motion
 from studies.stator import beam as beam_study
 from tests.fem.stators import comb, plate, solution, wave_of
 
@@ -131,7 +133,7 @@ def test_closed_forms_of_the_seed(motor):
     """Contact radiation 0.8 %, load of a ball 4e-5."""
     assert effect(motor, "radiation of a contact into the stator")["size"] == pytest.approx(0.0089, rel=0.05)
     # |Gamma (P_1 - i r Q_1)| / (w u_z), Gamma the compliance of PZT-8's Rayleigh wave, P_1 and Q_1 without the load
-    body, point = bridge.contact_slider(motor.scene.slider), motor.points[0]
+    body, point = contact_slider(motor.scene.slider), motor.points[0]
     u_z, u_x = point["normal_amplitude_m"], point["tangential_amplitude_m"]
     wave = contact.Orbit(frequency=2.2e6, normal=u_z, tangential=1j * u_x)
     forces = contact.mean_forces(body, wave, contact.mean_motion(body, wave))
@@ -149,7 +151,7 @@ def test_closed_forms_of_the_seed(motor):
 )
 def test_contacts_at_a_node_of_u_z_have_no_load_to_compare(motor, monkeypatch, normal, loads):
     """|u_z| below 1e-6 |u_x| under every contact: the change relative to u_z says nothing; one contact is enough."""
-    from studies.chain import ball_effects as module
+    from studies.remarks import ball_effects as module
 
     asked = []
     monkeypatch.setattr(module, "wave_load", lambda record, voltages: asked.append(voltages) or [0.01] * len(voltages))
@@ -170,7 +172,7 @@ def test_vacuum_put_back(name):
     ((_, _, size, _),) = vacuum_effect(SimpleNamespace(scene=scene))
     x, motions = np.array([1.0, 2.3, 4.0]), []
     for above in ("none", "vacuum"):
-        stator = plate(fem_model.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
+        stator = plate(fem_objects.solid(scene.stator), length=12.0, thickness=2.0, bottom="absorbing", above=above)
         solved = solution(stator, (comb(stator, "a", 4.0, finger_pairs=2),), order=5)
         unit = solved.fields.section.length_unit
         motions.append(abs(wave_of(solved).motion((5.5 + x) * unit)[1]))
@@ -181,7 +183,7 @@ def test_vacuum_put_back(name):
 def test_the_permittivity_of_a_tilted_cut_is_that_of_its_principal_axes():
     """eps_xx eps_zz - eps_xz^2 is eps_a eps_c wherever the polar axis lies in the plane of the section."""
     scene = Scene.load("lithium-niobate-128yx").replace(stator={"orientation": [0, 60, 90]})
-    solid, crystal = fem_model.solid(scene.stator), fem.material(scene.stator.material)
+    solid, crystal = fem_objects.solid(scene.stator), fem.material(scene.stator.material)
     assert abs(solid.permittivity[0, 2]) > 0.1 * solid.permittivity[0, 0]
     ((_, _, size, _),) = vacuum_effect(SimpleNamespace(scene=scene))
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
@@ -212,7 +214,7 @@ def test_a_slider_without_friction_loads_the_wave_by_its_normal_force(motor):
     slider = replace(motor.scene.slider, friction_coefficient=0.0, preload=100 * motor.scene.slider.preload)
     found = model_error(replace(motor, scene=replace(motor.scene, slider=slider)))
     load = next(each["size"] for each in found if each["effect"] == "load of the slider on the wave")
-    body = bridge.contact_slider(slider)
+    body = contact_slider(slider)
     k_n = body.mass * (2 * math.pi * body.normal_resonance(1)) ** 2
     assert load == pytest.approx(4.8674e-12 * k_n / 0.02, rel=0.01)
 
@@ -222,7 +224,7 @@ def test_a_heavy_slider_changes_the_wave_by_much(motor):
     slider = replace(motor.scene.slider, preload=100 * motor.scene.slider.preload, mass=0.0089)
     found = model_error(replace(motor, scene=replace(motor.scene, slider=slider)))
     load = next(each["size"] for each in found if each["effect"] == "load of the slider on the wave")
-    body, point = bridge.contact_slider(slider), motor.points[0]
+    body, point = contact_slider(slider), motor.points[0]
     k_n = body.mass * (2 * math.pi * body.normal_resonance(1)) ** 2
     r = point["tangential_amplitude_m"] / point["normal_amplitude_m"]
     k = k_n * (1 + r**2 * 4 * body.tangential_modulus / body.effective_modulus)
@@ -230,9 +232,9 @@ def test_a_heavy_slider_changes_the_wave_by_much(motor):
 
 
 def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(motor, monkeypatch):
-    from studies.chain import ball_effects as module
-    from studies.chain.model_error import with_model_error
-    from studies.chain.warnings import warnings_of
+    from studies.remarks import ball_effects as module
+    from studies.remarks.model_error import with_model_error
+    from studies.remarks.run_warnings import warnings_of
 
     for size, warned, refused in ((0.08, False, False), (0.13, True, False), (0.9, True, False), (1.2, True, True)):
         monkeypatch.setattr(module, "wave_load", lambda record, voltages, size=size: [size] * len(voltages))
@@ -266,7 +268,7 @@ def test_model_error_of_a_point_is_that_of_the_wave_times_the_sensitivity(motor)
 
 def test_the_model_error_of_a_point_does_not_depend_on_the_other_points(motor):
     """Each of several voltages has the model error that a run at that voltage alone has."""
-    from studies.chain.model_error import with_model_error
+    from studies.remarks.model_error import with_model_error
 
     slider = replace(motor.scene.slider, preload=3 * motor.scene.slider.preload)
     scene = replace(motor.scene, slider=slider)

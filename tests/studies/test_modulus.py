@@ -4,9 +4,9 @@ import pytest
 
 import fem
 from studies.__main__ import main
-from studies.chain.left_out import left_out
-from studies.chain.moduli import direction_dependence, pair_moduli
-from studies.chain.resolve import resolved
+from studies.model.contact_moduli import direction_dependence, pair_moduli
+from studies.model.resolve import resolved
+from studies.remarks.left_out import left_out
 from studies.scene import Scene, read_table
 from tests.oracles import fem_surface_compliance as oracle
 

@@ -8,8 +8,8 @@ import fem
 from fem.waveguide.port_fields import stator_cascade
 from studies import Scene
 from studies.__main__ import main
-from studies.chain.fem_model import stator, transducers
-from studies.chain.resolve import resolved
+from studies.model.fem_objects import stator, transducers
+from studies.model.resolve import resolved
 from studies.refusal import RunError, SceneError
 from studies.scene import read_table
 from studies.stator import network
@@ -157,16 +157,17 @@ def test_one_port_of_a_file_of_several_is_taken(tmp_path):
 
 def test_frequencies_without_an_answer_do_not_lose_the_others(monkeypatch, tmp_path):
     """A band of a range does not converge: its frequencies are left out of the curves, and said."""
-    from studies.chain import fem_model, spectrum
+    from studies.model import fem_objects
+    from studies.solve import spectrum
 
-    solved = fem_model.port_admittance
+    solved = fem_objects.port_admittance
 
     def failing(scene, group, tolerance):
         if group[0] > 2.3e6:
             raise fem.ConvergenceError("the field does not converge")
         return solved(scene, group, tolerance)
 
-    monkeypatch.setattr(fem_model, "port_admittance", failing)
+    monkeypatch.setattr(fem_objects, "port_admittance", failing)
     at = np.array([2.1e6, 2.2e6, 2.4e6])
     monkeypatch.setattr(spectrum, "groups", lambda scene, frequencies: np.split(frequencies, len(frequencies)))
     file = tmp_path / "lab.s1p"

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.chain import passband, run
 from studies.record.plots import saved
+from studies.runs import run
+from studies.solve import passband
 from studies.stator import admittance, frequency_response
 from studies.study import StudyRecord, judged
 from tests.studies.settings import changed

@@ -11,11 +11,12 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
-from studies.chain import resolve, run
+from studies.model import resolve
 from studies.record import Record
 from studies.record.plots import COLOURS, new_figure
 from studies.record.quantities import quantities, quantity
 from studies.record.run_pictures import pictures
+from studies.runs import run
 from studies.scene import Scene
 from studies.view import gallery_pictures
 from studies.view.contact_view import SlowMotion, history_columns, strip
@@ -225,8 +226,8 @@ def test_weights_of_the_depth_integrate_polynomials():
 
 @pytest.mark.parametrize("levels", [[0.3e-9, 0.5e-9], [0.5e-9, 3e-9, 10e-9]])
 def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
-    from studies.chain import run
     from studies.record.run_pictures import velocity
+    from studies.runs import run
     from studies.scene import Scene, read_table
     from studies.scene.override import replaced
 

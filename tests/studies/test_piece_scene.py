@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 import fem
 import studies
 from studies import Scene, SceneError, run
-from studies.chain import fem_model
-from studies.chain.fem_model import whole_stator
-from studies.chain.predictor import Predictor
-from studies.chain.resolve import resolved
 from studies.export.mask_files import gds_files
+from studies.model import fem_objects
+from studies.model.fem_objects import whole_stator
+from studies.model.resolve import resolved
+from studies.solve.predictor import Predictor
 from studies.study import module
 from studies.sweeps.plan import designed
 from studies.view import wave_page
@@ -274,7 +274,7 @@ def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
     triangles = [(0, 1, 4), (1, 2, 3), (1, 3, 4), (0, 4, 5), (0, 5, 6), (0, 6, 7)]
     lines = {"left": [(7, 0)], "right": [(1, 2)]}
     drawn = scene(write_msh(tmp_path / "v.msh", corners, {"stator": triangles}, lines))
-    assert fem_model.pieces(drawn)[0].gaps == (pytest.approx((6.35e-3, 6.65e-3)),)
+    assert fem_objects.pieces(drawn)[0].gaps == (pytest.approx((6.35e-3, 6.65e-3)),)
     slider = {
         "mass": "0.1 g", "preload": "1 mN", "friction_coefficient": 0.1, "radius": "1 mm", "ball": "steel",
         "contacts": ["-0.5 mm", "0.5 mm"],

@@ -10,14 +10,15 @@ import pytest
 import contact
 import fem
 from studies import Scene, run, sweep
-from studies.chain import pillars
-from studies.chain.changed_scenes import ChangedScenes
-from studies.chain.resolve import resolved
 from studies.inverse import Measurement, elasticity, sensitivity
+from studies.model import pillars
+from studies.model.changed_scenes import ChangedScenes
+from studies.model.resolve import resolved
 from studies.record import Record
 from studies.refusal import SceneError
 from studies.scene import read_table
 from studies.scene.override import replaced
+from studies.solve.solved_stator import contact_of_run
 from tests.studies.conftest import SMALL
 
 SCENES = SMALL.parent
@@ -258,9 +259,8 @@ def driven():
 
 
 def test_a_stator_gives_the_waves_from_both_sides_and_gamma(driven):
-    from studies.chain.bridge import DrivenContact
 
-    wave, misfit = DrivenContact.of_run(driven).passing
+    wave, misfit = contact_of_run(driven).passing
     assert misfit < 1e-2
     # one transducer on the left, nothing on the right: the wave runs towards +x
     assert abs(wave.backward) < 0.01 * abs(wave.forward)
@@ -319,10 +319,9 @@ def test_pillars_beside_the_middle_line_of_a_beam_have_its_amplitude(small):
 
 def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
     # i omega F u/V, with the forces of the pillars and the stator's own motion below each of them
-    from studies.chain.bridge import DrivenContact
-    from studies.chain.pillar_points import PillarContact, at_the_transducers
+    from studies.solve.pillar_points import PillarContact, at_the_transducers
 
-    body = PillarContact.of(DrivenContact.of_run(driven))
+    body = PillarContact.of(contact_of_run(driven))
     motion = body.motion(150.0)
     u_x, u_z = driven.surface_wave.rayleigh_motion(18e-3 + motion.pillars.x)[:2]
     forces = np.sum(motion.first_normal * u_z + motion.first_tangential * u_x)
@@ -339,7 +338,7 @@ def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
 
 
 def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
-    from studies.chain.electrical import with_powers
+    from studies.solve.electrical import with_powers
 
     points = ({"voltage_V": 10.0, "received_over_free": 0.6 + 0.3j}, {"voltage_V": 10.0})
     found = with_powers(points, {"power_recovered_W_per_V2": 2e-3})
@@ -348,11 +347,10 @@ def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
 
 
 def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
-    from studies.chain.bridge import DrivenContact
-    from studies.chain.pillar_effects import leak
-    from studies.chain.pillar_points import PillarContact
+    from studies.remarks.pillar_effects import leak
+    from studies.solve.pillar_points import PillarContact
 
-    motion = PillarContact.of(DrivenContact.of_run(driven)).motion(150.0)
+    motion = PillarContact.of(contact_of_run(driven)).motion(150.0)
     length = float(np.ptp(motion.row_x))
     light = replace(motion, loading_number=1e-3 * motion.wave.wavenumber * length)
     (_, _, leak, _), (_, _, size, _) = leak(driven, light)
@@ -546,11 +544,10 @@ def test_a_sweep_or_fit_refuses_pillars_in_the_words_of_a_run(key, value, rule):
 
 def test_a_burst_and_its_stop_are_mirrored_with_the_wave_and_the_load():
     """A wave to -x drives to +x; one to +x under the mirrored pillars drives the other way, load and stop too."""
-    from studies.chain.bridge import DrivenContact
-    from studies.chain.pillar_points import PillarContact, burst
+    from studies.solve.pillar_points import PillarContact, burst
 
     record = run(scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9, "seed": 3}, load=2e-3))
-    here = PillarContact.of(DrivenContact.of_run(record))
+    here = PillarContact.of(contact_of_run(record))
     wave = replace(here.wave, forward=here.wave.backward, backward=here.wave.forward)
     there = replace(here, wave=wave, pillars=replace(here.pillars, x=-here.pillars.x))
     moved = []

@@ -8,8 +8,8 @@ import pytest
 
 import fem
 from studies.__main__ import main
-from studies.chain import run
 from studies.report.explanation import COMPILE, MEMORY_WITHIN, TIME_WITHIN, explanation, plan
+from studies.runs import run
 from studies.scene import Scene, shipped_scenes
 from tests.studies.settings import changed
 

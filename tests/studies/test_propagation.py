@@ -6,7 +6,7 @@ import pytest
 
 import contact
 from contact import Orbit
-from studies.chain.propagation import MIN_STEP, velocity_sensitivities
+from studies.solve.velocity_error import MIN_STEP, velocity_sensitivities
 
 ORBIT = Orbit(frequency=2.2e6, normal=3e-9 + 0j, tangential=-2.1e-9j)
 SPEED = 2 * math.pi * 2.2e6 * 2.1e-9 / 10

@@ -11,9 +11,9 @@ import shutil
 import pytest
 
 from studies import Scene, SceneError, Wave, run
-from studies.chain.resolve import resolved
 from studies.export.averaged_motor import averaged_motor
 from studies.export.mask_files import gds_files
+from studies.model.resolve import resolved
 from studies.report.datasheet import datasheet
 from studies.scene import read_table
 from studies.study import module

@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from studies.__main__ import main
-from studies.chain import run
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report.drawing import Drawing
 from studies.results import MANIFEST, Origin, result_directory
 from studies.results.directory import LOCK, READY, WORK
+from studies.runs import run
 from studies.scene import Scene, read_table
 
 ROOT = Path(__file__).parents[2]

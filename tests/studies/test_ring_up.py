@@ -8,11 +8,11 @@ import pytest
 
 import fem
 from studies import Scene
-from studies.chain import run
-from studies.chain.left_out import left_out
-from studies.chain.resolve import resolved
-from studies.chain.ring_up import RingUp, ring_up
+from studies.model.resolve import resolved
+from studies.remarks.left_out import left_out
+from studies.runs import run
 from studies.scene import read_table
+from studies.solve.ring_up import RingUp, ring_up
 from tests.studies.settings import assigned
 
 
@@ -110,7 +110,7 @@ def test_without_a_burst_nothing_rings():
 def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
     from importlib import import_module
 
-    ring = import_module("studies.chain.ring_up")
+    ring = import_module("studies.solve.ring_up")
 
     monkeypatch.setattr(ring, "MAX_FREQUENCIES", 40)
     scene = chip("drive.burst=2 ms", "drive.voltage=60", "stator.material=PZT-8")
@@ -130,7 +130,7 @@ def test_a_ring_up_that_is_not_resolved_errs_by_its_part_of_the_burst_or_the_who
     def refuse(*given, **rest):
         raise fem.ConvergenceError("rings on")
 
-    ring = import_module("studies.chain.ring_up")
+    ring = import_module("studies.solve.ring_up")
     monkeypatch.setattr(ring, "response", lambda *given, **rest: None)
     monkeypatch.setattr(fem, "burst_response", refuse)
     monkeypatch.setattr(ring, "MAX_FREQUENCIES", 4096)
@@ -162,7 +162,7 @@ def test_the_band_of_several_sources_is_that_of_the_transducer_of_fewest_pairs(m
     def response(scene, low, high, **_):
         raise FoundError(low / scene.frequency, high / scene.frequency)
 
-    monkeypatch.setattr("studies.chain.ring_up.response", response)
+    monkeypatch.setattr("studies.solve.ring_up.response", response)
     scene = resolved(Scene.load("twente").replace(transducer={"right": {"finger_pairs": 6}}))
     scene = scene.with_source(burst=1e-3)
     for sources, pairs in (({first: 1.0, {"left": "right", "right": "left"}[first]: 0.3}, 6), ({"left": 1.0}, 10)):

@@ -13,20 +13,20 @@ import pytest
 
 import contact
 from studies import Scene, run, sweep
-from studies.chain import chebyshev
-from studies.chain.bridge import DrivenContact
-from studies.chain.measured_run import measured_block
-from studies.chain.nearby_motion import nearby_motions
-from studies.chain.pillar_points import PillarContact
-from studies.chain.pillar_ripple import pillar_columns
-from studies.chain.resolve import resolved
-from studies.chain.ripple import Known, NearbyContact, ripples
-from studies.chain.solved_stator import SolvedStator
-from studies.chain.warnings import warnings_of
 from studies.inverse.optimum import Options, design
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement_csv import read_measured
+from studies.model.contact import Contact
+from studies.model.resolve import resolved
 from studies.record.run_pictures import velocity as draw_velocity
+from studies.remarks.run_warnings import warnings_of
+from studies.solve import chebyshev
+from studies.solve.measured_run import measured_block
+from studies.solve.nearby_motion import nearby_motions
+from studies.solve.pillar_points import PillarContact
+from studies.solve.pillar_ripple import pillar_columns
+from studies.solve.ripple import Known, NearbyContact, ripples
+from studies.solve.solved_stator import SolvedStator, contact_of_run
 
 TOLERANCE = 1e-2
 COLUMNS = ("mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s")
@@ -37,7 +37,7 @@ BALLS = ["-0.31 mm", ["0.1 mm", "3 mm"]]
 def scanned(record, level: float, count: int = 65) -> np.ndarray:
     """Return the velocities at evenly spaced places of the interval of a run, each solved alone."""
     scene, motion, summary = record.scene, record.surface_motion, record.summary
-    slider, positions = DrivenContact.of_run(record).slider, scene.slider.contact_positions
+    slider, positions = contact_of_run(record).slider, scene.slider.contact_positions
     shifts = np.linspace(summary["ripple_from_m"], summary["ripple_to_m"], count) - scene.slider.center[0]
     # one part in 1e9 inside, so that the ends lie on the stator
     balls = [motion.along(x + shifts * (1 - 1e-9), y) for x, y in positions]
@@ -113,7 +113,7 @@ def test_mean_and_range_are_those_of_a_scan(rippled, level):
 
 def test_the_error_of_the_motion_and_that_of_the_places_are_both_in_the_error(rippled, small):
     """Property: a motion known 100 times worse moves the velocities by as much; a finer tolerance takes more places."""
-    driven = DrivenContact.of_stator(
+    driven = Contact.of_stator(
         rippled.scene, SolvedStator.of(rippled.surface_motion, rippled.scene.positions, nearby=True)
     )
     nearby, point = NearbyContact.of(driven, TOLERANCE), rippled.points[2]
@@ -274,7 +274,7 @@ def test_the_picture_shows_range_and_mean(rippled):
 def test_pillars_on_waves_from_both_sides_have_the_range_of_displaced_pillars():
     """Oracle: the same pillars at other coordinates, on the same waves, 48 places and the trapezoidal rule."""
     scene = Scene.load(Path(__file__).parent / "scenes" / "pillars.toml")
-    body = PillarContact.of(DrivenContact.prescribed(resolved(scene)))
+    body = PillarContact.of(Contact.prescribed(resolved(scene)))
     body = replace(body, wave=replace(body.wave, forward=0.2 * body.wave.backward))  # it runs to -x
     level = 20e-9
     point = {"velocity_m_per_s": body.motion(level).velocity}

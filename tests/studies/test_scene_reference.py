@@ -3,8 +3,8 @@
 import tomllib
 
 import fem
-from studies.chain.fem_model import solid
-from studies.chain.resolve import resolved
+from studies.model.fem_objects import solid
+from studies.model.resolve import resolved
 from studies.scene import Scene, shipped_scenes
 from studies.scene.block import keys_of
 from studies.scene.reference import BLOCKS, reference

@@ -14,7 +14,7 @@ import pytest
 
 from studies import Scene, SceneError
 from studies.__main__ import main
-from studies.chain.resolve import resolved
+from studies.model.resolve import resolved
 from studies.scene import read_table, shipped_scenes
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.file import SCHEMA as FILE_NAME

@@ -5,7 +5,7 @@ import pytest
 from fem import ConvergenceError
 from fem.discretize import error_estimate
 from fem.solve import harmonic
-from studies.chain import run
+from studies.runs import run
 from studies.scene import Scene, read_table
 
 

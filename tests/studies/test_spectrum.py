@@ -7,11 +7,11 @@ import pytest
 
 from fem import ConvergenceError, automatic_period, best_frequency, best_period
 from studies import Scene
-from studies.chain import run
-from studies.chain.fem_model import drive, stator, transducers
-from studies.chain.resolve import resolved
-from studies.chain.spectrum import Response, response
+from studies.model.fem_objects import drive, stator, transducers
+from studies.model.resolve import resolved
+from studies.runs import run
 from studies.scene import read_table
+from studies.solve.spectrum import Response, response
 from tests.studies.settings import assigned
 
 

@@ -17,13 +17,14 @@ import pytest
 import threadpoolctl
 
 import contact
-from studies.chain import changed_contacts, outcomes, run
-from studies.chain.changed_contacts import Shared
-from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
+from studies.runs import run
 from studies.scene import Scene, read_table
 from studies.scene.override import replaced
+from studies.solve import changed_contacts, requested_quantities
+from studies.solve.changed_contacts import Shared
+from studies.solve.predictor import Predictor
 from studies.sweeps import driver, sweep
 from studies.sweeps.axes import axis
 from studies.sweeps.plan import designed
@@ -287,7 +288,7 @@ def test_a_point_where_the_beam_is_not_resolved_has_no_answer_as_a_run_has_none(
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.chain.changed_contacts.SHARE", 1.0)
+    monkeypatch.setattr("studies.solve.changed_contacts.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -695,7 +696,7 @@ def test_an_outcome_without_an_answer_does_not_hide_the_others(monkeypatch):
     wave = {"wave.normal_amplitude": 5e-9}
     for function, column in names.items():
         with monkeypatch.context() as patch:
-            patch.setattr(outcomes, function, fails)
+            patch.setattr(requested_quantities, function, fails)
             (answer,) = Predictor(read_table("twente-contact"), tolerance=1e-2).answers(
                 [wave], ("thrust", "start-up", "efficiency")
             )

@@ -4,10 +4,10 @@ import csv
 import json
 
 import contact
-from studies.chain import run
-from studies.chain.tally import EVENTS, burst_tally, steady_tally
 from studies.record.files import write_run
+from studies.runs import run
 from studies.scene import Scene
+from studies.solve.event_counts import EVENTS, burst_tally, steady_tally
 from tests.contact.motors import orbit, slider
 
 

@@ -10,9 +10,9 @@ from functools import cache
 import pytest
 
 from studies import Scene
-from studies.chain import run
-from studies.chain.fem_model import transducers
-from studies.chain.resolve import resolved
+from studies.model.fem_objects import transducers
+from studies.model.resolve import resolved
+from studies.runs import run
 from studies.scene import read_table
 from studies.scene.toml import document
 from studies.view.run_field import run_field

@@ -10,14 +10,14 @@ import pytest
 
 import contact
 from studies import run
-from studies.chain import resolve
-from studies.chain.bridge import DrivenContact
-from studies.chain.free_way import free_way
-from studies.chain.travel import WaveAlong
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement import Measurement
+from studies.model import resolve
+from studies.model.free_way import free_way
 from studies.record.text import answer
 from studies.scene import Scene
+from studies.solve.solved_stator import contact_of_run
+from studies.solve.travel import WaveAlong
 from tests.studies.settings import assigned
 
 SCENES = Path(__file__).parent / "scenes"
@@ -96,7 +96,7 @@ HEIGHTS = {
 def test_contacts_that_leave_one_after_another_are_named(small, name):
     contacts, heights, (last, first) = HEIGHTS[name]
     record = run(small.replace(slider={"contacts": contacts, "heights": heights}), tolerance=0.05)
-    summary, driven = record.summary, DrivenContact.of_run(record)
+    summary, driven = record.summary, contact_of_run(record)
     factors = [each.value for each in contact.releases(driven.slider, driven.orbits)]
     assert (summary["first_released_contact"], summary["last_released_contact"]) == (first, last)
     assert summary["release_voltage_V"] == pytest.approx(min(factors), rel=1e-9)
@@ -143,7 +143,7 @@ def test_the_way_ends_at_fingers_pieces_and_ends(small):
 
 def test_the_orbits_along_the_way_are_those_of_the_surface(small):
     record = run(small, tolerance=0.05)
-    driven, motion = DrivenContact.of_run(record), record.surface_motion
+    driven, motion = contact_of_run(record), record.surface_motion
     along = WaveAlong.under(record.scene, motion)
     places = np.array([-1.1e-3, 0.0, 0.7e-3])
     for (x, y), number in zip(record.scene.slider.contact_positions, range(9), strict=False):

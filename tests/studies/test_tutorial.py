@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from studies.chain import run
 from studies.lab.measurement_csv import read_measured
 from studies.record.quantities import ENDINGS, quantities, with_quantities
 from studies.record.velocity_comparison import compared
+from studies.runs import run
 from studies.scene import Scene
 from tests.studies.settings import changed
 

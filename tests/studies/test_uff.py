@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.chain.resolve import resolved
-from studies.chain.scan_prediction import placed
 from studies.lab.measurement_csv import read_measured
 from studies.lab.scan import Scan
 from studies.lab.scan_uff import scan_of_uff, scan_uff
+from studies.model.resolve import resolved
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.solve.scan_prediction import placed
 
 pyuff = pytest.importorskip("pyuff")
 # pyuff 2.5.8 leaves the files that it writes binary open

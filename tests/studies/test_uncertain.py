@@ -9,15 +9,15 @@ import pytest
 import fem
 from studies import Record, Scene, run
 from studies.__main__ import main
-from studies.chain import changed_contacts
-from studies.chain.moduli import pair_moduli
-from studies.chain.uncertainty import sampled, without_level
 from studies.inverse.prediction import MeasurementPredictor
+from studies.model.contact_moduli import pair_moduli
 from studies.record import run_pictures
 from studies.record.plots import new_figure
 from studies.record.text import answer
 from studies.scene.toml import document
 from studies.scene.uncertain import Tolerance
+from studies.solve import changed_contacts
+from studies.solve.uncertainty import sampled, without_level
 
 PRELOAD, MODULUS = 8e-4, 64e9
 SMALL = {

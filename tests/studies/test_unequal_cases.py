@@ -12,13 +12,13 @@ import pytest
 from PIL import Image
 
 from studies import Scene, run
-from studies.chain.model_error import model_error
-from studies.chain.ring_up import RingUp
-from studies.chain.surface_blocks import wave_block
-from studies.chain.surface_motion import SurfaceMotion
-from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record.plots import new_figure
 from studies.record.run_pictures import velocity
+from studies.remarks.model_error import model_error
+from studies.remarks.run_warnings import breakdown_voltage, warnings_of
+from studies.solve.ring_up import RingUp
+from studies.solve.surface_blocks import wave_block
+from studies.solve.surface_motion import SurfaceMotion
 from studies.view import movie
 from studies.view.quantities import QUANTITIES, shade_of
 from tests.studies.test_warnings import record

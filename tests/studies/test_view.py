@@ -23,10 +23,10 @@ from PIL import Image
 
 from studies import view
 from studies.__main__ import main
-from studies.chain import run
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report import surface_map
+from studies.runs import run
 from studies.scene import Scene
 from studies.view import field_data, gallery_pictures, movie, section, wave_page
 from studies.view.options import Wanted

@@ -13,13 +13,13 @@ import pytest
 
 import fem
 from studies.__main__ import main
-from studies.chain import run
-from studies.chain.predictor import Predictor
-from studies.chain.resolve import resolved
-from studies.chain.surface_motion import SurfaceMotion
-from studies.chain.warnings import breakdown_voltage, warnings_of
+from studies.model.resolve import resolved
 from studies.record import Record, text
+from studies.remarks.run_warnings import breakdown_voltage, warnings_of
+from studies.runs import run
 from studies.scene import Scene, read_table
+from studies.solve.predictor import Predictor
+from studies.solve.surface_motion import SurfaceMotion
 from tests.contact.motors import slider as slider_of
 from tests.studies.settings import assigned, changed
 
@@ -268,7 +268,7 @@ def test_a_finite_aperture_that_the_section_leaves_out_is_said():
     ],
 )
 def test_sizes_that_no_motor_has(settings, words):
-    from studies.chain.scene_warnings import scene_warnings
+    from studies.remarks.scene_warnings import scene_warnings
 
     said = [each for each in scene_warnings(scene("twente", *settings)) if "lies over" not in each]
     assert (words is None) == (not said)
@@ -276,14 +276,14 @@ def test_sizes_that_no_motor_has(settings, words):
 
 
 def test_radius_in_metres_of_a_given_wave():
-    from studies.chain.scene_warnings import scene_warnings
+    from studies.remarks.scene_warnings import scene_warnings
 
     assert "slider.radius is 0.5 m" in next(scene_warnings(scene("twente-contact", "slider.radius=0.5")))
 
 
 @pytest.mark.parametrize(("frequency", "warned"), [("2.2", True), ("2.2 MHz", False)])
 def test_an_audible_frequency_of_a_given_wave(frequency, warned):
-    from studies.chain.scene_warnings import scene_warnings
+    from studies.remarks.scene_warnings import scene_warnings
 
     said = list(scene_warnings(scene("twente-contact", f"wave.frequency={frequency}")))
     assert len(said) == warned
@@ -292,7 +292,7 @@ def test_an_audible_frequency_of_a_given_wave(frequency, warned):
 
 @pytest.mark.parametrize(("frequency", "warned"), [("9.6", True), ("9.6 MHz", False), ("90 MHz", True)])
 def test_a_frequency_that_no_surface_wave_of_the_period_has(frequency, warned):
-    from studies.chain.scene_warnings import scene_warnings
+    from studies.remarks.scene_warnings import scene_warnings
 
     table = assigned(read_table("lithium-niobate-128yx"), f"drive.frequency={frequency}")
     said = [each for each in scene_warnings(Scene.from_table("", table)) if "mean a wave" in each]

@@ -145,7 +145,7 @@ def _given(rng) -> dict:
 
 def levelled(scene: Scene) -> Scene:
     """Return the scene with levels about its threshold."""
-    from studies.chain import run
+    from studies.runs import run
 
     rough = run(scene, tolerance=ROUGH)
     given = scene.wave is not None

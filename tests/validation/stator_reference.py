@@ -28,13 +28,13 @@ DIRECT = ("high order, no edge layers", "high order, edge layers")
 
 def problem(ends: str) -> Problem:
     """Return the stator of the scene with other ends, the driven transducer first."""
-    from studies.chain import fem_model, resolve
+    from studies.model import fem_objects, resolve
     from studies.scene import Scene
 
     scene = resolve.resolved(Scene.load(SCENE))
-    transducers = sorted(fem_model.transducers(scene), key=lambda each: each.center)
+    transducers = sorted(fem_objects.transducers(scene), key=lambda each: each.center)
     return Problem(
-        stator=replace(fem_model.stator(scene.stator), ends=ends),
+        stator=replace(fem_objects.stator(scene.stator), ends=ends),
         transducers=tuple(transducers),
         frequency=scene.frequency,
         wavelength=transducers[0].period,

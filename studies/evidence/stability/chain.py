@@ -12,10 +12,10 @@ from collections.abc import Callable
 import numpy as np
 
 import contact
-from studies.chain import run
 from studies.evidence.stability.verdict import Case, Comparison, NoReference
 from studies.record import Record
 from studies.refusal import RunError
+from studies.runs import run
 from studies.scene import Scene
 
 TOLERANCE, TIGHTER = 1e-3, (1e-5, 1e-4)

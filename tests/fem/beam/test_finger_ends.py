@@ -13,7 +13,7 @@ from fem.beam.reception import with_apertures
 from fem.discretize.error_estimate import LEVELS
 from fem.results.solution import Solution
 from fem.solve.harmonic import solve_driven
-from studies.chain.stator_effects import UNEVEN_CHARGE, UNEVEN_PER_PAIR
+from studies.remarks.stator_effects import UNEVEN_CHARGE, UNEVEN_PER_PAIR
 from tests.fem.stators import wave_of
 
 SOLID = fem.rotated(fem.material("PZT-8"), "Z")

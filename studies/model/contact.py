@@ -1,0 +1,157 @@
+"""From the wave to the contact: the surface motion per volt times the voltage is the orbit under each ball.
+
+Both sides use exp(+i omega t), peak amplitudes, x along the surface and z out of it, so nothing changes
+sign.  A wave that runs to +x has u_x = +i r u_z; the crests of a prescribed [wave] move towards +x, u_x = -i r u_z.
+
+n contacts that feel one and the same motion behave as one with 1/n of mass, preload, load and viscous
+dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere number of contacts is computed
+as one.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Any, Self
+
+import contact
+from studies.record import Record
+from studies.scene import Scene
+from studies.scene.drive import Wave
+from studies.scene.friction import Friction, LawText
+from studies.scene.slider import Slider
+
+
+def prescribed_orbits(wave: Wave) -> tuple:
+    """Return the orbit of a prescribed wave for a normal amplitude of 1 m."""
+    return (contact.Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
+
+
+def scaled(orbits: tuple, level: float) -> tuple:
+    """Return orbits for a level of 1 at another level, see `Contact`."""
+    return tuple(orbit.scaled(level) for orbit in orbits)
+
+
+@lru_cache(10_000)  # of a sweep's points many have the same
+def contact_slider(slider: Slider):
+    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers; of pillars, that of a mean one."""
+    share, radius, moduli = slider.share, slider.radius, (slider.effective_modulus, slider.tangential_modulus)
+    if slider.pillars is not None:
+        from studies.model.pillars import mean_pillar
+
+        share, radius, moduli = mean_pillar(slider)
+    return contact.Slider(
+        radius=radius, mass=slider.mass / share, preload=slider.preload_force / share, load=slider.load / share,
+        friction_coefficient=slider.static_coefficient, effective_modulus=moduli[0], tangential_modulus=moduli[1],
+        law="hysteretic" if slider.remembers else "elastic", reciprocal=slider.reciprocal and slider.pillars is None,
+        stick_band=slider.stick_band, contact_damping=slider.damping.contact,
+        normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
+        shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
+    )  # fmt: skip
+
+
+def _friction(slider: Slider):
+    """Return the ``contact`` object of a friction law other than Coulomb's, None for Coulomb's."""
+    law, mu = slider.law, slider.friction_coefficient
+    if isinstance(law, LawText):
+        return contact.UserLaw(law.name, law.source)
+    if isinstance(mu, Friction):
+        return contact.FallingFriction(
+            sliding=mu.sliding, speed=mu.speed, high_pressure=mu.high_pressure, pressure=mu.pressure
+        )
+    return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """A slider and the surface motion that drives it: the problem that the contact's solvers solve.
+
+    A level is a voltage of the source in V, or the amplitude of a prescribed wave in m.
+    """
+
+    scene: Scene  # as resolved
+    orbits: tuple = field(repr=False)  # under the balls for a level of 1
+    # |u_z| and |u_x| for a level of 1, m: under the slider's centre; of a slider on pillars the rms over the pillars
+    amplitudes: tuple[float, float]
+    stator_error: float = 0.0  # of the orbits, relative
+    ringing: Any = None  # studies.solve.ring_up.RingUp: growth of the orbits during a burst
+    # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
+    passing: tuple | Any = field(default=None, repr=False)
+    along: Any = None  # studies.solve.travel.WaveAlong: the orbits along the slider's travel
+    record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
+    # studies.solve.solved_stator.SolvedStator; None with a prescribed wave
+    solved: Any = field(default=None, repr=False)
+
+    @classmethod
+    def prescribed(cls, scene: Scene, record: Record | None = None) -> Self:
+        """Return the contact of a resolved scene with a prescribed wave."""
+        amplitudes = 1.0, scene.wave.tangential_ratio
+        return cls(scene=scene, orbits=prescribed_orbits(scene.wave), amplitudes=amplitudes, record=record)
+
+    @classmethod
+    def of_stator(cls, scene: Scene, solved: Any, motion: Any = None) -> Self:
+        """Return the contact on a solved stator, or its surface motion where the scene has no slider.
+
+        ``motion``: of the surface; only sliders on pillars need it.
+        """
+        positions, slider = scene.positions, scene.slider
+        first, passing = solved.at[positions[0]], None
+        amplitudes = abs(first.normal), abs(first.tangential)
+        if scene.on_pillars:
+            from studies.model.slider_wave import mean_amplitudes, stator_wave
+
+            passing = stator_wave(scene, motion)
+            amplitudes = mean_amplitudes(slider, passing[0])
+        return cls(
+            scene=scene, orbits=() if slider is None else solved.orbits(slider.contact_positions), solved=solved,
+            passing=passing, amplitudes=amplitudes,
+            stator_error=max(solved.at[position].relative_error for position in positions),
+        )  # fmt: skip
+
+    @cached_property
+    def slider(self):
+        """The `contact.Slider`."""
+        return contact_slider(self.scene.slider)
+
+    @property
+    def level(self) -> float:
+        """First level of the scene."""
+        return self.scene.levels[0]
+
+    @property
+    def amplitude(self) -> float:
+        """Normal amplitude |u_z| of `amplitudes`, m."""
+        return self.amplitudes[0]
+
+    def amplitudes_at(self, level: float) -> dict[str, float]:
+        """Return the columns of a point with the amplitudes of the surface under the slider at a level, m."""
+        normal, tangential = self.amplitudes
+        return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """The scene's levels above 0, rising."""
+        return tuple(sorted({level for level in self.scene.levels if level > 0.0}))
+
+    def at(self, level: float) -> tuple:
+        """Return the orbits at a level."""
+        return scaled(self.orbits, level)
+
+    def above(self, factor: float, moves: Callable[[float], bool] | None = None) -> tuple[float, ...]:
+        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is.
+
+        ``moves``: returns whether the slider moves at a level; for pillars, whose threshold has no closed form.
+        """
+        if moves is None:
+            threshold = factor * contact.threshold_factor(self.slider, self.orbits)
+            limit, moving = f", {self.scene.named(threshold)}", [level > threshold for level in self.levels]
+        else:
+            limit, moving = "", [moves(level / factor) for level in self.levels]
+        if not any(moving):
+            what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
+            self.scene.refuse(self.scene.level_key, f"must hold a value above {what}{limit}: nothing moves below")
+        return tuple(level for level, own in zip(self.levels, moving, strict=True) if own)
+
+    def spread(self, factor: float, count: int, moves: Callable[[float], bool] | None = None) -> list[float]:
+        """Return at most ``count`` of the levels that `above` returns, evenly spaced, the last included."""
+        moving = self.above(factor, moves)
+        return sorted({moving[round(k * (len(moving) - 1) / count)] for k in range(1, count + 1)})

@@ -1,0 +1,240 @@
+"""Resolution of a scene: numbers for its automatic values, and the checks of a scene that need physics.
+
+``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
+``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
+can be run again with the same numbers.  Where numbers are changed afterwards (tolerances, fits, sensitivities), weight
+and ball keep following them (`following`), and a scene stored with [uncertain] keeps "weight".
+``slider.method = "auto"`` is not replaced: the contact chooses its method (contact/choice.py).  Rules that need physics
+(an unknown material, an impossible layout) are checked here.
+"""
+
+import itertools
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import fem
+from studies.model.fem_objects import drive, pieces, port_admittance, solid, stator, transducers, unturned, whole_stator
+from studies.model.scene_errors import stator_keys
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.blocks import Stator, Transducer
+from studies.scene.drive import Element
+from studies.scene.keys import tolerances
+from studies.scene.slider import Slider
+
+MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processor
+# Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine.
+CYCLE_SECONDS = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
+MODULI = ("effective_modulus", "tangential_modulus")  # of the slider; they follow from a named ball
+# m/s: surface waves of solids are faster than the first, those of stators are about as fast as the second
+SLOW_WAVE, USUAL_WAVE = 500.0, 3000.0
+PREFIXES = (("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9))
+MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
+
+
+def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
+    """Return the scene with numbers for its automatic values; SceneError if material, moduli or layout are impossible.
+
+    ``spread``: True if the admittances for an automatic match are those of finite apertures; by default the scene
+    decides.
+    """
+    if scene.stator is not None:
+        if scene.transducer:
+            _refuse_long_waves(scene)
+            scene = _with_source_numbers(scene)
+        _check_layout(scene)
+        if scene.crossed:
+            scene = replace(scene, stator=replace(scene.stator, diffraction=True))
+    if scene.slider is not None:
+        scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+        check_slider(scene)
+    if scene.transducer:
+        scene = _with_circuit(scene, spread)
+    if scene.slider is not None:
+        tolerances(scene)
+    return scene
+
+
+def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
+    """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
+    slider = replace(slider, preload=slider.preload_force)
+    if slider.pillars is not None:
+        from studies.model.pillars import resolved_pillars
+
+        slider = replace(resolved_pillars(slider), shape="punch")
+    if slider.ball is None:
+        return slider
+    from studies.model.contact_moduli import pair_moduli
+
+    normal, tangential = pair_moduli(slider.ball, solid(stator))
+    return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
+
+
+def following(scene: Scene, written: Scene) -> Scene:
+    """Return a resolved scene whose preload and moduli follow from other numbers again, where they do as ``written``.
+
+    A preload of "weight" follows the mass and gravity, the moduli of a named ball follow the stator's solid.  A period,
+    a frequency, a match or a load that the program has chosen stays as it is, like that of a motor that has been built.
+    """
+    if scene.slider is None:
+        return scene
+    keys = ("preload", "ball", *MODULI)
+    return replace(scene, slider=replace(scene.slider, **{key: getattr(written.slider, key) for key in keys}))
+
+
+def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
+    """Return the scene with voltages for its powers, the load of a receiver, and the elements of an automatic match."""
+    old_drive = scene.drive
+    if old_drive.power is not None:
+        scene = replace(scene, drive=replace(old_drive, voltage=old_drive.levels, power=None))
+    recovery = old_drive.recovery
+    matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
+    if not matched and old_drive.match != "auto":
+        return _with_load(scene)
+    with stator_keys("drive.match"):
+        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
+    matrix, names, auto = ports.matrix, ports.names, old_drive.match == "auto"
+    load = None
+    if recovery is not None and matched:
+        with stator_keys("drive.recovery.load"):
+            load = fem.matched_load(
+                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
+            )
+    scene = _with_load(scene, load)
+    if auto:
+        seen = fem.solve_circuit(matrix, names, transducers(scene), old_drive.transducer, scene.frequency).admittance
+        with stator_keys("drive.match"):
+            ladder = fem.best_match(complex(old_drive.source_impedance), seen, scene.frequency)
+        elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
+        scene = replace(scene, drive=replace(scene.drive, match=elements))
+    return scene
+
+
+def _with_load(scene: Scene, load: complex | None = None) -> Scene:
+    """Return the scene with the load of ``drive.recovery`` as the receiver's termination, ``load`` for "matched"."""
+    recovery = scene.drive.recovery
+    if recovery is None:
+        return scene
+    recovery = replace(recovery, load=load or recovery.rectifier_load or recovery.load)
+    loaded = tuple(
+        replace(each, termination=recovery.load) if each.name == recovery.receiver else each
+        for each in scene.transducer
+    )
+    return replace(scene, transducer=loaded, drive=replace(scene.drive, recovery=recovery))
+
+
+def _refuse_long_waves(scene: Scene) -> None:
+    """Refuse a frequency whose wave is too long for fingers of an automatic period, and ask for the probable unit."""
+    length, frequency = scene.stator.length, scene.drive.frequency
+    pairs = max((each.finger_pairs for each in scene.transducer if isinstance(each.period, str)), default=0)
+    if isinstance(frequency, str) or pairs * SLOW_WAVE / frequency <= length:
+        return
+    units = [name for name, factor in PREFIXES if 4 * pairs * USUAL_WAVE / (frequency * factor) <= length]
+    meant = f': did you mean "{frequency:g} {units[0]}"? A' if units else "; a"
+    raise SceneError(
+        "drive.frequency",
+        f"is {frequency:g} Hz, at which {pairs} periods of a surface wave are longer than the stator of "
+        f"{length * 1e3:g} mm{meant} number without a unit is in Hz",
+    )
+
+
+def _with_source_numbers(scene: Scene) -> Scene:
+    """Return the scene with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
+    block = stator(scene.stator)
+    if "phi" not in fem.fields(block.solid):
+        name = block.solid.name
+        raise SceneError("transducer", f"must be absent on {name}: it is not piezoelectric in this orientation")
+    with stator_keys("drive.frequency"):
+        if scene.drive.frequency == "center":
+            driven = scene.driven_transducer
+            frequency = fem.best_frequency(block, unturned(driven, driven.wavelength))
+            return replace(scene, drive=replace(scene.drive, frequency=frequency))
+
+    def with_period(each: Transducer) -> Transducer:
+        if not isinstance(each.period, str):
+            return each
+        if each.period == "auto" and each.has_two_electrodes:
+            period = fem.best_period(block, unturned(each, 1.0), scene.frequency)
+        else:
+            bulk = replace(scene.stator, thickness="half-space")
+            period = _half_space_period(bulk, scene.frequency, each.metallisation)
+        return replace(each, period=float(period))
+
+    with stator_keys("transducer.period"):
+        return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
+
+
+@lru_cache(256)  # points of a sweep or a search share most of them
+def _half_space_period(block: Stator, frequency: float, metallisation: float) -> float:
+    return fem.automatic_period(solid(block), frequency, metallisation)
+
+
+def _check_layout(scene: Scene) -> None:
+    block, placed = whole_stator(scene), transducers(scene)
+    with stator_keys("transducer", [each.name for each in placed], [each.label for each in scene.piece]):
+        if not scene.crossed:
+            fem.check_layout(block, placed)
+            return
+        fem.check_plan(block, scene.stator.width, placed)
+    if not fem.isotropic_about_normal(block.solid):
+        rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
+        raise SceneError("transducer", f"{rule} {block.solid.name}")
+
+
+def check_slider(scene: Scene) -> None:
+    """Refuse a resolved slider that stands where it cannot, or whose burst takes too long to compute."""
+    _refuse_gaps(scene)
+    _refuse_covered(scene)
+    _refuse_endless_burst(scene)
+    if scene.slider.pillars is not None:
+        from studies.model.pillars import check_pillars
+
+        check_pillars(scene)
+
+
+def _refuse_gaps(scene: Scene) -> None:
+    """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
+    if not scene.piece:
+        return
+    intervals = [(x, x) for x, _ in scene.slider.contact_positions]
+    if scene.on_pillars:
+        from studies.model.pillars import extent
+
+        intervals = [extent(scene.slider)]
+    for each in pieces(scene):
+        for (low, high), (left, right) in itertools.product(each.gaps, intervals):
+            if left < high and right > low:
+                rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
+                got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")
+                raise SceneError("slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm")
+
+
+def _refuse_covered(scene: Scene) -> None:
+    """Raise a SceneError if a contact lies on a rotated transducer."""
+    if not scene.crossed:
+        return
+    for each, block in zip(transducers(scene), scene.transducer, strict=True):
+        for x, y in scene.slider.contact_positions if block.turned else ():
+            if fem.covers(each, (x, y)):
+                rule = f"must keep the contacts off {each.name!r}, got one at ({x * 1e3:g}, {y * 1e3:g}) mm"
+                raise SceneError("slider.position", rule)
+
+
+def _refuse_endless_burst(scene: Scene) -> None:
+    """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
+    if scene.burst is None:
+        return
+    slider, frequency = scene.slider, scene.frequency
+    every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
+    method = slider.method if slider.method in CYCLE_SECONDS else "averaged" if scene.wave is not None else "stepped"
+    if every_event and method != "stepped":
+        method = "hysteretic" if slider.remembers else "exact"
+    longest = MAX_BURST_SECONDS / CYCLE_SECONDS[method] / frequency
+    if scene.burst > longest:
+        cycles = scene.burst * frequency
+        hours = cycles * CYCLE_SECONDS[method] / 3600
+        rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
+        raise SceneError(
+            f"{scene.source.block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst"
+        )

@@ -1,0 +1,1 @@
+"""What a reader of an answer must know: effects that the model leaves out, their sizes, warnings."""

@@ -1,0 +1,101 @@
+"""The effects that the model of one run neglects, each with a closed-form estimate of its size, and their sum.
+
+The numerical error does not contain them. The estimates hold to a factor of about 2. Those of the stator, of balls and
+of pillars are made by `stator_effects`, `ball_effects` and `pillar_effects`; they yield nothing if an effect does not
+arise or if the model includes it.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+from studies.record import Record
+from studies.record.text import percent
+from studies.remarks.ball_effects import OVERTONES, loads_on_wave, radiation, travel_over_ripple
+from studies.remarks.stator_effects import Effect, heating, large_strain, stator_effects
+
+SHARED = ("u_z", "velocity")  # quantities at the slider whose relative changes add up to the model error
+NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
+
+
+def model_error(record: Record) -> tuple[dict, ...]:
+    """Return the neglected effects of a run with a driven stator or a prescribed wave, as in run.json.
+
+    An effect that depends on the level has its largest size over the points, or for a slider on pillars its size at the
+    largest level.
+    """
+    return _entries(_largest(record, *_effects(record)))
+
+
+def _entries(effects: Iterable[Effect]) -> tuple[dict, ...]:
+    return tuple({key: value for key, value in each._asdict().items() if value != ""} for each in effects)
+
+
+def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...]]]:
+    """Return the effects that do not depend on the level, and for each point those that do."""
+    always: list[tuple] = []
+    at_points: list[list[tuple]] = [[] for _ in record.points]
+    if record.scene.on_pillars:
+        from studies.remarks.pillar_effects import effects_at_points
+
+        at_points = effects_at_points(record)
+    if record.surface_wave is not None:
+        always = [*stator_effects(record), *radiation(record), *heating(record)]
+        for own, point, loads in zip(at_points, record.points, loads_on_wave(record), strict=True):
+            own += [*loads, *travel_over_ripple(record, point), *large_strain(record, point[record.level])]
+    elif record.scene.wave is not None:
+        for own, point in zip(at_points, record.points, strict=True):
+            own += large_strain(record, point[record.level])
+    return _finite(always), [_finite(own) for own in at_points]
+
+
+def _finite(effects: list[tuple]) -> tuple[Effect, ...]:
+    return tuple(each for each in (Effect(*fields) for fields in effects) if math.isfinite(each.size))
+
+
+def _largest(record: Record, always: tuple, at_points: list[tuple]) -> list[Effect]:
+    """Return each effect once, with the size that `model_error` states."""
+    if record.scene.on_pillars:
+        levels = [point[record.level] for point in record.points]
+        of_points = at_points[levels.index(max(levels))]
+    else:
+        of_points = tuple(sorted((each for own in at_points for each in own), key=lambda each: abs(each.size)))
+    return [*{each.effect: each for each in of_points}.values(), *always]
+
+
+def _total(effects: Iterable[Effect], quantity: str) -> float:
+    return sum(abs(each.size) for each in effects if each.quantity == quantity)
+
+
+def with_model_error(record: Record) -> Record:
+    """Return the record with its model error.
+
+    The effects on u_z and on the velocity are added as if they all had the same sign. The ``model_relative_error`` of
+    a point is the change of the velocity plus the change of u_z times ``amplitude_sensitivity`` (the relative change
+    of the velocity divided by the relative change of the wave amplitude), with the sizes at that point. If one effect
+    is as large as the quantity itself, the answer is refused: the record gets a shortfall.
+    """
+    always, at_points = _effects(record)
+    largest = _largest(record, always, at_points)
+    if not largest:
+        return record
+    points = []
+    for point, own in zip(record.points, at_points, strict=True):
+        if "amplitude_sensitivity" in point:
+            u_z, velocity = (_total(always + own, quantity) for quantity in SHARED)
+            point = point | {"model_relative_error": float(velocity + u_z * point["amplitude_sensitivity"])}
+        points.append(point)
+    error = record.error | ({"model": sum(_total(largest, quantity) for quantity in SHARED)} if record.error else {})
+    shortfall, refused = record.shortfall, record.refused
+    # the size of the overtones is a first-order upper bound, which causes only a warning
+    decisive = [each for each in largest if each.quantity in SHARED and each.effect != OVERTONES]
+    worst = max(decisive, key=lambda each: abs(each.size), default=None)
+    if worst is not None and abs(worst.size) >= NO_ANSWER and not refused:  # an earlier reason is kept
+        refused = True
+        shortfall = (
+            f"no answer: a neglected effect changes {worst.quantity} by about {percent(worst.size)} "
+            f"({worst.effect}); {100 * NO_ANSWER:g} % or more is refused"
+        )
+    return replace(
+        record, model_error=_entries(largest), points=tuple(points), error=error, shortfall=shortfall, refused=refused
+    )

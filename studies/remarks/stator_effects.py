@@ -1,0 +1,271 @@
+"""Estimates of the effects on u_z and on the power that the model of a driven stator neglects.
+
+Each function takes the record of a run and yields the fields of an `Effect`.  The size of the finite aperture is that
+of a ripple; its sign may be wrong in cuts in which a beam hardly spreads.
+
+Sources:
+
+- side faces: `fem.surface_beam`;
+- finite aperture: `fem.surface_beam` where it is left out by choice, else `fem.Slowness`, the spectrum of a slit;
+- mass of the electrodes: perturbation theory (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapter 12).
+"""
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import NamedTuple
+
+import numpy as np
+
+import fem
+from studies.model import fem_objects
+from studies.record import Record
+from studies.scene.blocks import Transducer
+
+# Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for 3 to 30 finger
+# pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms
+# (tests/fem/beam/test_finger_ends.py).
+UNIFORM_CHARGE = 0.05
+# Relative error of |u_z| that remains with the static charge at the finger ends: the minimum, and the increase per
+# finger pair. Measured on PZT-8, rms over 80 points: 0.9 to 1.1 % with 2 to 10 pairs, 4.7 % with 30
+# (tests/fem/beam/test_finger_ends.py).
+UNEVEN_CHARGE, UNEVEN_PER_PAIR = 0.01, 0.0016
+# Change of |u_z| by the vacuum over its share of the permittivity times K2, the largest measured: 2.4 in twente-left,
+# 4.0 in twente, 1.3 in lithium-niobate-128yx, 3.4 in lithium-niobate-yz (sawmotor run SCENE --set
+# stator.above=vacuum).
+VACUUM_FACTOR = 4.0
+# Relative change of a solid's stiffness over its strain, 3 + C111/C11 in size: 2 to 15 (M. A. Breazeale and J. Philip,
+# Physical Acoustics 17 (1984) 1). From LISTED on the effect is stated; hard PZT breaks at a third of that strain.
+NONLINEARITY, LISTED = 5.0, 0.01
+# Velocity of a prescribed wave without a wavelength, m/s: 2100 to 2300 in PZT, 3100 to 4000 in quartz and lithium
+# niobate (the free waves of the scenes rayleigh and lithium-niobate-*)
+USUAL_VELOCITY = 3000.0
+ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
+
+Effects = Iterator[tuple]  # fields of `Effect`
+
+
+class Effect(NamedTuple):
+    """A neglected effect; its fields are keys of run.json."""
+
+    effect: str
+    quantity: str  # what it changes
+    size: float  # relative change or, with a unit, change in that
+    source: str
+    unit: str = ""
+
+
+def stator_effects(record: Record) -> Effects:
+    """Yield the neglected effects on u_z; they do not depend on the level."""
+    beam = _left_out_beam(record)
+    yield from _aperture(record, beam)
+    yield from _finger_ends(record, beam)
+    yield from vacuum_effect(record)
+    yield from _electrode_mass(record)
+
+
+def _left_out_beam(record: Record):
+    """Return the beam that ``stator.diffraction = false`` leaves out, where it takes less than a second, or None."""
+    block = record.scene.stator
+    if (
+        record.surface_motion.beam is not None
+        or block.diffraction is not False
+        or block.ends != "absorbing"
+        or record.scene.crossed
+        or record.scene.piece
+    ):
+        return None
+    if not fem.isotropic_about_normal(fem_objects.solid(block)):
+        return None
+    with suppress(fem.BeamError, fem.ConvergenceError):
+        return fem.surface_beam(record.surface_wave, mirror_width=block.mirror_width)
+    return None
+
+
+def wavelength(record: Record) -> float:
+    """Return the wavelength of the surface wave, m."""
+    return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+
+
+def _aperture(record: Record, left_out) -> Effects:
+    """Yield the largest effect at the contacts on u_z of the finite aperture or, in a beam model, of the side faces.
+
+    ``left_out``: the beam that a plane section leaves out by choice, or None.  It spreads the echoes of other
+    transducers too, which have gone farther; the angular spectrum is of the driven aperture's own wave alone.
+    """
+    motion, block = record.surface_motion, record.scene.stator
+    positions = record.scene.contact_positions
+    if record.scene.piece:
+        # a meshed piece has no guided modes to test; compare with the extents of the transducers
+        extents = [each.extent for each in fem_objects.transducers(record.scene)]
+        covered = any(left <= x <= right for x, _ in positions for left, right in extents)
+    else:
+        covered = any(map(motion.covered, positions))
+    if covered:
+        return
+    section = abs(motion.at(positions)[2])
+    if left_out is not None and section.all():
+        x, y = zip(*positions, strict=True)
+        with suppress(fem.BeamError, fem.ConvergenceError):
+            worst = max(abs(left_out.motion(x, y)[2]) / section - 1, key=abs)
+            how = "the beam of the finite aperture, computed for this line, over the plane section"
+            yield "finite aperture", "u_z", float(worst), how
+            return
+    if motion.beam is None:
+        spreads = [_spread(record, each, *zip(*positions, strict=True)) for each in record.scene.driven_transducers]
+        worst = max(np.concatenate(spreads) - 1, key=abs)
+        how = "angular spectrum of the driven aperture, on the cut's slowness curve"
+        yield "finite aperture", "u_z", float(worst), how
+        return
+    if record.scene.crossed:
+        yield from _crossed(record, positions)
+        return
+    beam, at = motion.beam, tuple(zip(*positions, strict=True))
+    other = beam.with_side_faces(None if block.mirror_width else block.width)
+    worst = max(abs(other.motion(*at)[2] / motion.at(positions)[2]) - 1, key=abs)
+    how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
+    yield "side faces", "u_z", float(worst), how
+
+
+def _crossed(record: Record, positions) -> Effects:
+    """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
+    beam, (x, y) = record.surface_motion.beam, zip(*positions, strict=True)
+    amplitude, solid = abs(beam.motion(x, y)[2]), fem_objects.solid(record.scene.stator)
+    images = float((beam.first_images(x, y) / amplitude).max())
+    how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
+    yield "side faces", "u_z", images, how
+    bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+    phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
+    how = "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
+    yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
+
+
+def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
+    """Return the amplitude radiated by the aperture of a driven transducer, relative to a plane wave.
+
+    ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
+    """
+    stator = fem_objects.stator(record.scene.stator)
+    wave, frequency = record.wave, record.wave["frequency_Hz"]
+    try:
+        curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
+    except fem.ConvergenceError:
+        # some directions have no surface wave: assume the velocity along x in all directions
+        curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
+    return curve.spectrum(driven.aperture, np.subtract(x, driven.center_xy[0]), y)
+
+
+def _finger_ends(record: Record, left_out) -> Effects:
+    """Yield the effect of the charge distribution along the fingers.
+
+    The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
+    static charge at the finger ends; the remaining error is yielded. The beam that a plane section leaves out, with its
+    steps, is the line on the finite aperture, beside which the same error remains.
+    """
+    motion, positions = record.surface_motion, record.scene.contact_positions
+    beam, effect, ceramic = motion.beam or left_out, "charge at the finger ends", "in lead zirconate titanate"
+    covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
+    charge_error = None if beam is None or covered else beam.charge_error(*at)
+    if charge_error is not None:
+        yield effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers"
+        return
+    if motion.beam is None or covered or record.scene.crossed:
+        yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
+        return
+    stator = fem_objects.stator(record.scene.stator)
+    longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
+    changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
+    yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
+    most = max(each.finger_pairs for each in record.scene.driven_transducers)
+    remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * most)
+    how = f"error that remains with static charge at the ends, {ceramic}"
+    yield "ripple of the charge along the fingers", "u_z", remainder, how
+
+
+def vacuum_effect(record: Record) -> Effects:
+    """Yield the effect of the field in the vacuum on u_z, which is of second order.
+
+    The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
+    """
+    if record.scene.stator.above == "none":
+        solid = fem_objects.solid(record.scene.stator)
+        permittivity = solid.permittivity
+        eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
+        share = fem.VACUUM_PERMITTIVITY / eps_p
+        try:
+            bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+            size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
+            how = "eps_0 over the permittivity of the solid, times the coupling K2 of the surface wave"
+        except fem.ConvergenceError:
+            size, how = share, "eps_0 over the permittivity of the solid: K2 of a leaky wave is not known"
+        yield "vacuum above the surface", "u_z", size, how
+
+
+def amplitude_per_power(record: Record) -> float | None:
+    """Return the constant C of u_z = C (P / (W f))^(1/2) in SI units, or None if it cannot be determined.
+
+    P is half of the power that the transducer takes in, W the aperture and f the frequency. u_z is the amplitude of the
+    surface mode half a wavelength outside the driven fingers. C is unknown if the ends of the stator reflect, if
+    several sources drive, or if that point is covered by electrodes.
+    """
+    scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
+    driven = fem_objects.driven(scene)
+    if scene.crossed:  # the group of the driven transducer has its own axes
+        transducers = record.surface_motion.beam.rows[0].transducers
+        driven = next(each for each in transducers if scene.drive.driven.get(each.name))
+    (left, right), half_wavelength = driven.extent, wavelength(record) / 2
+    sample_x = right + half_wavelength if driven.center < wave.length / 2 else left - half_wavelength
+    is_free = 0 <= sample_x <= wave.length and not wave.covered(sample_x)
+    several = "sources" in record.electrical
+    if several or scene.stator.ends != "absorbing" or not is_free or not power > 0:
+        return None
+    per_width = power / 2 / driven.aperture
+    return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
+
+
+def _electrode_mass(record: Record) -> Effects:
+    constant, wave = amplitude_per_power(record), record.wave
+    if constant is None:
+        return
+    omega = 2 * math.pi * wave["frequency_Hz"]
+    # |u|^2 per power and width
+    motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
+    slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
+    # phase accumulated from the middle of the transducer to its end
+    phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
+    how = "first-order perturbation of the velocity under the fingers, over half of the row"
+    yield "mass of 100 nm aluminium on the fingers", "u_z", phase, how
+
+
+def surface_strain(record: Record, level: float) -> float:
+    """Return the largest strain of the wave along the surface, k |u_x|, at a level in V, or m of a prescribed wave.
+
+    Of a prescribed wave it is the larger of strain and slope, k |u_z|, because its ratio may be any number.
+    """
+    wave = record.scene.wave
+    if wave is not None:
+        velocity = USUAL_VELOCITY if wave.wavelength is None else wave.wavelength * wave.frequency
+        return 2 * math.pi * wave.frequency / velocity * level * max(1.0, wave.tangential_ratio)
+    return 2 * math.pi / wavelength(record) * level * float(abs(record.surface["u_x_m_per_V"]).max())
+
+
+def large_strain(record: Record, level: float) -> Effects:
+    """Yield the effect of a strain beyond linear elasticity, from `LISTED` on."""
+    strain = surface_strain(record, level)
+    if NONLINEARITY * strain >= LISTED:
+        name = "k |u_x|" if record.scene.wave is None else "k |u|"
+        how = f"the strain {name} = {strain:.2g}, times the nonlinearity parameter of solids, about {NONLINEARITY:g}"
+        yield "nonlinear elasticity", "u_z", NONLINEARITY * strain, how
+
+
+def heating(record: Record) -> Effects:
+    """Yield the highest rise of a continuous drive's temperature, or the power where no temperature is known."""
+    if "highest_rise_K" in record.heat:
+        block = record.heat
+        where = f"at x = {1e3 * block['hottest_x_m']:.3g} mm"
+        how = f"continuous drive at {block['voltage_V']:g} V, highest {where}, its effect on the wave left out"
+        yield "heating of the stator", how, block["highest_rise_K"], "temperature", "K"
+        return
+    highest = max(record.scene.levels, default=0.0)
+    power = record.electrical["power_W_per_V2"] * highest**2
+    yield "heating of the stator", f"the whole power taken in at {highest:g} V", power, "admittance", "W"

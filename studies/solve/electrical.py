@@ -1,0 +1,90 @@
+"""The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
+
+from studies.scene import Scene
+from studies.solve.solved_stator import SolvedStator
+
+
+def electrical_block(scene: Scene, motion) -> dict:
+    """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V."""
+    circuit, balance = motion.circuit, motion.power
+    block = {
+        "admittance_S": circuit.admittance,
+        "comb_voltage_per_volt": circuit.voltage,
+        "power_W_per_V2": circuit.power,
+        "power_dissipated_W_per_V2": balance.dissipated,
+        "power_radiated_W_per_V2": balance.radiated,
+        "power_residual": balance.residual,
+        "admittance_relative_error": motion.wave.admittance_error,
+        "power_solid_W_per_V2": balance.solid,
+        "power_loads_W_per_V2": balance.loads,
+        "power_radiated_left_W_per_V2": balance.left,
+        "power_radiated_right_W_per_V2": balance.right,
+    }
+    if complex(scene.drive.source_impedance).real > 0:
+        block["power_available_W_per_V2"] = circuit.network.available
+    if scene.drive.source_impedance or scene.drive.match != "none":
+        block["power_source_W_per_V2"] = circuit.network.in_sources
+        block["power_network_W_per_V2"] = circuit.network.in_ladders
+    block |= _recovered(scene, circuit)
+    if len(circuit.sources) > 1:
+        volts, amperes = circuit.voltages, circuit.currents
+        block["sources"] = {
+            circuit.names[k]: {"voltage_per_volt": complex(volts[k]), "current_A_per_V": complex(amperes[k])}
+            for k in sorted(circuit.sources)
+        }
+    return block
+
+
+def _recovered(scene: Scene, circuit) -> dict:
+    """Return the recovered power, the loop gain and the net power of the source, of a ``fem.circuit.Circuit``.
+
+    With circulation, the recovered power drives the transducers again. The powers of successive passes form a
+    geometric series, which converges if the gain is below 1. The combiner is ideal: it matches the recovered power
+    and reflects nothing, so that the source supplies the fraction 1 - gain of the power into the transducers.
+    """
+    recovery = scene.drive.recovery
+    if recovery is None:
+        return {}
+    recovered_power = recovered(recovery, circuit.currents[circuit.names.index(recovery.receiver)])
+    gain = float(recovered_power / circuit.power)
+    block = {"power_recovered_W_per_V2": float(recovered_power), "recovery_ratio": gain}
+    if not recovery.circulation:
+        return block
+    if gain >= 1:
+        rule = (
+            f"must be below {recovery.efficiency / gain:.4g} with drive.recovery.circulation: "
+            f"the loop's gain is {gain:.4g}, and it oscillates from 1 on; got {recovery.efficiency!r}"
+        )
+        scene.refuse("drive.recovery.efficiency", rule)
+    return block | {"power_net_W_per_V2": float(circuit.power - recovered_power)}
+
+
+def recovered(recovery, current: complex) -> float:
+    """Return the recovered power in W per V^2 for a current into the receiver, A per V; ``recovery``: of the drive."""
+    return float(recovery.efficiency * 0.5 * abs(current) ** 2 * complex(recovery.load).real)
+
+
+def source_power(scene: Scene, solved: SolvedStator) -> float:
+    """Return the power that the source supplies to the transducers, W per V^2: with circulation the net power."""
+    recovery = scene.drive.recovery
+    if recovery is None or not recovery.circulation:
+        return solved.power
+    return solved.power - recovered(recovery, solved.currents[recovery.receiver])
+
+
+def with_powers(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:
+    """Return the points with the available power of the source and the recovered power, both in W.
+
+    The available power exists only for a source with a resistance. The recovered power is added only if the point has
+    ``received_over_free``, because the slider then changes the wave on its way to the receiver.
+    """
+    available, recovered = (electrical.get(f"power_{name}_W_per_V2") for name in ("available", "recovered"))
+    extended = []
+    for point in points:
+        powers, voltage_squared = {}, point["voltage_V"] ** 2 if "voltage_V" in point else 0.0
+        if available is not None:
+            powers = {"voltage_V": point["voltage_V"], "available_power_W": available * voltage_squared}
+        if recovered is not None and "received_over_free" in point:
+            powers["recovered_power_W"] = recovered * abs(point["received_over_free"]) ** 2 * voltage_squared
+        extended.append(powers | point)
+    return tuple(extended)

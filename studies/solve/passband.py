@@ -1,0 +1,84 @@
+"""The frequencies of a study, and the estimated answer of the driven transducer.
+
+The frequencies are those of a band START:STOP:N of the user (in MHz without a unit; `studies.scene.ranges` reads its
+text), or by default those of the driven transducer's passband.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import fem
+from studies.model import fem_objects, resolve
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.ranges import read_range
+
+LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
+MAX_HALF_BAND = 0.45  # over the middle frequency, for transducers of few fingers
+MAX_FREQUENCIES = 2000  # that a study takes by default
+DEFAULT_COUNT, MAX_COUNT = 401, 100_000  # frequencies of a network: by default, and at most
+
+
+def driven_scene(scene: str | Path | Scene) -> Scene:
+    """Return a scene as resolved; refuse one without a transducer."""
+    loaded = Scene.load(scene)
+    if not loaded.transducer:
+        loaded.refuse("transducer", "is missing: the study drives one")
+    return resolve.resolved(loaded)
+
+
+def waves_return(scene: Scene) -> bool:
+    """Return whether transducers or ends send waves back to the driven transducer."""
+    return len(scene.transducer) > 1 or scene.stator.ends != "absorbing"
+
+
+def frequencies(scene: Scene, count: int | None, least: int = 2):
+    """Return frequencies in Hz, evenly spaced about the drive's, or about v / period if that is outside the main lobe.
+
+    Without a ``count`` there are at least ``least``, and 4 in each ripple v / (2 length) of returning waves.
+    """
+    driven = scene.driven_transducer
+    velocity = fem_objects.surface_velocity(scene.stator)
+    center = velocity / driven.wavelength  # with the velocity of the bare surface; fingers slow the wave by a few %
+    middle = scene.frequency if abs(scene.frequency - center) < center / driven.finger_pairs else center
+    half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
+    if count is None:
+        ripples = 2 * half / (velocity / (2 * scene.stator.length)) if waves_return(scene) else 0.0
+        count = int(np.clip(np.ceil(4 * ripples) + 1, least, max(least, MAX_FREQUENCIES)))
+    return np.linspace(middle - half, middle + half, count)
+
+
+def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -> np.ndarray:
+    """Return the frequencies in Hz of START:STOP:N (MHz without a unit), or of the driven transducer's passband."""
+    if band is None:
+        return frequencies(scene, count, DEFAULT_COUNT)
+    if not isinstance(band, str):
+        return np.asarray(band, dtype=float)
+    values = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < values[0] < values[-1] and 2 <= len(values) <= MAX_COUNT):
+        raise SceneError("--band", f"must rise from START above 0 to STOP in 2 to {MAX_COUNT} values, got {band!r}")
+    return np.array(values)
+
+
+def group_delay(at, transfer, approximate: float):
+    """Return the group delay -d(phase)/d(omega) in s of a transfer function at frequencies ``at`` in Hz.
+
+    The phase changes from one frequency to the next by 2 pi df times the delay, often by more than pi. Therefore it is
+    unwrapped after the phase of the ``approximate`` delay in s has been removed.
+
+    Examples
+    --------
+    >>> at = np.linspace(1.9e6, 2.5e6, 11)
+    >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
+    np.float64(59.0)
+    """
+    remainder = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * approximate)))
+    return approximate - np.gradient(remainder, 2 * np.pi * at)
+
+
+def expected(scene: Scene):
+    """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
+    stator = fem_objects.stator(scene.stator)
+    return fem.transducer_estimate(stator.solid, fem_objects.driven(scene), stator.bare_surface)

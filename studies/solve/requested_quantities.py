@@ -1,0 +1,197 @@
+"""Quantities of a sweep point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
+
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+import contact
+from studies.model.contact import Contact
+from studies.refusal import SceneError
+from studies.solve.contact_at_level import contact_load
+from studies.solve.electrical import source_power
+from studies.solve.ripple import COLUMNS as RIPPLE_COLUMNS
+from studies.solve.ripple import ERROR_COLUMN, Known, NearbyContact, columns_of, ripples
+
+RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
+
+# columns of a sweep, by the keyword that requests them
+ALSO = {
+    "ripple": (*RIPPLE_COLUMNS, ERROR_COLUMN, "velocity_ripple"),
+    "limits": ("threshold_factor", "release_factor"),
+    "thrust": ("thrust_N",),
+    "pressure": ("contact_pressure_Pa", "stick_margin"),
+    "start-up": ("start_up_time_s",),
+    "step": ("step_m",),
+    "efficiency": ("contact_efficiency", "motor_efficiency"),
+}
+OF_PILLARS = ("ripple", "thrust", "efficiency")  # keywords of ALSO that apply to a slider on pillars
+FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
+ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
+
+
+def keywords(columns: Iterable[str]) -> tuple[str, ...]:
+    """Return the keywords of ``ALSO`` that request columns of a sweep, each once; the velocity needs none.
+
+    Examples
+    --------
+    >>> keywords(["velocity_m_per_s", "threshold_factor", "thrust_N", "release_factor"])
+    ('limits', 'thrust')
+    """
+    words = (word for column in columns for word, requested in ALSO.items() if column in requested)
+    return tuple(dict.fromkeys(words))
+
+
+def amplitudes(driven: Contact) -> dict:
+    """Return the amplitudes at a point and, for a stator, the driven transducer's admittance and the sources' power."""
+    outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
+    if solved is None:
+        return outcomes
+    values = solved.frequency, solved.admittance.real, solved.admittance.imag, solved.power * driven.level**2
+    return outcomes | dict(zip(ELECTRICAL, values, strict=True))
+
+
+def with_outcomes(also, tolerance: float, driven: Contact, answer: dict, *, averaged: bool = False) -> dict:
+    """Return the answer with the quantities that the keywords in ``also`` (keys of ``ALSO``) request.
+
+    Forces and powers are totals over all contacts. ``averaged``: True computes the start-up by averaging wherever that
+    is applicable, whatever its error.
+    """
+    if not also or "velocity_m_per_s" not in answer:
+        return answer
+    if driven.scene.slider.pillars is not None:
+        return answer | _of_pillars(also, driven, answer, tolerance)
+    if "ripple" in also:
+        answer |= _ripple(driven, answer, tolerance)
+    slider, orbits = driven.slider, driven.at(driven.level)
+    threshold = contact.threshold_factor(slider, orbits) if {"limits", "pressure"} & set(also) else 0.0
+    if "limits" in also:
+        answer |= zip(ALSO["limits"], (threshold, contact.release_factor(slider, orbits)), strict=True)
+    if "pressure" in also:
+        answer |= contact_load(slider, orbits, threshold)
+    # `driven.slider` is one of `share` equal parts of the slider
+    share, thrust = driven.scene.slider.share, answer.pop("thrust_N", None)
+    with suppress(contact.ConvergenceError):
+        if "step" in also:
+            answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
+    if not {"thrust", "efficiency", "start-up"} & set(also):
+        return answer
+    try:
+        thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0) if thrust is None else thrust
+    except contact.ConvergenceError:
+        return answer  # start-up and efficiency need the thrust
+    answer["thrust_N"] = thrust * share
+    # each is suppressed separately, so that one is returned where the other has no answer
+    if "start-up" in also:
+        with suppress(contact.ConvergenceError):
+            final = abs(answer["velocity_m_per_s"])
+            time = start_up_time(slider, orbits, final, thrust, tolerance, averaged=averaged)
+            answer |= {} if time is None else {"start_up_time_s": time}
+    if "efficiency" in also:
+        with suppress(contact.ConvergenceError):
+            power_out, efficiency = half_thrust(slider, orbits, thrust, tolerance)
+            answer |= _efficiencies(driven, power_out * share, efficiency)
+    return answer
+
+
+def _ripple(driven: Contact, answer: dict, tolerance: float) -> dict:
+    """Return mean and range of the velocity over half a wavelength; along a prescribed wave all places are alike."""
+    velocity = answer["velocity_m_per_s"]
+    if driven.solved is None:
+        return _alike(answer)
+    nearby = NearbyContact.of(driven, tolerance)
+    share = answer["relative_error"] / driven.stator_error if driven.stator_error else 0.0
+    found = {} if nearby is None else ripples(nearby, {driven.level: Known(velocity, share)})
+    if driven.level not in found:
+        return {}
+    columns, size = columns_of(found[driven.level], driven.at(driven.level))
+    return columns | {"velocity_ripple": size}
+
+
+def _alike(answer: dict) -> dict:
+    """Return the columns of the keyword ripple where all places are alike."""
+    velocity = answer["velocity_m_per_s"]
+    return dict(zip(ALSO["ripple"], (velocity, velocity, velocity, answer["relative_error"], 0.0), strict=True))
+
+
+def _efficiencies(driven: Contact, power: float, efficiency: float) -> dict:
+    """Return the efficiency of the contact and that of the motor: mechanical ``power`` in W over that of the source."""
+    solved, scene = driven.solved, driven.scene
+    electrical = 0.0 if solved is None else source_power(scene, solved) * driven.level**2
+    return {"contact_efficiency": efficiency} | ({"motor_efficiency": power / electrical} if electrical > 0.0 else {})
+
+
+def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
+    """Return the mechanical power in W under half of the blocked ``thrust`` (N), and its ratio to the wave's power."""
+    if not thrust > 0.0:
+        return 0.0, 0.0
+    state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
+    power_out, power_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
+    return power_out, power_out / power_in if power_in > 0.0 else 0.0
+
+
+def refuse_of_pillars(also: Iterable[str]) -> None:
+    """Raise a SceneError for a keyword of ``ALSO`` that has no answer for a slider on pillars."""
+    for word in also:
+        if word not in OF_PILLARS:
+            raise SceneError("also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}")
+
+
+def _of_pillars(also: Iterable[str], driven: Contact, answer: dict, tolerance: float) -> dict:
+    """Return ripple, thrust and efficiency of all pillars on the wave that they load."""
+    from studies.solve.pillar_points import PillarContact
+
+    refuse_of_pillars(also)
+    body, velocity = PillarContact.of(driven), answer["velocity_m_per_s"]
+    outcomes: dict = {}
+    if "ripple" in also:
+        outcomes |= _ripple_of_pillars(body, answer, tolerance)
+    if not {"thrust", "efficiency"} & set(also):
+        return outcomes
+    thrust, power, efficiency = 0.0, 0.0, 0.0  # without motion
+    if velocity != 0.0:
+        line = body.load_line(driven.level, points=3)  # at 0, half of the stall load, stall load
+        thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
+    outcomes["thrust_N"] = thrust
+    return outcomes | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
+
+
+def _ripple_of_pillars(body, answer: dict, tolerance: float) -> dict:
+    """Return the columns of ``ALSO`` for the keyword ripple."""
+    from studies.solve.pillar_ripple import pillar_columns
+
+    if body.driven.solved is None or body.driven.level == 0.0:
+        return _alike(answer)
+    with suppress(contact.ConvergenceError):
+        columns, size = pillar_columns(body, body.driven.level, answer, tolerance)
+        return columns | {"velocity_ripple": size}
+    return {}
+
+
+def start_up_time(
+    slider: "contact.Slider", orbits: tuple, final: float, thrust: float, tolerance: float, *, averaged: bool = False
+) -> float | None:
+    """Return the time in s from rest to 63 % of the steady velocity ``final``, or None if the burst does not reach it.
+
+    The burst is four times as long as the blocked ``thrust`` less the load would need to reach ``final``. ``averaged``
+    is for differences between nearly equal times: the error of averaging cancels, and the exact motion takes 100 times
+    as long to compute.
+    """
+    from scipy.interpolate import CubicSpline
+
+    force = thrust - slider.load
+    if not (final > 0.0 and force > 0.0):
+        return None
+    duration = 4.0 * slider.mass * final / force
+    options = {"duration": duration, "after": 0.0, "tolerance": tolerance, "samples": 400}
+    try:
+        motion = contact.burst(slider, orbits, method="averaged" if averaged else "auto", **options)
+    except contact.ConvergenceError:
+        if not averaged:
+            raise
+        motion = contact.burst(slider, orbits, method="auto", **options)
+    excess = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
+    times = [root for root in excess.roots(extrapolate=False) if root > 0.0]
+    return float(times[0]) if times else None

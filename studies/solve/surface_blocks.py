@@ -1,0 +1,94 @@
+"""The blocks of run.json and the columns of surface.csv that describe the motion of a driven stator."""
+
+from typing import Any
+
+import numpy as np
+
+import fem
+from studies.record.status import Status
+from studies.scene import Scene
+from studies.solve.surface_motion import SurfaceMotion
+
+NODE = 1e-9  # relative to the largest |u_z| of the section; smaller amplitudes are rounding errors
+PER_WAVELENGTH = 12  # lines of surface.csv per wavelength if the section does not lie along x
+
+
+def wave_block(scene: Scene, motion: SurfaceMotion, position: tuple[float, float], ringing) -> dict:
+    """Return the block ``wave`` of run.json.
+
+    It contains the motion at ``position`` (x, y) in m, its relative error and the properties of the section's wave.
+    ``ringing`` is the `RingUp` of a burst or None.
+    """
+    wave, positions = motion.wave, [position] if scene.slider is None else [position, *scene.slider.contact_positions]
+    components = motion.at(positions)
+    tangential, lateral, normal = map(complex, components[:, 0])
+    block: dict[str, Any] = {"frequency_Hz": wave.frequency, "normal_m_per_V": normal, "tangential_m_per_V": tangential}
+    if motion.beam is not None:
+        block["lateral_m_per_V"] = lateral
+        block["largest_lateral_ratio"] = float((abs(components[1]) / abs(components[0])).max())
+        in_section = map(complex, wave.motion(motion.in_section(position)))
+        block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
+    if not motion.covered(position):
+        block["rayleigh_normal_m_per_V"] = motion.surface_mode_at(position)
+    block |= {
+        "standing_wave_ratio": motion.standing_wave_ratio(position),
+        "phase_velocity_m_per_s": wave.phase_velocity,
+        "surface_ratio": wave.surface_ratio,
+        "relative_error": motion.relative_error(positions),
+        "resolution": wave.resolution,
+    }
+    if ringing is not None and ringing.response is not None:
+        block["settling_time_s"] = ringing.response.settling
+    return block
+
+
+def node(motion: SurfaceMotion, positions) -> str:
+    """Return that u_z vanishes under every contact, if it does, otherwise an empty string."""
+    under, largest = abs(motion.at(positions)[2]).max(), abs(motion.wave.samples()[1][1]).max()
+    if under > NODE * largest:
+        return ""
+    return (
+        f"u_z vanishes under the slider ({under:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
+        "a transducer by symmetry: choose another slider.position"
+    )
+
+
+def unresolved(motion: SurfaceMotion, positions) -> str:
+    """Return why the beam model does not resolve the field at one of some positions, otherwise an empty string."""
+    beam = motion.beam
+    for x, y in positions:
+        if isinstance(beam, fem.SurfaceBeam) and beam.unresolved(x, y):
+            wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
+            return (
+                f"in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of their ends "
+                f"is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
+            )
+    return ""
+
+
+def amplitude_blocks(scene: Scene, motion: SurfaceMotion, position: tuple[float, float], tolerance: float) -> dict:
+    """Return the blocks points, error and shortfall of a scene without a slider, whose result is a wave."""
+    tangential, _, normal = (float(size) for size in abs(motion.at([position])[:, 0]))
+    error = motion.relative_error([position])
+    points = tuple(
+        {
+            "voltage_V": voltage, "normal_amplitude_m": normal * voltage,
+            "tangential_amplitude_m": tangential * voltage,
+            "relative_error": error if voltage else 0.0, "status": Status.OK.value,
+        }
+        for voltage in scene.levels
+    )  # fmt: skip
+    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
+    parts = {"relative": error, "parts": {"stator": error}}
+    return {"points": points, "error": parts, "shortfall": short if error > tolerance else ""}
+
+
+def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
+    """Return x and the motion per volt along the section, or along y = 0 if the section does not lie along x."""
+    if scene.driven_obliquely:
+        spacing = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
+        x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / spacing) + 1)
+        tangential, _, normal = motion.along(x, 0.0)
+    else:
+        x, (tangential, normal) = motion.wave.samples()
+    return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}
