@@ -1,0 +1,188 @@
+r"""Adhesion of a sphere: the models of Johnson, Kendall and Roberts and of Derjaguin, Muller and Toporov; a meniscus.
+
+With the work of adhesion w, E and R as in `law.normal`, K = (4/3) E and the radius a of the contact:
+
+    JKR     P = K a^3/R - sqrt(8 pi w E a^3),    z = a^2/R - sqrt(2 pi w a/E)
+            Johnson, Kendall and Roberts, Proc. R. Soc. A 324 (1971) 301
+    DMT     P = K sqrt(R) z^(3/2) - 2 pi w R in contact, z = a^2/R
+            Derjaguin, Muller and Toporov, J. Colloid Interface Sci. 53 (1975) 314
+    meniscus    as DMT, with the attraction 4 pi gamma R cos(theta) of a liquid
+
+Tabor's number (R w^2/(E^2 e^3))^(1/3), with the distance e = 0.3 nm between the surfaces, tells which one applies: JKR
+above 5, DMT below 0.1. Contact begins at z = 0. A slider that is heavy on the wave's time scale prescribes z, so that a
+contact of JKR ends where dz/da = 0, at a negative approach, and not at its largest tension of 1.5 pi w R. Between the
+two branches the surfaces lose energy in every hop; DMT loses none.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact import parameter_check
+from contact.exceptions import InputError
+from contact.roots import bracketed
+
+MODELS = ("DMT", "JKR")
+DISTANCE = 0.3e-9  # m, between the surfaces in contact, of Tabor's number
+NODES = 48  # of a mean over a cycle; the force is smooth there
+
+
+def tabor_number(radius: float, modulus: float, work: float) -> float:
+    """Return Tabor's number of a sphere of a radius in m with the modulus E in Pa and a work of adhesion in J/m^2.
+
+    Examples
+    --------
+    >>> round(tabor_number(1e-3, 64e9, 0.05), 2)
+    2.83
+    """
+    return (radius * work**2 / (modulus**2 * DISTANCE**3)) ** (1.0 / 3.0)
+
+
+def meniscus_force(radius: float, surface_tension: float, contact_angle: float = 0.0) -> float:
+    """Return the attraction of a sphere by a liquid, 4 pi gamma R cos(theta), N.
+
+    Parameters
+    ----------
+    radius : float
+        R, m, positive.
+    surface_tension : float
+        gamma, N/m, positive.
+    contact_angle : float
+        theta, rad, from 0 to below pi/2.
+
+    Examples
+    --------
+    >>> round(1e3 * meniscus_force(1e-3, 0.072), 4)  # mN, water
+    0.9048
+    """
+    parameter_check.positive("adhesion.radius", radius, "m")
+    parameter_check.positive("adhesion.surface_tension", surface_tension, "N/m")
+    if not 0.0 <= contact_angle < 0.5 * math.pi:
+        rule = "must be from 0 to below pi/2, where the liquid wets the surfaces"
+        raise InputError("adhesion.contact_angle", rule, contact_angle, "rad")
+    return 4.0 * math.pi * surface_tension * radius * math.cos(contact_angle)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdhesiveSphere:
+    """A sphere with adhesion at prescribed approaches.
+
+    Attributes
+    ----------
+    radius, modulus : float
+        R in m and E in Pa, positive.
+    work : float
+        Work of adhesion w, J/m^2, positive.
+    model : str
+        "JKR" or "DMT".
+
+    Examples
+    --------
+    The ball of Feenstra and Breedveld under its preload of 0.873 mN:
+
+    >>> ball = AdhesiveSphere(radius=1e-3, modulus=64e9, work=0.05, model="JKR")
+    >>> a = ball.radius_under(0.87309e-3)
+    >>> print(f"a {1e6 * a:.4f} um; leaves at {1e9 * ball.break_approach:.4f} nm and loses {ball.loss:.3e} J")
+    a 3.0269 um; leaves at -1.3646 nm and loses 3.008e-13 J
+    """
+
+    radius: float
+    modulus: float
+    work: float
+    model: str = "DMT"
+
+    def __post_init__(self):
+        for name, unit in (("radius", "m"), ("modulus", "Pa"), ("work", "J/m^2")):
+            object.__setattr__(self, name, parameter_check.positive(f"adhesion.{name}", getattr(self, name), unit))
+        parameter_check.choice("adhesion.model", self.model, MODELS)
+
+    @property
+    def tabor_number(self) -> float:
+        """Tabor's number."""
+        return tabor_number(self.radius, self.modulus, self.work)
+
+    @property
+    def pull_off(self) -> float:
+        """Largest tension of the contact, N: 2 pi w R (DMT) or 1.5 pi w R (JKR)."""
+        return (1.5 if self.model == "JKR" else 2.0) * math.pi * self.work * self.radius
+
+    @property
+    def _root(self) -> float:
+        """Coefficient of sqrt(a) in the approach, 0 for DMT."""
+        return math.sqrt(2.0 * math.pi * self.work / self.modulus) if self.model == "JKR" else 0.0
+
+    def force(self, a):
+        """Return P in N of a contact of radius a in m; a number or an array."""
+        hertz = 4.0 / 3.0 * self.modulus * a**3 / self.radius
+        pull = 2.0 * self.modulus * self._root * a**1.5 if self.model == "JKR" else self.pull_off
+        return hertz - pull
+
+    def approach(self, a):
+        """Return z in m of a contact of radius a in m; a number or an array."""
+        return a**2 / self.radius - self._root * np.sqrt(a)
+
+    def stiffness(self, a):
+        """Return dP/dz in N/m of a contact of radius a in m at prescribed approach; infinite at `break_radius`."""
+        force_rate = 4.0 * self.modulus * a**2 / self.radius - 3.0 * self.modulus * self._root * np.sqrt(a)
+        return force_rate / (2.0 * a / self.radius - 0.5 * self._root / np.sqrt(a))
+
+    @property
+    def break_radius(self) -> float:
+        """Radius at which a contact that is drawn apart ends, dz/da = 0, m; 0 for DMT."""
+        return (0.25 * self._root * self.radius) ** (2.0 / 3.0)
+
+    @property
+    def break_approach(self) -> float:
+        """Approach at which it ends, m: negative, 0 for DMT."""
+        return float(self.approach(self.break_radius))
+
+    @property
+    def make_radius(self) -> float:
+        """Radius that a contact takes where it begins, at z = 0, m; 0 for DMT."""
+        return (self._root * self.radius) ** (2.0 / 3.0)
+
+    @property
+    def loss(self) -> float:
+        """Energy that one contact and separation lose, the work of P around both branches, J."""
+        hertz, pull, root = 4.0 / 3.0 * self.modulus / self.radius, 2.0 * self.modulus * self._root, self._root
+
+        def work(a):  # integral of P dz/da
+            mixed = 0.5 * hertz * root + 2.0 * pull / self.radius
+            return 0.4 * hertz * a**5 / self.radius - mixed * a**3.5 / 3.5 + 0.25 * pull * root * a**2
+
+        return work(self.break_radius) - work(self.make_radius)
+
+    def radius_at(self, z: float) -> float:
+        """Return the radius of a contact at an approach in m that is at least `break_approach`, m."""
+        if z < self.break_approach:
+            raise InputError("approach", "must be at least that at which the contact ends", z, "m")
+        top = (math.sqrt(self.radius * max(z, 0.0)) + self.make_radius) * (1.0 + 1e-9)  # beyond rounding
+        return bracketed(lambda a: float(self.approach(a)) - z, self.break_radius, top)
+
+    def radius_under(self, force: float) -> float:
+        """Return the radius of a contact that carries a normal force in N, at least minus the `pull_off`, m."""
+        if force < -self.pull_off:
+            raise InputError("force", "must be at least minus the pull-off force", force, "N")
+        K = 4.0 / 3.0 * self.modulus
+        total = force + self.pull_off
+        if self.model == "DMT":
+            return (self.radius * total / K) ** (1.0 / 3.0)
+        half = 1.5 * math.pi * self.work * self.radius  # K a^3/R = P + 2 p + sqrt(4 p P + 4 p^2), p = 1.5 pi w R
+        return (self.radius / K * (force + 2.0 * half + 2.0 * math.sqrt(half * total))) ** (1.0 / 3.0)
+
+    def release_amplitude(self, preload: float) -> float:
+        """Return the normal amplitude in m at which a heavy slider's contact first ends, of first order.
+
+        The mean force over the wave's cycle is the preload in N, and the contact just ends in the trough.
+        """
+        angle = (np.arange(NODES) + 0.5) * math.pi / NODES
+
+        def left(amplitude):
+            z = self.break_approach + amplitude * (1.0 - np.cos(angle))
+            return float(np.mean([self.force(self.radius_at(float(each))) for each in z])) - preload
+
+        high = self.radius_under(preload) ** 2 / self.radius
+        while left(high) < 0.0:
+            high *= 2.0
+        return bracketed(left, 0.0, high, tolerance=1e-12 * high)

@@ -1,0 +1,142 @@
+"""Rough spheres: mean field and samples of asperities against the values of independent programs and exact limits."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from contact import InputError
+from contact.law.rough import Asperities, MeanField, Roughness, disc_displacement, johnson_number, tail
+
+R, E, PRELOAD = 1e-3, 64e9, 0.87309e-3  # m, Pa, N: the ball of Feenstra and Breedveld
+HERTZ = {"approach": 4.71296e-9, "stiffness": 2.7788e5, "pressure": 88.452e6}
+# rms nm, asperity radius um; approach of the mean planes nm, stiffness and pressure in the middle over Hertz's: by a
+# program of its own with 320 rings
+TABLE = [
+    (0.03, 10, 4.8018, 0.99301, 0.9778),
+    (0.3, 10, 5.0338, 0.96209, 0.8918),
+    (3, 10, 4.2130, 0.75919, 0.5390),
+    (3, 2, 2.8208, 0.79408, 0.5857),
+    (10, 10, -2.9761, 0.48336, 0.2811),
+    (30, 10, -34.932, 0.23964, 0.1258),
+]
+# x, y in um and heights less the sphere's in nm of six asperities of 10 um; approach in nm, forces of all with and
+# without interaction, N
+SIX = np.array([(0, 0, 0), (0.6, 0, -1), (-0.4, 0.5, -1.5), (0.1, -0.8, -2), (-0.9, -0.3, -3), (0.8, 0.7, -4)])
+FORCES = [
+    (2, 3.0531563e-5, 3.5686234e-5),
+    (5, 1.9065424e-4, 2.9655740e-4),
+    (10, 6.3808235e-4, 1.1882576e-3),
+    (20, 1.7854930e-3, 3.9449057e-3),
+]
+
+
+def six():
+    x, y = SIX[:, :2].T * 1e-6
+    return Asperities(x=x, y=y, heights=SIX[:, 2] * 1e-9 + (x**2 + y**2) / (2 * R), radius=10e-6)
+
+
+@pytest.mark.parametrize(("rms", "beta", "approach", "stiffness", "pressure"), TABLE)
+def test_mean_field_of_a_ball(rms, beta, approach, stiffness, pressure):
+    ball = MeanField(R, E, Roughness(rms=rms * 1e-9, asperity_radius=beta * 1e-6))
+    z = ball.approach(PRELOAD)
+    field = ball.at(z)
+    assert field.force == pytest.approx(PRELOAD, rel=1e-9)
+    assert z * 1e9 == pytest.approx(approach, rel=2e-4)
+    assert field.stiffness / HERTZ["stiffness"] == pytest.approx(stiffness, rel=2e-4)
+    assert field.pressure[0] / HERTZ["pressure"] == pytest.approx(pressure, rel=6e-4)  # of 160 rings
+
+
+def test_stiffness_of_the_mean_field_is_the_derivative_of_its_force():
+    ball = MeanField(R, E, Roughness(rms=3e-9), rings=80)
+    # at one outermost radius, so that the rings are the same ones
+    step, z = 1e-13, 4e-9
+    rise = (ball.at(z + step).force - ball.at(z - step).force) / (2 * step)
+    assert ball.at(z).stiffness == pytest.approx(rise, rel=1e-4)
+
+
+def test_without_roughness_the_mean_field_is_hertz():
+    # the approach of the mean planes differs by the standoff of the few highest asperities: compare forces of pressures
+    ball = MeanField(R, E, Roughness(rms=0.003e-9))
+    field = ball.at(ball.approach(PRELOAD))
+    r, p = field.r, field.pressure
+    a = (0.75 * PRELOAD * R / E) ** (1 / 3)
+    hertz = 1.5 * PRELOAD / (np.pi * a**2) * np.sqrt(np.maximum(1 - (r / a) ** 2, 0))
+    inner = r < 0.7 * a
+    assert p[inner] == pytest.approx(hertz[inner], rel=6e-3)
+    assert field.stiffness == pytest.approx(2 * a * E, rel=2e-3)
+
+
+def test_tails_are_the_integrals_of_the_normal_density():
+    for power in (0.0, 0.5, 1.5):
+        for t in (-40.0, -13.0, -11.0, -1.0, 0.0, 2.0, 6.0):
+            # over the height above t, in units of its scale
+            width = 1.0 / max(t, 1.0)
+            upper = max(-t, 0.0) / width + 40
+            exact, _ = quad(
+                lambda x, t=t, n=power, w=width: w * (w * x) ** n * norm.pdf(t + w * x),
+                0,
+                upper,
+                points=[max(-t, 1.0)],
+                limit=400,
+                epsabs=0,
+            )
+            assert tail(power, np.array([t]))[0] == pytest.approx(exact, rel=2e-8), (power, t)
+
+
+def test_displacement_of_a_disc():
+    # over p/E: 2 a in the middle, 4 a/pi at the edge; far away that of a force
+    assert disc_displacement(2.0, 0.0) == pytest.approx(4.0, rel=1e-12)
+    assert disc_displacement(2.0, 2.0) == pytest.approx(8.0 / np.pi, rel=1e-12)
+    assert disc_displacement(1.0, 1e3) == pytest.approx(1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("z", "coupled", "alone"), FORCES)
+def test_six_asperities(z, coupled, alone):
+    sample = six()
+    assert sample.forces(R, E, z * 1e-9).sum() == pytest.approx(coupled, rel=1e-7)
+    each = [
+        Asperities(x=[x], y=[y], heights=[h], radius=10e-6)
+        for x, y, h in zip(sample.x, sample.y, sample.heights, strict=True)
+    ]
+    assert sum(one.forces(R, E, z * 1e-9)[0] for one in each) == pytest.approx(alone, rel=1e-7)
+
+
+def test_forces_of_a_sample_follow_from_its_approaches_in_any_order():
+    sample, z = Roughness(rms=3e-9).drawn(5, 4e-6), 5e-9
+    P = sample.forces(R, E, z)
+    distance = np.hypot(sample.x[:, None] - sample.x, sample.y[:, None] - sample.y)
+    np.fill_diagonal(distance, np.inf)
+    # balance written by hand, the asperities that do not touch included
+    u = z + sample.heights - (sample.x**2 + sample.y**2) / (2 * R) - (1 / distance) @ P / (np.pi * E)
+    assert P == pytest.approx(4 / 3 * E * np.sqrt(10e-6) * np.maximum(u, 0) ** 1.5, rel=1e-9, abs=1e-18)
+    assert (P > 0).sum() > 5
+    assert sample.approaches(R, E, z) == pytest.approx(u, abs=1e-20)
+    order = np.random.default_rng(1).permutation(P.size)
+    turned = Asperities(x=-sample.y[order], y=sample.x[order], heights=sample.heights[order], radius=10e-6)
+    assert turned.forces(R, E, z) == pytest.approx(P[order], rel=1e-9, abs=1e-18)
+
+
+def test_number_of_asperities_in_contact():
+    # rough.md section 6: with 20 nm and 10 um 3 asperities carry the ball
+    ball = MeanField(R, E, Roughness(rms=20e-9))
+    assert round(ball.at(ball.approach(PRELOAD)).touching) == 3
+    assert johnson_number(3e-9, HERTZ["approach"]) == pytest.approx(0.6365, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"rms": 0.0}, "roughness.rms must be positive and finite, got 0"),
+        ({"rms": 3e-9, "asperity_radius": -1e-6}, "roughness.asperity_radius must be positive"),
+        ({"rms": 3e-9, "density": np.nan}, "roughness.density must be"),
+    ],
+)
+def test_refusals(given, sentence):
+    with pytest.raises(InputError, match=sentence):
+        Roughness(**given)
+
+
+def test_a_sample_with_unequal_lists_is_refused():
+    with pytest.raises(InputError, match=r"asperities\.heights must be a list with one value for each asperity"):
+        Asperities(x=[0.0, 1e-6], y=[0.0, 0.0], heights=[0.0], radius=1e-6)
