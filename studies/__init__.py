@@ -6,10 +6,10 @@
 (0.005, 12)
 
 ``run(motor)`` gives a `Record`, ``sweep(motor, {...})`` a `Sweep`, ``fit`` a `Fit`, ``design`` a `Design`,
-``datasheet`` a `Datasheet`, ``network`` a `skrf.Network`; what they do meanwhile is logged by the loggers below
-``studies``.  Conventions: exp(+i omega t), peak amplitudes,
-SI units, x along the surface, z out of it, slider velocity positive along +x.  Importing this package imports no
-numerical library; ``run`` imports what its scene needs.
+``datasheet`` a `Datasheet`, ``compare`` a `Comparison`, ``network`` a `skrf.Network`; what they do meanwhile is logged
+by the loggers below ``studies``.  Conventions: exp(+i omega t), peak amplitudes, SI units, x along the surface, z out
+of it, slider velocity positive along +x.  Importing this package imports no numerical library; ``run`` imports what its
+scene needs.
 
 Packages, bottom to top: scene (the file and its rules), results (directories) - record - model (a scene as objects of
 fem and contact) - solve (surface motion, contact, velocity, errors) - remarks (what is left out, warnings) - runs (from
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from studies.lab.measurement import Measurement
     from studies.record.record import Record
     from studies.refusal import RunError, SceneError
+    from studies.report.comparison import Comparison, compare
     from studies.report.datasheet import Datasheet, datasheet
     from studies.runs import run
     from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Stator, Transducer
@@ -55,6 +56,7 @@ _PUBLIC = {
     "lab.measurement": "Measurement",
     "record.record": "Record",
     "refusal": "RunError SceneError",
+    "report.comparison": "Comparison compare",
     "report.datasheet": "Datasheet datasheet",
     "scene.blocks": "IsotropicSolid PiezoelectricSolid Stator Transducer",
     "scene.file": "shipped_scenes",
@@ -65,10 +67,10 @@ _PUBLIC = {
 }  # names by the module that defines them
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = [
-    "Damping", "Datasheet", "Design", "Drive", "Fit", "IsotropicSolid", "Measurement", "Parameter",
+    "Comparison", "Damping", "Datasheet", "Design", "Drive", "Fit", "IsotropicSolid", "Measurement", "Parameter",
     "PiezoelectricSolid", "Predictor", "Record", "Residual", "RunError", "Scene", "SceneError", "Slider",
-    "Stator", "Sweep", "Transducer", "Wave", "datasheet", "design", "fit", "network", "run", "shipped_scenes",
-    "sweep",
+    "Stator", "Sweep", "Transducer", "Wave", "compare", "datasheet", "design", "fit", "network", "run",
+    "shipped_scenes", "sweep",
 ]  # fmt: skip
 
 

@@ -9,7 +9,9 @@ from importlib import import_module
 from studies.refusal import SceneError, resembling, suggestion
 
 # in the order of the help; each is a module of this package
-COMMANDS = tuple("run wave sweep scenes materials schema check datasheet study fit design help export view".split())
+COMMANDS = tuple(
+    "run wave sweep scenes materials schema check datasheet study fit design compare help export view".split()
+)
 EXIT_CODES = (
     "Exit codes: 0 an answer within its tolerance; 1 one that misses it, or is refused for its model error; 2 bad "
     "input; 3 no answer; 70 a defect of sawmotor; 130 interrupted."

@@ -1,0 +1,285 @@
+"""Runs side by side: what differs in their scenes, their answers with errors, and one picture of all velocities."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studies.record import Record
+from studies.record.plots import COLOURS, PALETTE, finished, saved
+from studies.record.quantities import Quantity, quantities, quantity
+from studies.record.text import labelled, table
+from studies.refusal import SceneError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ROUNDING = 1e-12  # relative; numbers of one scene on two machines differ by less
+MISSING = "-"
+PICTURES = (".png", ".svg", ".pdf")
+MARKS = "os^Dv"
+ABSENT = object()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Runs beside the first of them.
+
+    Attributes
+    ----------
+    names : tuple of str
+        One per run: the last part of its directory, or a number.
+    records : tuple of Record
+    """
+
+    names: tuple[str, ...]
+    records: tuple[Record, ...] = field(repr=False)
+
+    @property
+    def level(self) -> str:
+        """Key of the levels of all runs; empty without a slider."""
+        return self.records[0].level if self.records[0].points else ""
+
+    @property
+    def scenes(self) -> list[tuple[str, list]]:
+        """Keys of the scenes that differ, each with its value in every run; None where a run has none."""
+        return _differences([_leaves(record.scene.to_table()) for record in self.records])
+
+    @property
+    def numbers(self) -> list[tuple[str, list]]:
+        """Numbers of the answers, apart from those of the points, that differ; None where a run has none."""
+        blocks = ("wave", "electrical", "summary", "heat", "error")
+        known = quantities()
+        answers = []
+        for record in self.records:
+            whole = record.to_dict()
+            leaves = {key: value for block in blocks for key, value in _leaves(whole.get(block, {}), f"{block}.")}
+            answers.append([(key, value) for key, value in leaves.items() if key in known])
+        return _differences(answers)
+
+    def points(self) -> Iterator[tuple[float, list[tuple[float, float] | None]]]:
+        """Yield each level with velocity and error, m/s, of every run; None where a run has no answer there."""
+        answers = []
+        for record in self.records:
+            columns = record.column(record.level), record.velocity, _errors(record)
+            rows = zip(*(column.tolist() for column in columns), strict=True)
+            answers.append({level: (v, error) for level, v, error in rows if math.isfinite(v)})
+        for level in sorted({level for answer in answers for level in answer}):
+            yield level, [answer.get(level) for answer in answers]
+
+    def to_dict(self) -> dict:
+        """Return what `sawmotor compare --json` prints: plain numbers and text."""
+        whole: dict[str, Any] = {
+            "runs": list(self.names),
+            "scene": {key: values for key, values in self.scenes},
+            "answers": {key: values for key, values in self.numbers},
+        }
+        if self.level:
+            whole["points"] = [
+                {
+                    self.level: level,
+                    "velocity": [None if each is None else each[0] for each in found],
+                    "error": [None if each is None else each[1] for each in found],
+                    "change": [_change(found[0], each)[0] for each in found[1:]],
+                }
+                for level, found in self.points()
+            ]
+        return whole
+
+    def __str__(self) -> str:
+        """Return the tables as text: scenes, answers, then the velocities and their changes from the first run."""
+        heads, lines = ["", *self.names], []
+        scenes = [[key, *map(_shown, values)] for key, values in self.scenes]
+        lines += ["what differs in the scenes", *table([heads, *scenes])] if scenes else ["the scenes are equal"]
+        shown = [(quantity(key), values) for key, values in self.numbers if quantity(key).head]
+        answers = [[known.heading, *(_number(known, each) for each in values)] for known, values in shown]
+        if answers:
+            more = len(self.numbers) - len(answers)
+            rest = f" ({more} more numbers: --json)" if more else ""
+            lines += ["", f"what differs in the answers{rest}", *table([heads, *answers])]
+        if self.level:
+            lines += ["", *self._velocities()]
+        errors = [f"{name} {_percent(record.error.get('relative'))}" for name, record in self._named()]
+        seconds = [f"{name} {record.seconds['total']:.2f}" for name, record in self._named()]
+        entries = [("relative errors", ", ".join(errors)), ("seconds", ", ".join(seconds))]
+        entries += [(name, record.shortfall) for name, record in self._named() if record.shortfall]
+        return "\n".join([*lines, "", *labelled(entries)])
+
+    def _named(self):
+        return zip(self.names, self.records, strict=True)
+
+    def _velocities(self) -> list[str]:
+        """Return the table of velocities: the first run's, then every other one's with its change."""
+        speed, level = quantity(VELOCITY), quantity(self.level)
+        heads = [level.heading, *(f"{name} ({speed.shown})" for name in self.names)]
+        heads += [f"change of {name}" for name in self.names[1:]]
+        rows, beyond = [heads], False
+        for here, found in self.points():
+            row = [level.text(here), *(MISSING if each is None else speed.text(each[0]) for each in found)]
+            for each in found[1:]:
+                change, sure = _change(found[0], each)
+                row.append(MISSING if change is None else f"{_percent(change, '+')}{'*' if sure else ' '}")
+                beyond |= sure
+            rows.append(row)
+        note = "* by more than both stated errors" if beyond else "all within the stated errors"
+        return [f"velocities and changes from {self.names[0]} ({note})", *table(rows)]
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the velocities of all runs over their level, with their stated errors.
+
+        Raises
+        ------
+        SceneError
+            If the runs have no slider.
+        """
+        if not self.level:
+            raise SceneError("compare", "draws velocities, and these runs have no slider")
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.subplots(layout="constrained")[1]
+        across, up = quantity(self.level), quantity(VELOCITY)
+        for k, (name, record) in enumerate(self._named()):
+            x, v = record.column(record.level), record.velocity
+            colour = COLOURS[PALETTE[k % len(PALETTE)]]
+            ax.errorbar(
+                x * across.scale, v * up.scale, _errors(record) * up.scale, fmt=f"{MARKS[k % len(MARKS)]}-",
+                color=colour, markersize=3.5, linewidth=1, capsize=2, label=name,
+            )  # fmt: skip
+        return finished(ax, across.axis, up.axis, "Velocity of the slider in each run, with its stated error")
+
+
+VELOCITY = "velocity_m_per_s"
+
+
+def compare(*runs: Record | str | Path) -> Comparison:
+    """Return runs side by side.
+
+    Parameters
+    ----------
+    *runs : Record or path
+        At least two: records, or directories that `sawmotor run` left.
+
+    Raises
+    ------
+    SceneError
+        If there are fewer than two, or their levels are of different kinds (voltages and amplitudes).
+    RunError
+        If a directory holds no run.
+
+    Examples
+    --------
+    >>> from studies import Scene, run
+    >>> scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": "10 nm"})
+    >>> pair = compare(run(scene), run(scene.replace(slider={"friction_coefficient": 0.16})))
+    >>> pair.scenes
+    [('slider.friction_coefficient', [0.08, 0.16])]
+    """
+    if len(runs) < 2:
+        raise SceneError("compare", f"needs at least two runs, got {len(runs)}")
+    records = tuple(each if isinstance(each, Record) else Record.load(each) for each in runs)
+    levels = list(dict.fromkeys(record.level if record.points else "" for record in records))
+    if len(levels) > 1:
+        kinds = " and ".join(quantity(each).head if each else "no slider" for each in levels)
+        raise SceneError("compare", f"needs runs of one kind, got runs over {kinds}")
+    return Comparison(names=_names(runs), records=records)
+
+
+def _names(runs: Sequence) -> tuple[str, ...]:
+    """Return a short name for each run, the directory's where that is unique."""
+    names = [str(k) if isinstance(each, Record) else Path(each).resolve().name for k, each in enumerate(runs, start=1)]
+    return tuple(
+        name if names.count(name) == 1 else str(run if not isinstance(run, Record) else name)
+        for name, run in zip(names, runs, strict=True)
+    )
+
+
+def _leaves(value, path: str = "") -> list[tuple[str, Any]]:
+    """Return the numbers, words and lists of them in nested tables, each with its dotted key."""
+    if isinstance(value, dict):
+        start = path if path.endswith(".") or not path else f"{path}."
+        return [leaf for key, each in value.items() for leaf in _leaves(each, f"{start}{key}")]
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return [leaf for k, each in enumerate(value) for leaf in _leaves(each, f"{path}.{k}")]
+    return [(path, value)]
+
+
+def _differences(answers: Sequence[Sequence[tuple[str, Any]]]) -> list[tuple[str, list]]:
+    """Return the keys whose values are not equal to rounding, each with all values, None where there is none."""
+    tables = [dict(answer) for answer in answers]
+    keys = dict.fromkeys(key for each in tables for key in each)
+    rows = [(key, [each.get(key, ABSENT) for each in tables]) for key in keys]
+    return [
+        (key, [None if each is ABSENT else each for each in values])
+        for key, values in rows
+        if any(not _same(values[0], each) for each in values[1:])
+    ]
+
+
+def _same(one, other) -> bool:
+    """Return whether two values are equal to rounding."""
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, (int, float)) and isinstance(other, (int, float)) and not isinstance(one, bool):
+        return math.isclose(one, other, rel_tol=ROUNDING)
+    return bool(one == other)
+
+
+def _errors(record: Record) -> np.ndarray:
+    """Return the stated error of each velocity, m/s."""
+    surface = 2.0 * math.pi * record.scene.frequency * np.abs(record.tangential_amplitude)
+    return record.relative_error * np.maximum(np.abs(record.velocity), surface / 10.0)
+
+
+def _change(one: tuple[float, float] | None, other: tuple[float, float] | None) -> tuple[float | None, bool]:
+    """Return the relative change from one velocity to the other, and whether it is beyond both errors.
+
+    The change is None where one has no answer, or the first is at rest and the other is not.
+    """
+    if one is None or other is None:
+        return None, False
+    beyond = abs(other[0] - one[0]) > one[1] + other[1]
+    if one[0] == 0.0:
+        return (0.0 if other[0] == 0.0 else None), beyond
+    return other[0] / one[0] - 1.0, beyond
+
+
+def _percent(value: float | None, sign: str = "") -> str:
+    return MISSING if value is None else f"{100.0 * value:{sign}.3g} %"
+
+
+def _shown(value) -> str:
+    """Return a value of a scene as text, a long list by its ends."""
+    if value is None:
+        return MISSING
+    if isinstance(value, list):
+        if len(value) > 3:
+            return f"{_shown(value[0])} ... {_shown(value[-1])} ({len(value)})"
+        return ", ".join(map(_shown, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _number(known: Quantity, value) -> str:
+    """Return a number of the answers as text."""
+    if value is None:
+        return MISSING
+    return known.text(complex(*value) if isinstance(value, list) else value)
+
+
+def drawn(compared: Comparison, file: str | Path) -> None:
+    """Draw the velocities of all runs into a .png, .svg or .pdf file.
+
+    Raises
+    ------
+    SceneError
+        If the runs have no slider, or the file has another ending or cannot be written.
+    """
+    if Path(file).suffix not in PICTURES:
+        raise SceneError("--picture", f"must end in {', '.join(PICTURES)}, got {str(file)!r}")
+    try:
+        saved(file, compared.plot)
+    except OSError as error:
+        raise SceneError("--picture", f"cannot be written: {error}") from None

@@ -1,0 +1,106 @@
+"""``sawmotor compare``: differences of scenes and answers, changes against stated errors, picture, refusals."""
+
+import json
+import math
+
+import pytest
+
+from studies import RunError, Scene, SceneError, compare, run
+from studies.__main__ import main
+
+LEVELS = ["0.5 nm", "3 nm", "10 nm"]
+
+
+@pytest.fixture(scope="module")
+def records():
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": LEVELS})
+    return [
+        run(scene),
+        run(scene.replace(slider={"friction_coefficient": 0.16}, wave={"normal_amplitude": LEVELS[1:]})),
+    ]
+
+
+@pytest.fixture(scope="module")
+def folders(records, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("compared")
+    for name, record in zip(("seed", "rubbed"), records, strict=True):
+        record.save(folder / name)
+    return [str(folder / name) for name in ("seed", "rubbed")]
+
+
+def test_scenes_and_answers_that_differ(records):
+    pair = compare(*records)
+    assert pair.names == ("1", "2")
+    assert dict(pair.scenes) == {
+        "slider.friction_coefficient": [0.08, 0.16],
+        "wave.normal_amplitude": [[0.5e-9, 3e-9, 10e-9], [3e-9, 10e-9]],
+    }
+    answers = dict(pair.numbers)
+    assert answers["summary.threshold_amplitude_m"] == [each.summary["threshold_amplitude_m"] for each in records]
+    assert "summary.release_amplitude_m" not in answers  # friction does not lift the slider
+
+
+def test_velocities_and_their_changes_by_hand(records):
+    rows = dict(compare(*records).points())
+    assert list(rows) == pytest.approx([0.5e-9, 3e-9, 10e-9])
+    assert rows[0.5e-9] == [(0.0, 0.0), None]
+    whole = compare(*records).to_dict()["points"]
+    for k, level in ((1, 3e-9), (2, 10e-9)):
+        first, second = records[0].velocity[k], records[1].velocity[k - 1]
+        assert whole[k]["velocity"] == [first, second]
+        assert whole[k]["change"] == [pytest.approx(second / first - 1, rel=1e-12)]
+        # errors are over max(|v|, omega |u_x|/10), m/s
+        surface = 2 * math.pi * 2.2e6 * abs(records[0].tangential_amplitude[k])
+        error = records[0].relative_error[k] * max(abs(first), surface / 10)
+        assert rows[level][0] == (first, pytest.approx(error, rel=1e-12))
+
+
+def test_order_of_the_runs_is_kept(records):
+    one, other = compare(*records).to_dict(), compare(*records[::-1]).to_dict()
+    for forward, back in zip(one["points"], other["points"], strict=True):
+        assert forward["velocity"] == back["velocity"][::-1]
+    assert (1 + one["points"][2]["change"][0]) * (1 + other["points"][2]["change"][0]) == pytest.approx(1, rel=1e-12)
+
+
+def test_text_marks_what_is_beyond_the_errors(records, folders, capsys):
+    assert main(["compare", *folders]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:4] == [
+        "what differs in the scenes",
+        "                                            seed        rubbed",
+        "      wave.normal_amplitude  5e-10, 3e-09, 1e-08  3e-09, 1e-08",
+        "slider.friction_coefficient                 0.08          0.16",
+    ]
+    changed = next(line for line in lines if line.split()[:1] == ["10"])
+    assert changed.endswith(f"{100 * (records[1].velocity[1] / records[0].velocity[2] - 1):+.3g} %*")
+    assert main(["compare", folders[0], folders[0]]) == 0
+    out = capsys.readouterr().out
+    assert "the scenes are equal" in out
+    assert "*" not in out
+
+
+def test_json_and_picture(folders, tmp_path, capsys):
+    from PIL import Image
+
+    file = tmp_path / "both.png"
+    assert main(["compare", *folders, "--json", "--picture", str(file)]) == 0
+    whole = json.loads(capsys.readouterr().out)
+    assert whole["runs"] == ["seed", "rubbed"]
+    assert whole["scene"]["slider.friction_coefficient"] == [0.08, 0.16]
+    with Image.open(file) as image:
+        assert image.format == "PNG"
+
+
+def test_refusals(records, folders, tmp_path, capsys):
+    with pytest.raises(SceneError, match="compare needs at least two runs, got 1"):
+        compare(records[0])
+    with pytest.raises(RunError, match="holds no run"):
+        compare(records[0], tmp_path)
+    with pytest.raises(SceneError, match="compare needs runs of one kind, got runs over u_z and no slider"):
+        compare(records[0], run("rayleigh"))
+    assert main(["compare", *folders, "--picture", str(tmp_path / "x.gif")]) == 2
+    assert capsys.readouterr().err.strip() == (
+        f"sawmotor: --picture must end in .png, .svg, .pdf, got '{tmp_path / 'x.gif'}'"
+    )
+    with pytest.raises(SceneError, match="compare draws velocities, and these runs have no slider"):
+        compare(run("rayleigh"), run("rayleigh")).plot()
