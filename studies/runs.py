@@ -18,6 +18,7 @@ from studies.model.contact import Contact
 from studies.model.stator_alone import stator_alone
 from studies.progress import reported_to
 from studies.record import Record
+from studies.record.blocks import WaveBlock
 from studies.refusal import RunError
 from studies.remarks.left_out import left_out
 from studies.remarks.model_error import with_model_error
@@ -109,7 +110,7 @@ def _prescribed(scene: Scene, tolerance: float) -> Record:
     """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
     start_time = time.perf_counter()
     answer = slider_answer(Contact.prescribed(scene), tolerance=tolerance)
-    wave = {"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio}
+    wave = WaveBlock(frequency_Hz=scene.wave.frequency, surface_ratio=scene.wave.tangential_ratio)
     seconds = {"contact": time.perf_counter() - start_time}
     blocks = answer.blocks(tolerance)
     return Record(scene=scene, tolerance=tolerance, wave=wave, **blocks, seconds=seconds, left_out=left_out(scene))

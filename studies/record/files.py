@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -55,7 +56,7 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
             write_columns(folder / "surface_map.csv", columns)
 
 
-def flat(values: dict) -> dict:
+def flat(values: Mapping) -> dict:
     """Return numbers or arrays by name: complex ones as ``..._re`` and ``..._im``, lists as ``..._0``, ``..._1``."""
     columns: dict = {}
     for key, value in values.items():

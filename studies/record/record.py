@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from studies.record.blocks import ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
+from studies.record.point import Point
 from studies.record.quantities import quantity
+from studies.record.values import Values
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
@@ -27,6 +30,9 @@ BLOCKS = (
     "tolerance", "wave", "electrical", "points", "summary", "heat", "uncertainty", "measured", "error", "model_error",
     "warnings", "seconds", "left_out", "shortfall",
 )  # fmt: skip
+VALUES: dict[str, type[Values]] = {
+    "wave": WaveBlock, "electrical": ElectricalBlock, "summary": SummaryBlock, "heat": HeatBlock, "error": ErrorBlock,
+}  # fmt: skip
 USUAL = ("voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error")
 
 
@@ -40,12 +46,11 @@ class Record:
         As resolved: it runs again to the same numbers at the same tolerance.
     tolerance : float
         Bound of the relative error of the last quantity.
-    wave, electrical, summary, heat : dict
-        As in run.json: quantities in SI units, named with their unit.
-    points : tuple of dict
-        One per voltage or prescribed amplitude.
-    error : dict
-        ``relative`` and its ``parts``, those of the worst point.
+    wave, electrical, summary, heat, error : studies.record.blocks
+        As in run.json: quantities in SI units, named with their unit; ``record.wave.frequency_Hz``, as of a dict
+        ``record.wave["frequency_Hz"]``.  ``error``: ``relative`` and its ``parts``, those of the worst point.
+    points : tuple of studies.record.point.Point
+        One per voltage or prescribed amplitude; read as the blocks.
     seconds : dict
         Of each part of the chain and in ``total``.
     left_out : tuple of str
@@ -89,12 +94,12 @@ class Record:
 
     scene: Scene
     tolerance: float
-    wave: dict = field(default_factory=dict)
-    electrical: dict = field(default_factory=dict)
-    points: tuple[dict, ...] = ()
-    summary: dict = field(default_factory=dict)
-    heat: dict = field(default_factory=dict)
-    error: dict = field(default_factory=dict)
+    wave: WaveBlock = field(default_factory=WaveBlock)
+    electrical: ElectricalBlock = field(default_factory=ElectricalBlock)
+    points: tuple[Point, ...] = ()
+    summary: SummaryBlock = field(default_factory=SummaryBlock)
+    heat: HeatBlock = field(default_factory=HeatBlock)
+    error: ErrorBlock = field(default_factory=ErrorBlock)
     seconds: dict = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -110,6 +115,11 @@ class Record:
     surface_motion: Any = field(default=None, repr=False, compare=False)
     meshed_pieces: tuple[tuple[float, float], ...] = field(default=(), repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
+
+    def __post_init__(self) -> None:
+        for name, kind in VALUES.items():
+            object.__setattr__(self, name, kind.read(getattr(self, name)))
+        object.__setattr__(self, "points", tuple(map(Point.read, self.points)))
 
     @property
     def level(self) -> str:

@@ -5,9 +5,10 @@ import csv
 import io
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
@@ -155,7 +156,7 @@ def _wave(record: "Record"):
     yield from _source(electrical, record.scene.drive)
 
 
-def _heat(block: dict):
+def _heat(block: HeatBlock):
     """Yield where the power goes at the largest level, and how warm a continuous drive makes the stator."""
     if not block:
         return
@@ -208,7 +209,7 @@ def _ripple(record: "Record"):
     yield "", f"relative error up to {max(errors):.1e})"
 
 
-def _source(electrical: dict, drive):
+def _source(electrical: ElectricalBlock, drive):
     """Yield name and text of the matching network, the shares of the available power, and the recovered power."""
     if drive.match != "none":
         parts = [str(each) for each in drive.match]
@@ -311,7 +312,7 @@ def comparison(block: dict):
         yield "", "measured without a sign: the predicted direction is assumed"
 
 
-def _stated(block: dict, key: str) -> str:
+def _stated(block: Mapping, key: str) -> str:
     return quantity(key).with_unit(block[key])
 
 
@@ -331,7 +332,7 @@ def _limits(record: "Record"):
             yield name, f"{', '.join(levels)}: {who}"
 
 
-def leaving(summary: dict, motion: str) -> str:
+def leaving(summary: SummaryBlock, motion: str) -> str:
     """Return in words what begins at the release: of the slider, or of the first of several contacts and of the last.
 
     ``motion``: what it does.

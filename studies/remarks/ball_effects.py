@@ -18,6 +18,7 @@ import fem
 from studies.model import fem_objects
 from studies.model.contact import contact_slider
 from studies.record import Record
+from studies.record.point import Point
 from studies.remarks.stator_effects import Effects, amplitude_per_power, wavelength
 
 POINT_ADMITTANCE = 0.93  # Re(v/F) over omega^2 / (2 pi mu c_T) of a point load on a half-space
@@ -103,12 +104,12 @@ def wave_load(record: Record, voltages) -> list[float]:
     return changes
 
 
-def travel_over_ripple(record: Record, point: dict) -> Effects:
+def travel_over_ripple(record: Record, point: Point) -> Effects:
     """Yield the effect of a burst's travel at a point, where it is computed at a fixed position."""
-    scene, ratio = record.scene, record.wave["standing_wave_ratio"]
-    if scene.slider is None or scene.burst is None or "travel_m" in point:
+    scene, ratio = record.scene, record.wave.standing_wave_ratio
+    if scene.slider is None or scene.burst is None or point.travel_m is not None:
         return
-    if abs(point.get("velocity_m_per_s", 0.0)) * scene.burst > wavelength(record) / 4:
+    if abs(point.velocity_m_per_s or 0.0) * scene.burst > wavelength(record) / 4:
         how = "standing-wave ratio, over a travel of more than a quarter of a wavelength"
         effect = "travel of the slider along the rippled field"
         yield effect, "u_z", (ratio - 1) / (ratio + 1), how

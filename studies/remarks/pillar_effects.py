@@ -21,6 +21,7 @@ import contact
 import fem
 from studies.model import pillars
 from studies.record import Record
+from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance
 from studies.remarks.stator_effects import Effects
 from studies.solve.pillar_points import PillarContact, bounce_ratio
@@ -52,8 +53,8 @@ def effects_at_points(record: Record) -> list[list[tuple]]:
     return effects
 
 
-def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Effects:
-    wave, slider, level = motion.wave, record.scene.slider, point[record.level]
+def _at_level(record: Record, body: PillarContact, motion, point: Point) -> Effects:
+    wave, slider, level = motion.wave, record.scene.slider, point.level
     if body.misfit > 0.0:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
@@ -64,7 +65,7 @@ def _at_level(record: Record, body: PillarContact, motion, point: dict) -> Effec
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
         if motion.harmonics == 1:
             how = '|U_2/U_1| at the exit, first order; slider.loading = "harmonics" computes them'
-            yield OVERTONES, "velocity", point["overtone_ratio"], how
+            yield OVERTONES, "velocity", point.overtone_ratio, how
         yield from _scattering(motion)
     yield from _compliance(body, motion, slider, level)
     yield from leak(record, motion)

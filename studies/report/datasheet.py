@@ -21,6 +21,7 @@ from studies.model import resolve
 from studies.model.contact import Contact
 from studies.progress import counted, reported_to
 from studies.record import Record
+from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.text import leaving, sentences
 from studies.refusal import RunError
@@ -256,7 +257,7 @@ def _over_stroke(record: Record, driven: Contact, rated: float) -> StrokeSpeed |
     return stroke_speed(driven, record.surface_motion, rated, known, record.tolerance)
 
 
-def _stroke_rows(point: dict, travel: StrokeSpeed, model: float | None) -> Iterator[Row]:
+def _stroke_rows(point: Point, travel: StrokeSpeed, model: float | None) -> Iterator[Row]:
     """Yield the rows on the speed over the stroke, its range about the slider's position, and the stroke."""
     over, shown, place = travel.ripple, quantity("velocity_m_per_s"), quantity("position_m")
     condition = f"no load, steady; mean over place along the stroke ({shown.interval(over.lowest, over.highest)})"
@@ -347,10 +348,10 @@ def _under_load(record: Record, rated: float, load: float) -> tuple[tuple[Row, .
     condition = f"under {stated}, steady"
     if velocity <= 0.0:
         condition += ": held" if velocity == 0.0 else ": dragged back"
-    return (Row("speed", name, velocity, "m/s", _velocity_error(record, answer) or None, condition),), ()
+    return (Row("speed", name, velocity, "m/s", _velocity_error(record, Point.read(answer)) or None, condition),), ()
 
 
-def _velocity_error(record: Record, point: dict) -> float:
+def _velocity_error(record: Record, point: Point) -> float:
     """Return the error of a point's velocity over |v|; that of a point refers to max(|v|, omega |u_x| / 10)."""
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
     if speed == 0.0:

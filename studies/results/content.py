@@ -5,6 +5,7 @@ Complex numbers become ``[re, im]``; a number that is not finite is refused, wit
 
 import json
 import math
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -21,7 +22,7 @@ def plain(path: str, value):
     >>> plain("admittance_S", 1 + 2j)
     [1.0, 2.0]
     """
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {key: plain(f"{path}.{key}", entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
         return [plain(f"{path}.{index}", entry) for index, entry in enumerate(value)]

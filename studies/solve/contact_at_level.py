@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import contact
 from studies.model.contact import Contact
 from studies.model.scene_errors import slider_keys
+from studies.record.point import Point
 from studies.record.status import Status
 from studies.solve.bursts import STEADY_METHODS, followed_burst, method_of
 from studies.solve.event_counts import burst_tally, burst_values, steady_tally
@@ -26,7 +27,7 @@ SHARE = 0.25  # fraction of the tolerance for the contact and, in the first atte
 class SliderAnswer:
     """The answers of the slider at all levels of a run."""
 
-    points: tuple[dict, ...]  # as in run.json
+    points: tuple[Point, ...]
     # Errors of each point due to stator and contact, relative to the reference speed
     parts: tuple[tuple[float, float], ...]
     summary: dict  # threshold and release
@@ -76,7 +77,7 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
         if not on_pillars:
             factor = threshold / level if level else math.inf
             point |= contact_load(driven.slider, driven.at(level), factor)
-        points.append(point)
+        points.append(Point.read(point))
         parts.append(answer.parts)
         trajectories += [] if answer.trajectory is None else [(level, answer.trajectory)]
         last = answer.motion or last

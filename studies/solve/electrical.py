@@ -1,41 +1,45 @@
 """The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
 
+from studies.record.blocks import ElectricalBlock
+from studies.record.point import Point
 from studies.scene import Scene
 from studies.solve.solved_stator import SolvedStator
 
 
-def electrical_block(scene: Scene, motion) -> dict:
+def electrical_block(scene: Scene, motion) -> ElectricalBlock:
     """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V."""
     circuit, balance = motion.circuit, motion.power
-    block = {
-        "admittance_S": circuit.admittance,
-        "comb_voltage_per_volt": circuit.voltage,
-        "power_W_per_V2": circuit.power,
-        "power_dissipated_W_per_V2": balance.dissipated,
-        "power_radiated_W_per_V2": balance.radiated,
-        "power_residual": balance.residual,
-        "admittance_relative_error": motion.wave.admittance_error,
-        "power_solid_W_per_V2": balance.solid,
-        "power_loads_W_per_V2": balance.loads,
-        "power_radiated_left_W_per_V2": balance.left,
-        "power_radiated_right_W_per_V2": balance.right,
-    }
+    block = ElectricalBlock(
+        admittance_S=circuit.admittance,
+        comb_voltage_per_volt=circuit.voltage,
+        power_W_per_V2=circuit.power,
+        power_dissipated_W_per_V2=balance.dissipated,
+        power_radiated_W_per_V2=balance.radiated,
+        power_residual=balance.residual,
+        admittance_relative_error=motion.wave.admittance_error,
+        power_solid_W_per_V2=balance.solid,
+        power_loads_W_per_V2=balance.loads,
+        power_radiated_left_W_per_V2=balance.left,
+        power_radiated_right_W_per_V2=balance.right,
+    )
     if complex(scene.drive.source_impedance).real > 0:
-        block["power_available_W_per_V2"] = circuit.network.available
+        block |= ElectricalBlock(power_available_W_per_V2=circuit.network.available)
     if scene.drive.source_impedance or scene.drive.match != "none":
-        block["power_source_W_per_V2"] = circuit.network.in_sources
-        block["power_network_W_per_V2"] = circuit.network.in_ladders
+        block |= ElectricalBlock(
+            power_source_W_per_V2=circuit.network.in_sources, power_network_W_per_V2=circuit.network.in_ladders
+        )
     block |= _recovered(scene, circuit)
     if len(circuit.sources) > 1:
         volts, amperes = circuit.voltages, circuit.currents
-        block["sources"] = {
+        sources = {
             circuit.names[k]: {"voltage_per_volt": complex(volts[k]), "current_A_per_V": complex(amperes[k])}
             for k in sorted(circuit.sources)
         }
+        block |= ElectricalBlock(sources=sources)
     return block
 
 
-def _recovered(scene: Scene, circuit) -> dict:
+def _recovered(scene: Scene, circuit) -> ElectricalBlock:
     """Return the recovered power, the loop gain and the net power of the source, of a ``fem.circuit.Circuit``.
 
     With circulation, the recovered power drives the transducers again. The powers of successive passes form a
@@ -44,10 +48,10 @@ def _recovered(scene: Scene, circuit) -> dict:
     """
     recovery = scene.drive.recovery
     if recovery is None:
-        return {}
+        return ElectricalBlock()
     recovered_power = recovered(recovery, circuit.currents[circuit.names.index(recovery.receiver)])
     gain = float(recovered_power / circuit.power)
-    block = {"power_recovered_W_per_V2": float(recovered_power), "recovery_ratio": gain}
+    block = ElectricalBlock(power_recovered_W_per_V2=float(recovered_power), recovery_ratio=gain)
     if not recovery.circulation:
         return block
     if gain >= 1:
@@ -56,7 +60,7 @@ def _recovered(scene: Scene, circuit) -> dict:
             f"the loop's gain is {gain:.4g}, and it oscillates from 1 on; got {recovery.efficiency!r}"
         )
         scene.refuse("drive.recovery.efficiency", rule)
-    return block | {"power_net_W_per_V2": float(circuit.power - recovered_power)}
+    return block | ElectricalBlock(power_net_W_per_V2=float(circuit.power - recovered_power))
 
 
 def recovered(recovery, current: complex) -> float:
@@ -72,19 +76,20 @@ def source_power(scene: Scene, solved: SolvedStator) -> float:
     return solved.power - recovered(recovery, solved.currents[recovery.receiver])
 
 
-def with_powers(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:
+def with_powers(points: tuple[Point, ...], electrical: ElectricalBlock) -> tuple[Point, ...]:
     """Return the points with the available power of the source and the recovered power, both in W.
 
     The available power exists only for a source with a resistance. The recovered power is added only if the point has
     ``received_over_free``, because the slider then changes the wave on its way to the receiver.
     """
-    available, recovered = (electrical.get(f"power_{name}_W_per_V2") for name in ("available", "recovered"))
+    available, recovered = electrical.power_available_W_per_V2, electrical.power_recovered_W_per_V2
     extended = []
     for point in points:
-        powers, voltage_squared = {}, point["voltage_V"] ** 2 if "voltage_V" in point else 0.0
+        powers = Point()
         if available is not None:
-            powers = {"voltage_V": point["voltage_V"], "available_power_W": available * voltage_squared}
-        if recovered is not None and "received_over_free" in point:
-            powers["recovered_power_W"] = recovered * abs(point["received_over_free"]) ** 2 * voltage_squared
+            powers = Point(voltage_V=point.voltage_V, available_power_W=available * point.voltage_V**2)
+        if recovered is not None and point.received_over_free is not None:
+            received = recovered * abs(point.received_over_free) ** 2 * point.voltage_V**2
+            powers |= Point(recovered_power_W=received)
         extended.append(powers | point)
     return tuple(extended)

@@ -10,13 +10,13 @@ whose temperature never becomes steady.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 
 import fem
 from studies.model.materials import crystal
 from studies.record import Record
+from studies.record.blocks import HeatBlock
 from studies.refusal import SceneError
 from studies.scene.blocks import Cooling
 
@@ -59,19 +59,19 @@ def plate(record: Record, *, air: float = 1.0) -> fem.HeatedPlate | None:
         raise SceneError("stator.cooling.air", error.rule) from None
 
 
-def powers(record: Record) -> dict[str, float]:
+def powers(record: Record) -> HeatBlock:
     """Return where the power goes at the largest level, W: dielectric, along the beam, into each end, into loads."""
     electrical, highest = record.electrical, max(record.scene.levels, default=0.0)
-    solid = electrical["power_solid_W_per_V2"] * highest**2
+    solid = electrical.power_solid_W_per_V2 * highest**2
     dielectric = min(_dielectric(record) * highest**2, max(solid, 0.0))
-    return {
-        "power_W": electrical["power_W_per_V2"] * highest**2,
-        "power_dielectric_W": dielectric,
-        "power_along_beam_W": solid - dielectric,
-        "power_left_end_W": electrical["power_radiated_left_W_per_V2"] * highest**2,
-        "power_right_end_W": electrical["power_radiated_right_W_per_V2"] * highest**2,
-        "power_loads_W": max(electrical["power_loads_W_per_V2"], 0.0) * highest**2,
-    }
+    return HeatBlock(
+        power_W=electrical.power_W_per_V2 * highest**2,
+        power_dielectric_W=dielectric,
+        power_along_beam_W=solid - dielectric,
+        power_left_end_W=electrical.power_radiated_left_W_per_V2 * highest**2,
+        power_right_end_W=electrical.power_radiated_right_W_per_V2 * highest**2,
+        power_loads_W=max(electrical.power_loads_W_per_V2, 0.0) * highest**2,
+    )
 
 
 def _dielectric(record: Record) -> float:
@@ -80,7 +80,7 @@ def _dielectric(record: Record) -> float:
     loss = scene.stator.dielectric_loss
     if loss is None:
         loss = crystal(scene.stator.material).dielectric_loss
-    return 0.5 * loss * abs(electrical["comb_voltage_per_volt"]) ** 2 * max(electrical["admittance_S"].imag, 0.0)
+    return 0.5 * loss * abs(electrical.comb_voltage_per_volt) ** 2 * max(electrical.admittance_S.imag, 0.0)
 
 
 def sources(record: Record) -> list[fem.HeatSource]:
@@ -92,26 +92,25 @@ def sources(record: Record) -> list[fem.HeatSource]:
     for each in driven:
         center, half = each.center_xy[0], each.half_length
         span = max(center - half, 0.0), min(center + half, length)
-        heated.append(fem.HeatSource(start=span[0], stop=span[1], power=split["power_dielectric_W"] / len(driven)))
+        heated.append(fem.HeatSource(start=span[0], stop=span[1], power=split.power_dielectric_W / len(driven)))
     heated.append(
         fem.HeatSource(
             start=0.0,
             stop=length,
-            power=split["power_along_beam_W"],
+            power=split.power_along_beam_W,
             density=_along(record),
             scale=0.5 * _wavelength(record),
         )
     )
     share = (scene.stator.cooling or Cooling()).ends_heat_stator
     end = min(END_LENGTH, 0.5 * length)
-    for start, name in ((0.0, "left"), (length - end, "right")):
-        power = share * split[f"power_{name}_end_W"]
-        heated.append(fem.HeatSource(start=start, stop=start + end, power=power))
+    for start, power in ((0.0, split.power_left_end_W), (length - end, split.power_right_end_W)):
+        heated.append(fem.HeatSource(start=start, stop=start + end, power=share * power))
     return [each for each in heated if each.power > 0.0]
 
 
 def _wavelength(record: Record) -> float:
-    return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+    return record.wave.phase_velocity_m_per_s / record.wave.frequency_Hz
 
 
 def _along(record: Record):
@@ -133,20 +132,20 @@ def temperature(record: Record, *, air: float = 1.0) -> fem.TemperatureProfile |
     return None if body is None or not heated else fem.temperature_profile(body, heated)
 
 
-def heat_block(record: Record) -> dict[str, Any]:
+def heat_block(record: Record) -> HeatBlock:
     """Return the block ``heat`` of run.json; temperatures only of a plate whose conductivity is known."""
-    scene, block = record.scene, dict(powers(record))
-    if not block["power_W"] > 0.0:
-        return {}
-    block["voltage_V"] = max(scene.levels)
+    scene, block = record.scene, powers(record)
+    if not block.power_W > 0.0:
+        return HeatBlock()
+    block |= HeatBlock(voltage_V=max(scene.levels))
     body = plate(record)
     if body is None:
         return block
     kept = sum(each.power for each in sources(record))
     rate, settling = body.heating_rate(kept), body.time_constant
     if rate is not None and settling is not None:
-        block |= {"heating_rate_K_per_s": rate, "time_constant_s": settling}
-    block |= {"mean_rise_K": body.steady_rise(kept)}
+        block |= HeatBlock(heating_rate_K_per_s=rate, time_constant_s=settling)
+    block |= HeatBlock(mean_rise_K=body.steady_rise(kept))
     places = {"fingers": scene.driven_transducer.center_xy[0], "left_end": 0.0, "right_end": scene.stator.length}
     if scene.slider is not None:
         places["slider"] = scene.slider.center[0]
@@ -162,23 +161,23 @@ def heat_block(record: Record) -> dict[str, Any]:
     return block | _effects(record, block)
 
 
-def _effects(record: Record, block: dict) -> dict[str, float]:
+def _effects(record: Record, block: HeatBlock) -> HeatBlock:
     """Return what the temperature does to the frequency, with the velocity's coefficient; nothing without it."""
     constants, stator = thermal_constants(record.scene.stator.material), record.scene.stator
     coefficient = constants["velocity_coefficient"]
     if coefficient is None:
-        return {}
-    drift = coefficient * block["fingers_rise_K"]
+        return HeatBlock()
+    drift = coefficient * block.fingers_rise_K
     pairs = record.scene.driven_transducer.finger_pairs
-    effects = {"frequency_drift": drift, "warm_amplitude_factor": float(np.sinc(pairs * drift))}
+    effects = HeatBlock(frequency_drift=drift, warm_amplitude_factor=float(np.sinc(pairs * drift)))
     if stator.ends != "absorbing":
         quality = stator.mechanical_quality or crystal(stator.material).mechanical_quality
         body = plate(record)
         assert body is not None
-        effects["foldover_number"] = fem.foldover_number(
-            quality=quality, frequency_coefficient=coefficient, resistance=body.resistance,
-            peak_power=block["power_W"],
-        )  # fmt: skip
+        number = fem.foldover_number(
+            quality=quality, frequency_coefficient=coefficient, resistance=body.resistance, peak_power=block.power_W
+        )
+        effects |= HeatBlock(foldover_number=number)
     return effects
 
 
@@ -187,22 +186,22 @@ def heat_warnings(record: Record):
     block, stator = record.heat, record.scene.stator
     cooling = stator.cooling or Cooling()
     constants = thermal_constants(stator.material)
-    highest, curie = block.get("highest_rise_K"), constants["curie_temperature"]
+    highest, curie = block.highest_rise_K, constants["curie_temperature"]
     if highest is not None and curie is not None and cooling.ambient + highest > 0.5 * curie:
         yield (
-            f"a continuous drive at {block['voltage_V']:g} V warms the stator by {highest:.3g} K above "
-            f"{cooling.ambient:g} degC at x = {1e3 * block['hottest_x_m']:.3g} mm, more than half of its Curie "
+            f"a continuous drive at {block.voltage_V:g} V warms the stator by {highest:.3g} K above "
+            f"{cooling.ambient:g} degC at x = {1e3 * block.hottest_x_m:.3g} mm, more than half of its Curie "
             f"temperature of {curie:g} degC: the poling suffers; cool the stator, lower the voltage or drive in bursts"
         )
-    if block.get("heating_rate_K_per_s", 0.0) > FAST:
+    if (block.heating_rate_K_per_s or 0.0) > FAST:
         yield (
-            f"at {block['voltage_V']:g} V the stator warms by {block['heating_rate_K_per_s']:.3g} K in the first "
+            f"at {block.voltage_V:g} V the stator warms by {block.heating_rate_K_per_s:.3g} K in the first "
             "second: drive in bursts, or glue it to metal (stator.cooling.bottom)"
         )
-    if block.get("foldover_number", 0.0) > fem.FOLDOVER_LIMIT:
+    if (block.foldover_number or 0.0) > fem.FOLDOVER_LIMIT:
         yield (
-            f"between reflecting ends the warm resonance has two stable temperatures at {block['voltage_V']:g} V "
-            f"(foldover number {block['foldover_number']:.3g}, two states from 1.54 on): approach it from above where "
+            f"between reflecting ends the warm resonance has two stable temperatures at {block.voltage_V:g} V "
+            f"(foldover number {block.foldover_number:.3g}, two states from 1.54 on): approach it from above where "
             "the frequency falls with temperature, from below where it rises, or follow the resonance"
         )
     body = plate(record)

@@ -57,7 +57,7 @@ def _velocities_at(record: Record, levels: tuple[float, ...], column: str) -> li
     Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
     stator. ``column``: of a point; the mean of a run without ripple is the velocity itself.
     """
-    answers = {point[record.level]: point for point in record.points}
+    answers: dict = {point.level: point for point in record.points}
     missing = [level for level in dict.fromkeys(levels) if level not in answers]
     if missing:
         changes = [{record.scene.level_key: level} for level in missing]

@@ -9,6 +9,7 @@ motion is part of the error.
 """
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
@@ -69,7 +70,9 @@ def _left_out(sizes: np.ndarray) -> float:
     return 2.0 * last * ratio / (1.0 - ratio)
 
 
-def pillar_columns(body: PillarContact, level: float, point: dict, tolerance: float) -> tuple[dict[str, float], float]:
+def pillar_columns(
+    body: PillarContact, level: float, point: Mapping, tolerance: float
+) -> tuple[dict[str, float], float]:
     """Return the columns of a point with an answer, and the range over the reference speed."""
     ripple, reference = pillar_ripple(body, level, point["velocity_m_per_s"], tolerance)
     from_wave = (body.driven.stator_error + body.misfit) * point.get("amplitude_sensitivity", 1.0)

@@ -1,10 +1,10 @@
 """The blocks of run.json and the columns of surface.csv that describe the motion of a driven stator."""
 
-from typing import Any
-
 import numpy as np
 
 import fem
+from studies.record.blocks import ErrorBlock, WaveBlock
+from studies.record.point import Point
 from studies.record.status import Status
 from studies.scene import Scene
 from studies.solve.surface_motion import SurfaceMotion
@@ -13,7 +13,7 @@ NODE = 1e-9  # relative to the largest |u_z| of the section; smaller amplitudes 
 PER_WAVELENGTH = 12  # lines of surface.csv per wavelength if the section does not lie along x
 
 
-def wave_block(scene: Scene, motion: SurfaceMotion, position: tuple[float, float], ringing) -> dict:
+def wave_block(scene: Scene, motion: SurfaceMotion, position: tuple[float, float], ringing) -> WaveBlock:
     """Return the block ``wave`` of run.json.
 
     It contains the motion at ``position`` (x, y) in m, its relative error and the properties of the section's wave.
@@ -22,23 +22,26 @@ def wave_block(scene: Scene, motion: SurfaceMotion, position: tuple[float, float
     wave, positions = motion.wave, [position] if scene.slider is None else [position, *scene.slider.contact_positions]
     components = motion.at(positions)
     tangential, lateral, normal = map(complex, components[:, 0])
-    block: dict[str, Any] = {"frequency_Hz": wave.frequency, "normal_m_per_V": normal, "tangential_m_per_V": tangential}
+    block = WaveBlock(frequency_Hz=wave.frequency, normal_m_per_V=normal, tangential_m_per_V=tangential)
     if motion.beam is not None:
-        block["lateral_m_per_V"] = lateral
-        block["largest_lateral_ratio"] = float((abs(components[1]) / abs(components[0])).max())
-        in_section = map(complex, wave.motion(motion.in_section(position)))
-        block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
+        tangential, normal = map(complex, wave.motion(motion.in_section(position)))
+        block |= WaveBlock(
+            lateral_m_per_V=lateral,
+            largest_lateral_ratio=float((abs(components[1]) / abs(components[0])).max()),
+            section_tangential_m_per_V=tangential,
+            section_normal_m_per_V=normal,
+        )
     if not motion.covered(position):
-        block["rayleigh_normal_m_per_V"] = motion.surface_mode_at(position)
-    block |= {
-        "standing_wave_ratio": motion.standing_wave_ratio(position),
-        "phase_velocity_m_per_s": wave.phase_velocity,
-        "surface_ratio": wave.surface_ratio,
-        "relative_error": motion.relative_error(positions),
-        "resolution": wave.resolution,
-    }
+        block |= WaveBlock(rayleigh_normal_m_per_V=motion.surface_mode_at(position))
+    block |= WaveBlock(
+        standing_wave_ratio=motion.standing_wave_ratio(position),
+        phase_velocity_m_per_s=wave.phase_velocity,
+        surface_ratio=wave.surface_ratio,
+        relative_error=motion.relative_error(positions),
+        resolution=wave.resolution,
+    )
     if ringing is not None and ringing.response is not None:
-        block["settling_time_s"] = ringing.response.settling
+        block |= WaveBlock(settling_time_s=ringing.response.settling)
     return block
 
 
@@ -71,16 +74,15 @@ def amplitude_blocks(scene: Scene, motion: SurfaceMotion, position: tuple[float,
     tangential, _, normal = (float(size) for size in abs(motion.at([position])[:, 0]))
     error = motion.relative_error([position])
     points = tuple(
-        {
-            "voltage_V": voltage, "normal_amplitude_m": normal * voltage,
-            "tangential_amplitude_m": tangential * voltage,
-            "relative_error": error if voltage else 0.0, "status": Status.OK.value,
-        }
+        Point(
+            voltage_V=voltage, normal_amplitude_m=normal * voltage, tangential_amplitude_m=tangential * voltage,
+            relative_error=error if voltage else 0.0, status=Status.OK.value,
+        )
         for voltage in scene.levels
     )  # fmt: skip
     short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
-    parts = {"relative": error, "parts": {"stator": error}}
-    return {"points": points, "error": parts, "shortfall": short if error > tolerance else ""}
+    block = ErrorBlock(relative=error, parts={"stator": error})
+    return {"points": points, "error": block, "shortfall": short if error > tolerance else ""}
 
 
 def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:

@@ -338,10 +338,12 @@ def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
 
 
 def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
+    from studies.record.blocks import ElectricalBlock
+    from studies.record.point import Point
     from studies.solve.electrical import with_powers
 
-    points = ({"voltage_V": 10.0, "received_over_free": 0.6 + 0.3j}, {"voltage_V": 10.0})
-    found = with_powers(points, {"power_recovered_W_per_V2": 2e-3})
+    points = Point(voltage_V=10.0, received_over_free=0.6 + 0.3j), Point(voltage_V=10.0)
+    found = with_powers(points, ElectricalBlock(power_recovered_W_per_V2=2e-3))
     assert found[0]["recovered_power_W"] == pytest.approx(2e-3 * 100 * 0.45)
     assert found[1] == points[1]
 

@@ -1,0 +1,93 @@
+"""Named values of a record as attributes: the base class of its points and blocks."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import FrozenInstanceError
+from typing import Any, ClassVar, NoReturn, Self, dataclass_transform
+
+# Types of fields.  A field without a value is None; `Any` spares its readers the question where the value must exist.
+Number = float | Any
+Count = int | Any
+Complex = complex | Any
+Text = str | Any
+Flag = bool | Any
+Pair = tuple[float, float] | Any
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True)
+class Values(Mapping[str, Any]):
+    """Values of the fields that a subclass declares, each None where it is absent; they cannot be changed.
+
+    The values that are present also make a mapping, by the keys of run.json, in the order in which they were set:
+    ``values["frequency_Hz"]``, ``values.get(key)``, ``key in values``, ``dict(values)``.  ``values | others`` returns
+    the values of both, those of ``others`` where both have one.
+
+    Type checkers and editors treat a subclass as a frozen dataclass.  It is none of the standard library, because only
+    the values that are present are stored: a point has 80 fields, of which a sweep sets 5.
+
+    Raises
+    ------
+    TypeError
+        If an argument is no field.
+
+    Examples
+    --------
+    >>> class Wave(Values):
+    ...     frequency_Hz: Number = None
+    ...     surface_ratio: Number = None
+    >>> wave = Wave(frequency_Hz=1e6) | Wave(surface_ratio=0.7)
+    >>> wave.surface_ratio, wave["frequency_Hz"], Wave(frequency_Hz=2e6).surface_ratio
+    (0.7, 1000000.0, None)
+    """
+
+    fields: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls) -> None:
+        cls.fields = frozenset(cls.__annotations__)
+
+    def __init__(self, **values: Any) -> None:
+        if not values.keys() <= self.fields:
+            raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(values.keys() - self.fields))}")
+        self._store(values)
+
+    def _store(self, values: Mapping[str, Any]) -> None:
+        present = self.__dict__
+        for key, value in values.items():
+            if value is not None:
+                present[key] = value
+
+    @classmethod
+    def read(cls, values: Mapping[str, Any]) -> Self:
+        """Return the values of a mapping; of a file of another version also those that are no field."""
+        if isinstance(values, cls):
+            return values
+        new = object.__new__(cls)
+        new._store(values)
+        return new
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the values that are present, by the keys of run.json."""
+        return {key: value.to_dict() if isinstance(value, Values) else value for key, value in self.__dict__.items()}
+
+    def __or__(self, other: Mapping[str, Any]) -> Self:
+        return self.read({**self.__dict__, **(other.__dict__ if isinstance(other, Values) else other)})
+
+    def __getitem__(self, key: str) -> Any:
+        return self.__dict__[key]
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.__dict__
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__dict__)
+
+    def __len__(self) -> int:
+        return len(self.__dict__)
+
+    def __setattr__(self, key: str, value: Any) -> NoReturn:
+        raise FrozenInstanceError(f"cannot assign to field {key!r}")
+
+    def __delattr__(self, key: str) -> NoReturn:
+        raise FrozenInstanceError(f"cannot delete field {key!r}")
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in self.__dict__.items())})"
