@@ -95,13 +95,13 @@ def compared(scene: Scene, tolerance: float, *, index: int = 0) -> Checked:
     true = estimate = 0.0
     try:
         first = run_chain(scene, tolerance=tolerance)
-        finer = _finer(scene, min(first.error.get("relative") or tolerance, tolerance))
+        finer = _finer(scene, min(first.error.relative or tolerance, tolerance))
     except (RunError, SceneError) as error:
         refusal = str(error)
     else:
         pairs = [pair for pair in _pairs(first, finer) if pair[0] > 0 or pair[1] > 0]
         refusal = "" if pairs else (first.shortfall or "every point is at rest")
-        own_error = finer.error.get("relative", math.inf)
+        own_error = math.inf if finer.error.relative is None else finer.error.relative
         if not refusal and own_error > WORTHLESS * max(estimate for _, estimate in pairs):
             refusal = f"the converged answer is known to {own_error:.1e} only"
         true, estimate = max(pairs, key=lambda p: p[0] / p[1] if p[1] else math.inf, default=(0.0, 0.0))
@@ -130,19 +130,19 @@ def _finer(scene, stated: float):
 def _pairs(first, finer) -> list[tuple[float, float]]:
     """Return true error and estimate of each point for which both runs have an answer."""
     if not first.points:
-        velocity = "phase_velocity_m_per_s"
-        return [(abs(first.wave[velocity] / finer.wave[velocity] - 1), first.error["relative"])]
+        true = abs(first.wave.phase_velocity_m_per_s / finer.wave.phase_velocity_m_per_s - 1)
+        return [(true, first.error.relative)]
     pairs = []
-    omega = 2 * math.pi * first.wave["frequency_Hz"]
+    omega = 2 * math.pi * first.wave.frequency_Hz
     for one, other in zip(first.points, finer.points, strict=True):
-        if "relative_error" not in one or "relative_error" not in other:
+        if not (one.answered and other.answered):
             continue
-        if "velocity_m_per_s" in one:
-            speed = contact.speed_scale(other["velocity_m_per_s"], omega * other["tangential_amplitude_m"])
-            true = abs(one["velocity_m_per_s"] - other["velocity_m_per_s"]) / speed
+        if one.velocity_m_per_s is not None:
+            speed = contact.speed_scale(other.velocity_m_per_s, omega * other.tangential_amplitude_m)
+            true = abs(one.velocity_m_per_s - other.velocity_m_per_s) / speed
         else:
-            true = abs(one["normal_amplitude_m"] / other["normal_amplitude_m"] - 1)
-        pairs.append((true, one["relative_error"]))
+            true = abs(one.normal_amplitude_m / other.normal_amplitude_m - 1)
+        pairs.append((true, one.relative_error))
     return pairs
 
 

@@ -121,14 +121,14 @@ def _chain(source: str, tolerance: float) -> dict:
 
     def work() -> dict:
         record = run_chain(scene, tolerance=tolerance)
-        velocity = [point["velocity_m_per_s"] for point in record.points]
-        surface = [2 * math.pi * scene.frequency * p["tangential_amplitude_m"] for p in record.points]
+        velocity = [point.velocity_m_per_s for point in record.points]
+        surface = [2 * math.pi * scene.frequency * p.tangential_amplitude_m for p in record.points]
         return {
             "values": velocity,
             "scales": list(map(contact.speed_scale, velocity, surface)),
-            "stated": record.error["relative"],
+            "stated": record.error.relative,
             "unknowns": record.surface_wave.unknowns,
-            "motion": (record.wave["tangential_m_per_V"], record.wave["normal_m_per_V"]),
+            "motion": (record.wave.tangential_m_per_V, record.wave.normal_m_per_V),
         }
 
     return _measured(work)

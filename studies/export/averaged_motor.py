@@ -129,7 +129,7 @@ def _drive(driven: Contact, left_out: list) -> Drive:
     response, settling = (None, 0.0) if ringing is None else _step_response(ringing)
     return Drive(
         name=driven.scene.driven_transducer.name, orbits=driven.orbits, response=response, settling=settling,
-        power=float(record.electrical["power_W_per_V2"]), error=float(driven.stator_error),
+        power=float(record.electrical.power_W_per_V2), error=float(driven.stator_error),
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ LOSSES = (("friction_power_W", "friction", "intermittent"), ("thrust_power_W", "
 
 def _at_last_level(record: "Record") -> str:
     """Return the level of a record's pillars and waves, the last that has an answer, for a title."""
-    levels = [point[record.level] for point in record.points if "velocity_m_per_s" in point]
+    levels = [point.level for point in record.points if point.velocity_m_per_s is not None]
     return f" at {quantity(record.level).with_unit(levels[-1])}" if levels else ""
 
 
@@ -60,20 +60,20 @@ def pressure(record: "Record", ax):
 
 def power(record: "Record", ax):
     """Draw what the waves below the slider lose at each level, as stacked bars, and above them what remains."""
-    points = [point for point in record.points if "wave_power_in_W" in point]
+    points = [point for point in record.points if point.wave_power_in_W is not None]
     level, share, incident = (quantity(key) for key in (record.level, "power_share", "wave_power_in_W"))
     positions, top = np.arange(len(points)), np.zeros(len(points))
     for key, label, colour in LOSSES:
-        values = np.array([share.scale * point[key] / point["wave_power_in_W"] for point in points])
+        values = np.array([share.scale * point[key] / point.wave_power_in_W for point in points])
         if values.any():
             ax.bar(positions, values, bottom=top, color=COLOURS[colour], label=label)
             top = top + values
     highest = max(float(top.max()), 1e-3)
     for position, height, point in zip(positions, top, points, strict=True):
-        remaining = share.scale * point["wave_power_out_W"] / point["wave_power_in_W"]
-        text = f"{remaining:.3g} % remain\nof {incident.with_unit(point['wave_power_in_W'])}"
+        remaining = share.scale * point.wave_power_out_W / point.wave_power_in_W
+        text = f"{remaining:.3g} % remain\nof {incident.with_unit(point.wave_power_in_W)}"
         ax.text(position, height + 0.01 * highest, text, ha="center", va="bottom", fontsize="small")
-    ax.set_xticks(positions, [level.text(point[record.level]) for point in points])
+    ax.set_xticks(positions, [level.text(point.level) for point in points])
     ax.set_xlim(-0.75, len(points) - 0.25)
     ax.set_ylim(0.0, 1.2 * highest)
     title = f"{record.scene.title}: power that the wave loses; above, what remains in it"

@@ -129,7 +129,7 @@ class Record:
     @property
     def moving_levels(self) -> list[float]:
         """The levels at which the slider moves, rising."""
-        return sorted({point[self.level] for point in self.points if point.get("velocity_m_per_s")})
+        return sorted({point.level for point in self.points if point.velocity_m_per_s})
 
     def limit(self, name: str) -> float | None:
         """Return the level at the "threshold" or the "release"; None where there is none."""
@@ -143,14 +143,14 @@ class Record:
     @property
     def at_rest(self) -> bool:
         """Whether the slider sticks at every point, so that no velocity has an error."""
-        return bool(self.points) and all(point.get("regime") == "stick" for point in self.points)
+        return bool(self.points) and all(point.regime == "stick" for point in self.points)
 
     @property
     def exit_code(self) -> int:
         """Exit code of the command: 0, 1 for an answer that misses its tolerance, 3 for no answer."""
         if not self.shortfall:
             return 0
-        answered = not self.points or any("relative_error" in point for point in self.points)
+        answered = not self.points or any(point.answered for point in self.points)
         return EXIT_INEXACT if answered else EXIT_NO_ANSWER
 
     @property
@@ -353,12 +353,10 @@ class Record:
             parts.append(f"{len(levels)} points, {quantity(self.level).interval(min(levels), max(levels))}")
             if speeds:
                 parts.append(f"velocity {quantity('velocity_m_per_s').interval(min(speeds), max(speeds))}")
-        elif "phase_velocity_m_per_s" in self.wave:
-            parts.append(
-                f"free wave, {quantity('phase_velocity_m_per_s').with_unit(self.wave['phase_velocity_m_per_s'])}"
-            )
+        elif self.wave.phase_velocity_m_per_s is not None:
+            parts.append(f"free wave, {quantity('phase_velocity_m_per_s').with_unit(self.wave.phase_velocity_m_per_s)}")
         if self.error:
-            parts.append(f"relative error {self.error['relative']:.1e}")
+            parts.append(f"relative error {self.error.relative:.1e}")
         return [*parts, self.shortfall] if self.shortfall else parts
 
     def _repr_html_(self) -> str:

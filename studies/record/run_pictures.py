@@ -37,7 +37,7 @@ def pictures(record: "Record") -> dict[str, Callable]:
         drawings["measured"] = measured_picture
     if record.pillars:
         drawings |= {"slider_wave": slider_wave, "pressure": pressure}
-        if any(point.get("wave_power_in_W") for point in record.points):
+        if any(point.wave_power_in_W for point in record.points):
             drawings["power"] = power
     return {name: partial(draw, record) for name, draw in drawings.items()}
 
@@ -91,19 +91,19 @@ def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
     axes = record.level, "velocity_m_per_s"
-    where = ", at the position" if any("mean_velocity_m_per_s" in point for point in record.points) else ""
+    where = ", at the position" if any(point.mean_velocity_m_per_s is not None for point in record.points) else ""
     for regime, mark in MARKS.items():
-        points = [point for point in record.points if point.get("regime") == regime]
+        points = [point for point in record.points if point.regime == regime]
         if points:
             ax.plot(*_shown(points, *axes), mark, color=COLOURS[regime], label=regime + where)
     if len(record.points) <= MAX_LABELLED:
         _values(ax, record, axes)
     _ripple(record, ax)
-    missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
+    missed = [point for point in record.points if (point.relative_error or 0.0) > record.tolerance]
     if missed:
         ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
         ax.plot(*_shown(missed, *axes), "o", label=f"error above {record.tolerance:g}", **ring)
-    banded = sorted((p for p in record.points if "velocity_low_m_per_s" in p), key=lambda point: point[record.level])
+    banded = sorted((p for p in record.points if p.velocity_low_m_per_s is not None), key=lambda point: point.level)
     if banded:
         label = f"95 % of the tolerances ({record.uncertainty['method']})"
         band = _shown(banded, record.level, "velocity_low_m_per_s", "velocity_high_m_per_s")
@@ -113,14 +113,14 @@ def velocity(record: "Record", ax):
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
             options = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
             ax.axvline(limit * scale, color=COLOURS["line"], **options)
-    speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
+    speeds = [point.velocity_m_per_s for point in record.points if point.velocity_m_per_s is not None]
     if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
         ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
     if "points" in record.measured:
         _measured(record, ax, scale)
     _power_axis(record, ax)
-    regimes, title = {point["regime"] for point in record.points if "regime" in point}, record.scene.title
+    regimes, title = {point.regime for point in record.points if point.regime is not None}, record.scene.title
     alone = len(regimes) == len(ax.get_legend_handles_labels()[0]) == 1  # nothing for a legend to tell apart
     if alone:
         title = f"{title}\nevery point: {regimes.pop()}"
@@ -142,7 +142,7 @@ def _values(ax, record: "Record", axes: tuple[str, str]) -> None:
 
 def _ripple(record: "Record", ax) -> None:
     """Shade the range of the velocity over half a wavelength, and draw its mean over place."""
-    points = sorted((p for p in record.points if "mean_velocity_m_per_s" in p), key=lambda point: point[record.level])
+    points = sorted((p for p in record.points if p.mean_velocity_m_per_s is not None), key=lambda point: point.level)
     if not points:
         return
     at, low, mean, high = _shown(
@@ -166,7 +166,7 @@ def _shown(points, *keys: str) -> list[Any]:
 
 def _power_axis(record: "Record", ax) -> None:
     """Put the source's available power on the upper axis, where it has a resistance."""
-    available = record.electrical.get("power_available_W_per_V2")
+    available = record.electrical.power_available_W_per_V2
     if available is None or not any(record.scene.levels):
         return
     from matplotlib.ticker import MaxNLocator
@@ -183,7 +183,7 @@ def _power_axis(record: "Record", ax) -> None:
 def _measured(record: "Record", ax, scale: float) -> None:
     """Draw measured points with their errors, and a line through the prediction that they are compared with."""
     points = record.measured["points"]
-    predicted = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
+    predicted = {p.level: p.velocity_m_per_s for p in record.points if p.velocity_m_per_s is not None}
     predicted |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
     speed, threshold = quantity("velocity_m_per_s").scale, record.limit("threshold")
     if threshold is not None and min(predicted) < threshold < max(predicted):
@@ -235,7 +235,7 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
     label, scale, up = quantity("x_m").axis, quantity("x_m").scale, quantity("amplitude_m_per_V")
     x = columns["x_m"] * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
-    wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
+    wavelength = scale * (record.wave.phase_velocity_m_per_s or math.inf) / record.wave.frequency_Hz
     rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
     values = [columns[f"u_{axis}_m_per_V"] * up.scale for axis in "zx"]
     sizes = [abs(each) for each in values]
@@ -254,14 +254,14 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
         shaded(ax, start * scale, stop * scale, None if number else "meshed piece", colour="second")
     if scene.slider is not None:
         ax.axvline(scene.slider.center[0] * scale, color=COLOURS["line"], linestyle=":", label="slider")
-    if "section_normal_m_per_V" in record.wave and scene.slider is not None:
+    if record.wave.section_normal_m_per_V is not None and scene.slider is not None:
         position = [scene.slider.center[0] * scale]
         parts = (("normal", "slip", "finite aperture"), ("tangential", "intermittent", None))
         for part, colour, label_of_part in parts:
             curve(ax, position, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0)
     finished(ax, label, up.axis, "", columns=3, grid=False)
-    titled(top, f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave['frequency_Hz'])}")
+    titled(top, f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave.frequency_Hz)}")
     return ax
 
 
@@ -309,14 +309,14 @@ def profile(record: "Record", ax):
         if abs(values).max() > 1e-9:
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
-    velocity = quantity("phase_velocity_m_per_s").with_unit(record.wave["phase_velocity_m_per_s"])
+    velocity = quantity("phase_velocity_m_per_s").with_unit(record.wave.phase_velocity_m_per_s)
     title = f"{record.scene.title}: {velocity}"
     return finished(ax, across.axis, quantity("relative_displacement").axis, title)
 
 
 def errors(record: "Record", ax):
     """Draw the estimated error of each point, with the tolerance."""
-    points = [point for point in record.points if point.get("relative_error")]
+    points = [point for point in record.points if point.relative_error]
     at, sizes = _shown(points, record.level, "relative_error")
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="tolerance")

@@ -50,13 +50,13 @@ def answer(record: "Record") -> str:
     entries += [*_heat(record.heat), *comparison(record.measured)]
     bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
-        error = record.wave.get("relative_error")
+        error = record.wave.relative_error
         wave = "" if error is None else f"; the relative error of the wave under the slider is {error:.1e}"
         entries.append(("relative error", f"none: no point moves{wave}, {bound}"))
     elif record.error:
-        parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
-        model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
-        entries.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {bound}{model}"))
+        parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error.parts.items())
+        model = f"; model {record.error.model:.1e} of u_z or velocity" if record.error.model is not None else ""
+        entries.append(("relative error", f"{record.error.relative:.1e} ({parts}), {bound}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     entries += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
     if record.left_out:
@@ -145,12 +145,12 @@ def _wave(record: "Record"):
             yield quantity(key).head, _stated(wave, key)
     if not electrical:
         return
-    size = abs(wave["normal_m_per_V"])
+    size = abs(wave.normal_m_per_V)
     amplitude = f"{quantity('normal_m_per_V').with_unit(size)} at the slider's position"
-    ratio = f"standing-wave ratio {wave['standing_wave_ratio']:.3g}"
+    ratio = f"standing-wave ratio {wave.standing_wave_ratio:.3g}"
     yield "wave", f"{amplitude}, {_stated(wave, 'phase_velocity_m_per_s')}, {ratio}"
-    if "section_normal_m_per_V" in wave:
-        change = abs(wave["section_normal_m_per_V"]) / size - 1
+    if wave.section_normal_m_per_V is not None:
+        change = abs(wave.section_normal_m_per_V) / size - 1
         yield "diffraction", f"the plane section would give {percent(change)} at the slider's position"
     yield "admittance", _stated(electrical, "admittance_S")
     yield from _source(electrical, record.scene.drive)
@@ -164,9 +164,9 @@ def _heat(block: HeatBlock):
              ("lost in the solid along the beam", "along_beam"), ("into loads", "loads"))  # fmt: skip
     power = quantity("heat.power_W")
     shares = [f"{power.with_unit(block[f'power_{key}_W'])} {name}" for name, key in named
-              if block[f"power_{key}_W"] > 1e-4 * block["power_W"]]  # fmt: skip
-    yield "power", f"{power.with_unit(block['power_W'])} at {block['voltage_V']:g} V: {', '.join(shares)}"
-    if "highest_rise_K" not in block:
+              if block[f"power_{key}_W"] > 1e-4 * block.power_W]  # fmt: skip
+    yield "power", f"{power.with_unit(block.power_W)} at {block.voltage_V:g} V: {', '.join(shares)}"
+    if block.highest_rise_K is None:
         return
     rise = quantity("heat.highest_rise_K")
 
@@ -177,13 +177,13 @@ def _heat(block: HeatBlock):
     places = [("slider", "slider"), ("fingers", "fingers"), ("left end", "left_end"), ("right end", "right_end")]
     rises = ", ".join(f"{name} {banded(key)}" for name, key in places if f"{key}_rise_K" in block)
     lines = [f"steady: {rises}"]
-    if "heating_rate_K_per_s" in block:
-        rate, settling = f"{block['heating_rate_K_per_s']:.2g} K/s", f"{block['time_constant_s']:.3g} s"
+    if block.heating_rate_K_per_s is not None:
+        rate, settling = f"{block.heating_rate_K_per_s:.2g} K/s", f"{block.time_constant_s:.3g} s"
         lines.insert(0, f"a continuous drive warms the stator by {rate} at first, with a time constant of {settling}")
-    if "frequency_drift" in block:
-        drift = f"{1e6 * block['frequency_drift']:.3g} ppm of the frequency"
-        factor = f"amplitude of the transducer x {block['warm_amplitude_factor']:.4f}"
-        more = f", foldover number {block['foldover_number']:.2g}" if "foldover_number" in block else ""
+    if block.frequency_drift is not None:
+        drift = f"{1e6 * block.frequency_drift:.3g} ppm of the frequency"
+        factor = f"amplitude of the transducer x {block.warm_amplitude_factor:.4f}"
+        more = "" if block.foldover_number is None else f", foldover number {block.foldover_number:.2g}"
         lines.append(f"{drift}, {factor} at a fixed frequency{more}")
     yield "temperature", lines
 
@@ -191,11 +191,11 @@ def _heat(block: HeatBlock):
 def _ripple(record: "Record"):
     """Yield name and text of the velocity's range over half a wavelength, and which velocity is which."""
     summary = record.summary
-    if "velocity_ripple" not in summary:
+    if summary.velocity_ripple is None:
         return
-    where = quantity("ripple_to_m").interval(summary["ripple_from_m"], summary["ripple_to_m"])
-    size = quantity("velocity_ripple").with_unit(summary["velocity_ripple"])
-    errors = [point["mean_velocity_relative_error"] for point in record.points if "mean_velocity_m_per_s" in point]
+    where = quantity("ripple_to_m").interval(summary.ripple_from_m, summary.ripple_to_m)
+    size = quantity("velocity_ripple").with_unit(summary.velocity_ripple)
+    errors = [point.mean_velocity_relative_error for point in record.points if point.mean_velocity_m_per_s is not None]
     if not errors:
         if record.at_rest:
             return
@@ -214,19 +214,19 @@ def _source(electrical: ElectricalBlock, drive):
     if drive.match != "none":
         parts = [str(each) for each in drive.match]
         yield "match", ", ".join(parts) + " (from the source to the transducer)"
-    available = electrical.get("power_available_W_per_V2")
+    available = electrical.power_available_W_per_V2
     if available is not None:
         share = quantity("power_share")
         shares = (f"{name} {share.with_unit(electrical[f'power_{key}'] / available)}" for name, key in SHARES.items())
         yield "power", f"of the available: {', '.join(shares)}"
-        yield "electrodes", f"{abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source"
-    ratio = electrical.get("recovery_ratio")
+        yield "electrodes", f"{abs(electrical.comb_voltage_per_volt):.4g} V per V of the source"
+    ratio = electrical.recovery_ratio
     if ratio is not None:
         load = complex(drive.recovery.load)
         recovered = f"{quantity('power_share').with_unit(ratio)} of the power into the transducers"
         yield "recovered", f"{recovered}, in {load.real:.4g} {load.imag:+.4g}i ohm"
-    if "power_net_W_per_V2" in electrical:
-        less = electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"]
+    if electrical.power_net_W_per_V2 is not None:
+        less = electrical.power_W_per_V2 / electrical.power_net_W_per_V2
         gives = f"the source gives 1/{less:.4g} of the power into the transducers"
         yield "circulation", f"{gives}; gain of the loop {ratio:.4g}, stable below 1"
 
@@ -321,7 +321,7 @@ def _limits(record: "Record"):
     summary, slider = record.summary, record.scene.slider
     for name, motion in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         levels = [_stated(summary, key) for key in LIMITS if key in summary and quantity(key).head == name]
-        if name == "threshold" and summary.get("threshold_amplitude_m") == 0.0:
+        if name == "threshold" and summary.threshold_amplitude_m == 0.0:
             if slider.load > 0.0:
                 yield name, "none: the load exceeds friction and moves the slider without a wave"
             else:
@@ -337,10 +337,10 @@ def leaving(summary: SummaryBlock, motion: str) -> str:
 
     ``motion``: what it does.
     """
-    if "first_released_contact" not in summary:
+    if summary.first_released_contact is None:
         return f"the slider {motion}"
-    first = f"contact {summary['first_released_contact']}, the first of {summary['touching_contacts']}, {motion}"
-    if "last_released_contact" not in summary:
+    first = f"contact {summary.first_released_contact}, the first of {summary.touching_contacts}, {motion}"
+    if summary.last_released_contact is None:
         return f"{first}; one or more never do"
     last = [_stated(summary, key) for key in LAST_RELEASE if key in summary]
-    return f"{first}; contact {summary['last_released_contact']} is the last, from {', '.join(last)} on"
+    return f"{first}; contact {summary.last_released_contact} is the last, from {', '.join(last)} on"

@@ -252,8 +252,8 @@ def _start_and_stop_motion(driven: Contact, rated: float) -> Any:
 def _over_stroke(record: Record, driven: Contact, rated: float) -> StrokeSpeed | None:
     """Return the velocity over the stroke at the rated level."""
     LOGGER.info("speed along the stroke")
-    point = next(each for each in record.points if each[record.level] == rated)
-    known = Known(point["velocity_m_per_s"], point.get("amplitude_sensitivity", 1.0))
+    point = next(each for each in record.points if each.level == rated)
+    known = Known(point.velocity_m_per_s, point.get("amplitude_sensitivity", 1.0))
     return stroke_speed(driven, record.surface_motion, rated, known, record.tolerance)
 
 
@@ -266,8 +266,8 @@ def _stroke_rows(point: Point, travel: StrokeSpeed, model: float | None) -> Iter
     if travel.missing:
         condition += f"; {travel.missing:.0%} of the places have no answer"
     yield Row("speed", "speed", abs(over.mean), "m/s", over.error / (abs(over.mean) or 1.0), condition, model)
-    if point.get("mean_velocity_m_per_s"):
-        mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
+    if point.mean_velocity_m_per_s:
+        mean, low, high = point.mean_velocity_m_per_s, point.lowest_velocity_m_per_s, point.highest_velocity_m_per_s
         condition = f"within half a wavelength about the position: {shown.interval(low, high)}, mean {shown.text(mean)}"
         yield Row("speed", "ripple", (high - low) / abs(mean), "1", None, condition)
     low, high = travel.stroke
@@ -302,19 +302,19 @@ def _speeds(
 
     ``travel``: over the stroke; None where the speed is that of the position.
     """
-    point = next(each for each in record.points if each[record.level] == rated)
-    speed, error = abs(point["velocity_m_per_s"]), _velocity_error(record, point)
-    scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
+    point = next(each for each in record.points if each.level == rated)
+    speed, error = abs(point.velocity_m_per_s), _velocity_error(record, point)
+    scale, model = error / point.relative_error if error else 1.0, point.model_relative_error
     model = None if model is None else scale * model
     if travel is not None:
         yield from _stroke_rows(point, travel, model)
-    elif "mean_velocity_m_per_s" in point:  # pillars
-        mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
-        surface_speed = 2.0 * np.pi * float(record.scene.frequency) * point["tangential_amplitude_m"]
-        mean_error = point["mean_velocity_relative_error"] * contact.speed_scale(mean, surface_speed) / abs(mean)
+    elif point.mean_velocity_m_per_s is not None:  # pillars
+        mean, low, high = point.mean_velocity_m_per_s, point.lowest_velocity_m_per_s, point.highest_velocity_m_per_s
+        surface_speed = 2.0 * np.pi * float(record.scene.frequency) * point.tangential_amplitude_m
+        mean_error = point.mean_velocity_relative_error * contact.speed_scale(mean, surface_speed) / abs(mean)
         within = f"within half a wavelength ({quantity('velocity_m_per_s').interval(low, high)})"
         yield Row("speed", "speed", abs(mean), "m/s", mean_error, f"no load, steady; mean over place {within}", model)
-    rippled = travel is not None or "mean_velocity_m_per_s" in point
+    rippled = travel is not None or point.mean_velocity_m_per_s is not None
     name, where = ("speed at the position", ", as all that follows") if rippled else ("speed", "")
     yield Row("speed", name, speed, "m/s", error, f"no load, steady{where}", model)
     yield from under_load
@@ -329,7 +329,7 @@ def _speeds(
         if value is not None:
             factor = factor_of(driven.slider, driven.orbits)
             error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
-            yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
+            yield Row("speed", name, value, unit, error, condition, record.error.model)
 
 
 def _under_load(record: Record, rated: float, load: float) -> tuple[tuple[Row, ...], tuple[str, ...]]:
@@ -343,8 +343,8 @@ def _under_load(record: Record, rated: float, load: float) -> tuple[tuple[Row, .
     name, stated = "speed under load", f"slider.load = {si(load, 'N')}"
     if "velocity_m_per_s" not in answer:
         return (), (f"the datasheet has no {name}, {stated}: {answer['status']}",)
-    free = next(each for each in record.points if each[record.level] == rated)
-    velocity = answer["velocity_m_per_s"] * float(np.sign(free["velocity_m_per_s"])) + 0.0
+    free = next(each for each in record.points if each.level == rated)
+    velocity = answer["velocity_m_per_s"] * float(np.sign(free.velocity_m_per_s)) + 0.0
     condition = f"under {stated}, steady"
     if velocity <= 0.0:
         condition += ": held" if velocity == 0.0 else ": dragged back"
@@ -353,10 +353,10 @@ def _under_load(record: Record, rated: float, load: float) -> tuple[tuple[Row, .
 
 def _velocity_error(record: Record, point: Point) -> float:
     """Return the error of a point's velocity over |v|; that of a point refers to max(|v|, omega |u_x| / 10)."""
-    speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * float(record.scene.frequency)
+    speed, omega = abs(point.velocity_m_per_s), 2.0 * np.pi * float(record.scene.frequency)
     if speed == 0.0:
         return 0.0
-    return point["relative_error"] * contact.speed_scale(speed, omega * point["tangential_amplitude_m"]) / speed
+    return point.relative_error * contact.speed_scale(speed, omega * point.tangential_amplitude_m) / speed
 
 
 def _forces(driven: Contact, rated: float, line: Any, balls: float) -> Iterator[Row]:
@@ -430,9 +430,9 @@ def _powers(record: Record, driven: Contact, rated: float, line: Any, balls: flo
     power, electrical_power = balls * float(line.power[best]), 0.0
     electrical = record.electrical
     if electrical:
-        electrical_error = electrical["admittance_relative_error"]
-        electrical_power = electrical["power_W_per_V2"] * rated**2
-        current = rated * abs(electrical["admittance_S"] * electrical["comb_voltage_per_volt"])
+        electrical_error = electrical.admittance_relative_error
+        electrical_power = electrical.power_W_per_V2 * rated**2
+        current = rated * abs(electrical.admittance_S * electrical.comb_voltage_per_volt)
         yield Row("power", "electrical power", electrical_power, "W", electrical_error, "mean, while driven")
         yield Row("power", "current", current, "A", electrical_error, "peak, into the driven transducer")
     best_load = f"{si(balls * line.load[best], 'N', 4)} at {abs(line.velocity[best]) * 1e3:.4g} mm/s"
@@ -440,9 +440,9 @@ def _powers(record: Record, driven: Contact, rated: float, line: Any, balls: flo
     condition = "mechanical power over the power that the wave gives the contacts, best load"
     yield Row("power", "efficiency of the contact", float(np.max(line.efficiency)), "1", error, condition)
     if electrical:
-        supplied = electrical.get("power_net_W_per_V2", electrical["power_W_per_V2"]) * rated**2
+        circulates = electrical.power_net_W_per_V2 is not None
+        supplied = (electrical.power_net_W_per_V2 if circulates else electrical.power_W_per_V2) * rated**2
         efficiency, error = power / supplied, electrical_error + error
-        circulates = "power_net_W_per_V2" in electrical
         condition = f"largest mechanical power over {'net power of the source' if circulates else 'electrical power'}"
         yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
 

@@ -100,40 +100,40 @@ def _drive(record: Record):
 
 def _stator(record: Record):
     wave, electrical, wave_solution = record.wave, record.electrical, record.surface_wave
-    motion, electrical_error = _error(wave["relative_error"]), electrical["admittance_relative_error"]
-    comb_voltage, power_residual = electrical["comb_voltage_per_volt"], _error(electrical["power_residual"])
+    motion, electrical_error = _error(wave.relative_error), electrical.admittance_relative_error
+    comb_voltage, power_residual = electrical.comb_voltage_per_volt, _error(electrical.power_residual)
     sizes = f"{wave_solution.resolution}, {wave_solution.unknowns} unknowns"
     yield "discretisation", sizes, "that of the numbers below"
     # eigenvalues and modes converge faster than the driven motion, whose error is therefore an upper bound
-    yield "phase velocity of the surface mode", si(wave["phase_velocity_m_per_s"], "m/s", 9), motion
-    yield "|u_x/u_z| of the surface mode", f"{wave['surface_ratio']:.6g}", motion
-    yield "admittance", _complex(electrical["admittance_S"], "S"), _error(electrical_error)
+    yield "phase velocity of the surface mode", si(wave.phase_velocity_m_per_s, "m/s", 9), motion
+    yield "|u_x/u_z| of the surface mode", f"{wave.surface_ratio:.6g}", motion
+    yield "admittance", _complex(electrical.admittance_S, "S"), _error(electrical_error)
     # V = 1/(1 + Z Y) behind a source impedance Z: a relative error e of Y changes V relatively by |1 - V| e
     error = _error(electrical_error * abs(1 - comb_voltage))
     yield "voltage between the electrodes, per volt", _complex(comb_voltage, "V"), error
-    for name, key in (
-        ("delivered by the source", "power_W_per_V2"),
-        ("lost in the solid and absorbed", "power_dissipated_W_per_V2"),
-        ("radiated through the ends", "power_radiated_W_per_V2"),
+    for name, power in (
+        ("delivered by the source", electrical.power_W_per_V2),
+        ("lost in the solid and absorbed", electrical.power_dissipated_W_per_V2),
+        ("radiated through the ends", electrical.power_radiated_W_per_V2),
     ):
-        yield f"power {name}", si(electrical[key], "W/V\u00b2"), f"residual of the balance {power_residual}"
-    for name, key in (
-        ("u_z at the slider's position, per volt", "normal_m_per_V"),
-        ("u_x at the slider's position, per volt", "tangential_m_per_V"),
-        ("part of the surface mode in u_z", "rayleigh_normal_m_per_V"),
+        yield f"power {name}", si(power, "W/V\u00b2"), f"residual of the balance {power_residual}"
+    for name, size in (
+        ("u_z at the slider's position, per volt", wave.normal_m_per_V),
+        ("u_x at the slider's position, per volt", wave.tangential_m_per_V),
+        ("part of the surface mode in u_z", wave.rayleigh_normal_m_per_V),
     ):
-        if key in wave:
-            yield name, _polar(wave[key]), motion
-    ratio, error = wave["standing_wave_ratio"], _error(2 * wave_solution.relative_error)
+        if size is not None:
+            yield name, _polar(size), motion
+    ratio, error = wave.standing_wave_ratio, _error(2 * wave_solution.relative_error)
     where = "middle" if record.scene.slider is None else "slider"
     yield f"standing-wave ratio near the {where}", f"{ratio:.5g}", f"of the order of {error}"
 
 
 def _free(record: Record):
     wave = record.wave
-    yield "velocity", si(wave["phase_velocity_m_per_s"], "m/s", 9), _error(record.error["relative"])
-    yield "|u_x/u_z|", f"{wave['surface_ratio']:.6g}", "not estimated"
-    yield "attenuation", si(wave["attenuation_per_m"], "1/m"), "not estimated"
+    yield "velocity", si(wave.phase_velocity_m_per_s, "m/s", 9), _error(record.error.relative)
+    yield "|u_x/u_z|", f"{wave.surface_ratio:.6g}", "not estimated"
+    yield "attenuation", si(wave.attenuation_per_m, "1/m"), "not estimated"
 
 
 def _contact(record: Record):
@@ -155,7 +155,7 @@ def _contact(record: Record):
     yield f"{largest} pressure at rest", si(slider.pressure(depth), "Pa"), CLOSED
     yield "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED
     yield "bounce and ring at rest", ", ".join(resonances), CLOSED
-    stator = record.wave.get("relative_error", 0.0)
+    stator = record.wave.relative_error or 0.0
     for key, event in (("threshold", "slider begins to slip"), ("release", "contact is first lost")):
         amplitude, voltage = (record.summary.get(f"{key}_{each}") for each in ("amplitude_m", "voltage_V"))
         if amplitude is not None:

@@ -61,12 +61,12 @@ def report(record: Record) -> str:
     scene = record.scene
     columns, points = points_table(record, missing="\u2013")
     points, remarks = _short_statuses(record, columns, points)
-    known = [point for point in record.points if "velocity_m_per_s" in point]
+    known = [point for point in record.points if point.velocity_m_per_s is not None]
     return rendered(
         TEMPLATE,
         title=scene.title or "A run of sawmotor",
         record=record,
-        fastest=max(known, key=lambda point: abs(point["velocity_m_per_s"]), default=None),
+        fastest=max(known, key=lambda point: abs(point.velocity_m_per_s), default=None),
         columns=columns,
         points=points,
         remarks=remarks,
@@ -87,7 +87,7 @@ def _short_statuses(record: Record, columns: list[str], rows: list[list[str]]) -
     for point, row in zip(record.points, rows, strict=True):
         kind, colon, reason = row[at].partition(": ")
         if colon:
-            reasons.setdefault(kind, []).append(f"{record.scene.named(point[record.level])}: {reason}")
+            reasons.setdefault(kind, []).append(f"{record.scene.named(point.level)}: {reason}")
     short = [[cell.partition(": ")[0] if k == at else cell for k, cell in enumerate(row)] for row in rows]
     remarks = []
     for kind, several in reasons.items():
@@ -99,7 +99,7 @@ def _short_statuses(record: Record, columns: list[str], rows: list[list[str]]) -
 def _pictures(record: Record) -> list[dict]:
     drawn = run_drawings.drawings(record)
     drawn = {name: drawn.pop(name) for name in ("layout",) if name in drawn} | run_pictures.pictures(record) | drawn
-    if len([point for point in record.points if point.get("relative_error")]) > 1:
+    if len([point for point in record.points if point.relative_error]) > 1:
         drawn["errors"] = partial(run_pictures.errors, record)
     captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "Motion of the wave over depth."}
     return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]

@@ -31,7 +31,7 @@ def drawings(record: Record) -> dict[str, Callable]:
         drawn["section_field"] = partial(section_field, record)
         if record.surface_motion.beam is not None:
             drawn["beam"] = partial(draw_surface_map, record.surface_motion.beam, scene)
-    moving = any(point.get("velocity_m_per_s") for point in record.points)
+    moving = any(point.velocity_m_per_s for point in record.points)
     if moving and not record.slider_wave and (record.surface_wave is not None or scene.wave is not None):
         drawn["load_line"] = partial(load_line, record)
     return drawn

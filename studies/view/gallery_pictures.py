@@ -45,7 +45,7 @@ def draw_all(gallery, folder: Path) -> None:
     positions = (np.arange(ORBITS) + 0.5) / ORBITS * run.length
     energies = run.with_energies
     passing = energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * run.aperture
-    power = record.electrical["power_W_per_V2"]
+    power = record.electrical.power_W_per_V2
     ledger, balance = ledger_entries(gallery.ledger)
     for picture, figure in (
         ("orbits", orbits(positions, *np.array([run.surface(x) for x in positions]).T, title=title)),

@@ -170,7 +170,7 @@ def _driven(record: Record) -> RunField:
         compute=compute,
         length=wave.length,
         record=record,
-        wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
+        wavelength=record.wave.phase_velocity_m_per_s / scene.frequency,
         fingers={sign: [tuple(edges) for each in transducers for edges in fingers(each, sign)] for sign in "+-o"},
         spans=tuple(tuple(each.extent) for each in transducers),
         wave=wave,
@@ -184,7 +184,7 @@ def recomputed_motion(record: Record) -> SurfaceMotion:
     If run.json names no known resolution, the chain is run again without the slider.
     """
     scene = record.scene
-    resolution_name = record.wave.get("resolution", "").replace(" 1 edge layers", " 1 edge layer")  # of older runs
+    resolution_name = (record.wave.resolution or "").replace(" 1 edge layers", " 1 edge layer")  # of older runs
     named = [each for each in LEVELS if resolution_name == each.name]
     if not named:
         without_slider = replace(scene, slider=None)
@@ -196,9 +196,7 @@ def recomputed_motion(record: Record) -> SurfaceMotion:
             stator, transducers, frequency=scene.frequency, drive=drive, resolution=named[0]
         )
         return surface_wave(
-            solution,
-            relative_error=record.error["relative"],
-            admittance_error=record.electrical["admittance_relative_error"],
+            solution, relative_error=record.error.relative, admittance_error=record.electrical.admittance_relative_error
         )
 
     if scene.crossed:

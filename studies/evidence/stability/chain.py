@@ -120,7 +120,7 @@ def compared(case: Case, tolerance: float) -> Comparison:
 def _reference_velocities(reference: str, scene: Scene, tolerance: float) -> np.ndarray:
     """Return the velocities of the reference in m/s."""
     if reference == "divider":
-        admittance = _tighter(MOTOR, tolerance).electrical["admittance_S"]
+        admittance = _tighter(MOTOR, tolerance).electrical.admittance_S
         share = 1 / abs(1 + scene.drive.source_impedance * admittance)
         scene = MOTOR.replace(drive={"voltage": [level * share for level in MOTOR.levels]})
     elif reference == "third":
@@ -150,7 +150,7 @@ def _worst(record: Record, reference: np.ndarray) -> tuple[float, float]:
     omega = 2 * math.pi * record.scene.frequency
     errors = []
     for point, truth in zip(record.points, reference, strict=True):
-        scale = contact.speed_scale(truth, omega * point["tangential_amplitude_m"])
-        difference = abs(point["velocity_m_per_s"] - truth)
-        errors.append((difference / scale if scale > 0 else difference, point["relative_error"]))
+        scale = contact.speed_scale(truth, omega * point.tangential_amplitude_m)
+        difference = abs(point.velocity_m_per_s - truth)
+        errors.append((difference / scale if scale > 0 else difference, point.relative_error))
     return max(errors, key=lambda pair: pair[0] - 2 * pair[1])
