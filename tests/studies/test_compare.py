@@ -8,7 +8,7 @@ import pytest
 from studies import RunError, Scene, SceneError, compare, run
 from studies.__main__ import main
 
-LEVELS = ["0.5 nm", "3 nm", "10 nm"]
+LEVELS = ["0.5 nm", "0.9 nm", "10 nm"]
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_scenes_and_answers_that_differ(records):
     assert pair.names == ("1", "2")
     assert dict(pair.scenes) == {
         "slider.friction_coefficient": [0.08, 0.16],
-        "wave.normal_amplitude": [[0.5e-9, 3e-9, 10e-9], [3e-9, 10e-9]],
+        "wave.normal_amplitude": [[0.5e-9, 0.9e-9, 10e-9], [0.9e-9, 10e-9]],
     }
     answers = dict(pair.numbers)
     assert answers["summary.threshold_amplitude_m"] == [each.summary["threshold_amplitude_m"] for each in records]
@@ -42,10 +42,10 @@ def test_scenes_and_answers_that_differ(records):
 
 def test_velocities_and_their_changes_by_hand(records):
     rows = dict(compare(*records).points())
-    assert list(rows) == pytest.approx([0.5e-9, 3e-9, 10e-9])
+    assert list(rows) == pytest.approx([0.5e-9, 0.9e-9, 10e-9])
     assert rows[0.5e-9] == [(0.0, 0.0), None]
     whole = compare(*records).to_dict()["points"]
-    for k, level in ((1, 3e-9), (2, 10e-9)):
+    for k, level in ((1, 0.9e-9), (2, 10e-9)):
         first, second = records[0].velocity[k], records[1].velocity[k - 1]
         assert whole[k]["velocity"] == [first, second]
         assert whole[k]["change"] == [pytest.approx(second / first - 1, rel=1e-12)]
@@ -68,7 +68,7 @@ def test_text_marks_what_is_beyond_the_errors(records, folders, capsys):
     assert lines[:4] == [
         "what differs in the scenes",
         "                                            seed        rubbed",
-        "      wave.normal_amplitude  5e-10, 3e-09, 1e-08  3e-09, 1e-08",
+        "      wave.normal_amplitude  5e-10, 9e-10, 1e-08  9e-10, 1e-08",
         "slider.friction_coefficient                 0.08          0.16",
     ]
     changed = next(line for line in lines if line.split()[:1] == ["10"])
