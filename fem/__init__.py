@@ -15,6 +15,7 @@ _PUBLIC = {
     "materials": "anisotropic catalogue fields isotropic material rotated Solid VACUUM_PERMITTIVITY",
     "materials.rotation": "CONVENTIONS euler_angles isotropic_about_normal named_cut rotation_matrix",
     "materials.tables": "catalogue_table catalogue_text material_names",
+    "materials.temperature": "expansion_along expansions in_cold_lengths solid_at table_at",
     "materials.class_tables": "class_tables CLASSES constant_names",
     "materials.forms": "at_constant_field at_constant_strain FORMS from_strain_charge in_order ORDERS stress_charge",
     "materials.limits": "refuse_impossible",

@@ -6,6 +6,7 @@ Voigt order 11 22 33 23 13 12, engineering shear; stress-charge form T = c^E S -
 from fem.materials.rotation import ORIENTATIONS, fields, isotropic_about_normal, rotated, rotation_matrix
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, anisotropic, isotropic
 from fem.materials.tables import catalogue, material
+from fem.materials.temperature import solid_at
 
 __all__ = [
     "ORIENTATIONS",
@@ -19,4 +20,5 @@ __all__ = [
     "material",
     "rotated",
     "rotation_matrix",
+    "solid_at",
 ]
