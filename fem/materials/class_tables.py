@@ -69,7 +69,7 @@ _CLASSES = {
     "4/mmm": (_TETRAGONAL, _NONE),
 }
 CLASSES = tuple(_CLASSES)
-_TIED_C66 = ("6mm", "3m", "32", "-3m", "6/mmm")
+TIED_C66 = ("6mm", "3m", "32", "-3m", "6/mmm")  # classes where c66 = (c11 - c12)/2
 _PERMITTIVITY = {"-43m": ("eps11",) * 3, "m3m": ("eps11",) * 3, "mm2": ("eps11", "eps22", "eps33")}
 
 
@@ -84,7 +84,7 @@ def constant_names(crystal_class: str, *, compliant: bool = False) -> tuple[str,
     if crystal_class not in _CLASSES:
         raise InputError("crystal_class", f"must be one of {', '.join(CLASSES)}", crystal_class)
     texts = [each.replace("2c", "c").replace("2e", "e").replace("-", "") for each in _CLASSES[crystal_class]]
-    found = {*texts[0].split(), *texts[1].split()} - {"0"} - ({"c66"} if crystal_class in _TIED_C66 else set())
+    found = {*texts[0].split(), *texts[1].split()} - {"0"} - ({"c66"} if crystal_class in TIED_C66 else set())
     names = (*sorted(found), *sorted(set(_diagonal(crystal_class))))
     return tuple(_compliant(each) for each in names) if compliant else names
 
@@ -115,7 +115,7 @@ def class_tables(
     factor = 2.0 if compliant else 1.0
     if compliant:
         values = {_stiff(name): value for name, value in values.items()}
-    if crystal_class in _TIED_C66:
+    if crystal_class in TIED_C66:
         values["c66"] = (values["c11"] - values["c12"]) * (2.0 if compliant else 0.5)
 
     def entry(text: str) -> float:

@@ -2,9 +2,9 @@
 
 A file is a material as a scene takes it (TOML): name and source; the constants of a crystal class, or Young's modulus
 and Poisson's ratio; density, losses; ``aliases``, names by which the set is found as well; ``axes`` and ``remark`` in
-words; ``temperature``, coefficients of the constants (`fem.materials.temperature`); ``confirmed``, published values that a test computes from the set. Sets of one material differ between authors
-by more than numerical errors do, so that an entry carries its author; the two sets of PZT-8 invert different
-published s12, s13 and must not be mixed.
+words; ``confirmed``, published values that a test computes from the set; ``temperature``, coefficients of the constants
+(`fem.materials.temperature`). Sets of one material differ between authors by more than numerical errors do, so that an
+entry carries its author; the two sets of PZT-8 invert different published s12, s13 and must not be mixed.
 """
 
 import re

@@ -5,10 +5,10 @@ first to third order about a reference temperature T_0, and expansions along the
 
     c(T) = c(T_0) (1 + c_1 t + c_2 t^2 + c_3 t^3),    l_i(T) = l_i(T_0) (1 + a_1 t + a_2 t^2 + a_3 t^3),    t = T - T_0
 
-and the density falls with the volume. In the classes where c66 = (c11 - c12)/2 its coefficient may stand for that of c12 (Bechmann, Ballato and Lukaszek, Proc. IRE 50 (1962) 1812; Smith and Welsh,
-J. Appl. Phys. 42 (1971) 2219). A constant
-without a coefficient keeps its value. The turn of the cut that an
-anisotropic expansion makes (below 0.1 ppm/K for ST quartz) is left out.
+and the density falls with the volume (Bechmann, Ballato and Lukaszek, Proc. IRE 50 (1962) 1812; Smith and Welsh,
+J. Appl. Phys. 42 (1971) 2219). A constant without a coefficient keeps its value. In the classes where
+c66 = (c11 - c12)/2 the coefficient of c66 may stand for that of c12. The turn of the cut that an anisotropic expansion
+makes (below 0.1 ppm/K for ST quartz) is left out.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ from fem.materials.rotation import Orientation, rotation_matrix
 from fem.materials.solids import Solid
 from fem.materials.tables import catalogue_table, solid_of
 
-ORDERS = ("first", "second", "third")  # keys of the coefficients, in 1/K, 1/K^2 and 1/K^3
+COEFFICIENT_ORDERS = ("first", "second", "third")  # keys of the coefficients, in 1/K, 1/K^2 and 1/K^3
 ELASTIC = ("youngs_modulus", "poisson_ratio")  # constants of an isotropic table, which has no ``constants``
 
 
@@ -43,12 +43,11 @@ def table_at(table: Mapping[str, Any], temperature: float) -> dict[str, Any]:
     """
     name = table.get("name", "")
     if "temperature" not in table:
-        rule = f"of {name} is not known to change its constants: the material has no temperature coefficients"
-        raise InputError("temperature", rule)
+        raise InputError("temperature", f"needs coefficients, and {name or 'the material'} has none")
     block = table["temperature"]
     rise = temperature - block["reference"]
     factors: dict[str, float] = {}
-    for power, order in enumerate(ORDERS, start=1):
+    for power, order in enumerate(COEFFICIENT_ORDERS, start=1):
         for constant, coefficient in dict(block.get(order, ())).items():
             factors[constant] = factors.get(constant, 1.0) + coefficient * rise**power
     warm = {key: value for key, value in table.items() if key != "temperature"}
@@ -64,7 +63,7 @@ def expansions(table: Mapping[str, Any], temperature: float) -> np.ndarray:
     """Return the relative change of length along the crystal's axes from the reference temperature, shape (3,)."""
     block = table["temperature"]
     rise = temperature - block["reference"]
-    keys = ("expansion", *(f"expansion_{order}" for order in ORDERS[1:]))
+    keys = ("expansion", *(f"expansion_{order}" for order in COEFFICIENT_ORDERS[1:]))
     return sum(np.array(block.get(key) or (0.0, 0.0, 0.0)) * rise**power for power, key in enumerate(keys, start=1))
 
 

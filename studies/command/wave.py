@@ -4,7 +4,8 @@ import argparse
 
 import fem
 from studies.command.output import print_answer
-from studies.scene.blocks import CONVENTIONS, ORIENTATION
+from studies.refusal import SceneError
+from studies.scene.blocks import CONVENTIONS, ORIENTATION, TEMPERATURE
 from studies.scene.override import toml_value
 from studies.scene.rule import choice
 
@@ -15,7 +16,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("material", metavar="MATERIAL", help="a catalogue name, such as PZT-8, or FILE.toml")
     orientation = "Z, X, YZ, 128YX, 64YX, X112Y, ST-X or three angles phi,theta,psi in degrees (Z)"
-    parser.add_argument("--orientation", default="Z", metavar="O", help=orientation)
+    parser.add_argument("cut", nargs="?", metavar="CUT", help="as --orientation")
+    parser.add_argument("--orientation", metavar="O", help=orientation)
     convention = "convention of three angles: SAW, COMSOL or sawsim (SAW)"
     parser.add_argument("--euler-convention", default="SAW", metavar="C", help=convention)
     parser.add_argument("--surface", default="vacuum", metavar="S", help="vacuum (or free), open, metallised (vacuum)")
@@ -24,6 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '"SiO2, 0.05 lambda", "LiNbO3 (Kovacs) 128YX, 2 um", "AlN.toml, 500 nm"'
     )  # fmt: skip
     parser.add_argument("--frequency", metavar="F", help='of layers with a thickness in metres, such as "10 MHz"')
+    parser.add_argument(
+        "--temperature", metavar="T", help="temperatures in degC, START:STOP:N or a list with commas, such as 20:80:7"
+    )
     parser.add_argument("--json", action="store_true", help="the answer as JSON")
     parser.add_argument("--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file")
 
@@ -32,13 +37,17 @@ def call(arguments: argparse.Namespace) -> int:
     """Print the half-space Rayleigh wave of a material and its cut; with --plot draw the crystal axes."""
     from studies.report.free_surface import half_space_answer, half_space_wave
 
-    orientation = arguments.orientation
+    if arguments.cut is not None and arguments.orientation is not None:
+        raise SceneError("--orientation", "must be absent where the cut stands behind the material")
+    orientation = arguments.cut or arguments.orientation or "Z"
     if "," in orientation:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
     orientation, convention = ORIENTATION.read("--orientation", orientation), arguments.euler_convention
     if not isinstance(orientation, str):
         convention = choice(*CONVENTIONS).read("--euler-convention", convention)
         orientation = fem.euler_angles(orientation, convention)
+    if arguments.temperature is not None:
+        return _warm(arguments, orientation)
     if arguments.layer:
         return _layered(arguments, orientation)
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
@@ -50,9 +59,24 @@ def call(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _warm(arguments: argparse.Namespace, orientation) -> int:
+    """Print the wave at several temperatures."""
+    from studies.report.warm_surface import warm_answer, warm_half_space
+    from studies.scene.numbers import Listed
+
+    for name in ("layer", "plot"):
+        if getattr(arguments, name):
+            raise SceneError(f"--{name}", "must be absent with --temperature, which is of one solid")
+    text = arguments.temperature
+    wanted = text if ":" in text else [toml_value(each) for each in text.split(",")]
+    temperatures = Listed(TEMPERATURE, ranged=True).read("--temperature", wanted)
+    answer = warm_half_space(arguments.material, temperatures, orientation=orientation, surface=arguments.surface)
+    print_answer(arguments, answer, warm_answer(answer))
+    return 0
+
+
 def _layered(arguments: argparse.Namespace, orientation) -> int:
     """Print the bound waves of layers on a half-space."""
-    from studies.refusal import SceneError
     from studies.report.layered_surface import layered_answer, layered_surface_wave
     from studies.scene.quantity import si_value
 

@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import fem
-from studies.model.materials import crystal
+from studies.model.materials import crystal, crystal_at
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -20,11 +20,16 @@ ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 
 
 def solid(block: Stator):
-    """Return the stator's ``fem.Solid``, rotated to its orientation."""
+    """Return the stator's ``fem.Solid``, rotated to its orientation; at a temperature, in the lengths before it."""
+    if block.temperature == "steady":
+        rule = 'must be a number here: "steady" is found by sawmotor run, which prints the temperature'
+        raise SceneError("stator.temperature", rule)
+    warm = None if block.temperature is None else crystal_at(block, block.temperature)
     with stator_keys("stator.material"):
-        whole = crystal(block.material)
+        whole, stretch = warm or (crystal(block.material), 0.0)
         own = _present(block, "mechanical_quality", "dielectric_loss")
-        return fem.rotated(replace(whole, **own) if own else whole, block.cut)
+        cut = fem.rotated(replace(whole, **own) if own else whole, block.cut)
+    return fem.in_cold_lengths(cut, stretch) if stretch else cut
 
 
 def surface_velocity(block: Stator) -> float:

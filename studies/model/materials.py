@@ -1,16 +1,21 @@
 """The solid of a scene's material: a name of the catalogue, or a table in any form, order and unit."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 import fem
+from studies.model.scene_errors import stator_keys
+from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import MATERIAL, IsotropicSolid, PiezoelectricSolid
+from studies.scene.blocks import MATERIAL, IsotropicSolid, PiezoelectricSolid, Stator
 from studies.scene.quantity import si_value
 
 LOSSES = ("mechanical_quality", "dielectric_loss")
+REFERENCE = 25.0  # degC, at which the constants hold where only the coefficient of the frequency is known
 
 
 @lru_cache(64)
@@ -37,6 +42,59 @@ def crystal(material: str | PiezoelectricSolid | IsotropicSolid):
         )  # fmt: skip
         fem.refuse_impossible(solid)
     return solid
+
+
+@lru_cache(64)
+def thermal_table(material: str | PiezoelectricSolid | IsotropicSolid) -> dict[str, Any]:
+    """Return the table of a stator's material as in the files of the catalogue, with its thermal constants."""
+    return fem.catalogue_table(material) if isinstance(material, str) else material.to_table()
+
+
+def frequency_coefficient(block: Stator) -> float | None:
+    """Return the temperature coefficient of the frequency in 1/K that stands for those of the constants, if given."""
+    if block.temperature_coefficient is not None:
+        return block.temperature_coefficient
+    return thermal_table(block.material).get("velocity_coefficient")
+
+
+def knows_temperature(block: Stator) -> bool:
+    """Return whether the effect of the temperature on the stator's wave is known."""
+    return frequency_coefficient(block) is not None or "temperature" in thermal_table(block.material)
+
+
+def reference_temperature(block: Stator) -> float:
+    """Return the temperature in degC at which the constants of a stator's material hold."""
+    return float(thermal_table(block.material).get("temperature", {}).get("reference", REFERENCE))
+
+
+@lru_cache(256)
+def crystal_at(block: Stator, temperature: float) -> tuple[Any, float]:
+    """Return the ``fem.Solid`` of a stator at a temperature in degC, in the crystal's frame, and its stretch along x.
+
+    With a coefficient of the frequency alone the density carries it, and the stretch is 0.
+    """
+    coefficient = frequency_coefficient(block)
+    if coefficient is not None:
+        cold = crystal(block.material)
+        growth = 1.0 + coefficient * (temperature - reference_temperature(block))
+        if not growth > 0.0:
+            rule = f"must be nearer to {reference_temperature(block):g} degC"
+            raise SceneError("stator.temperature", f"{rule}: no frequency is left at {temperature:g} degC")
+        return replace(cold, density=cold.density / growth**2), 0.0
+    if not knows_temperature(block):
+        rule = f"needs coefficients, and {crystal(block.material).name} has none: give stator.temperature_coefficient"
+        raise SceneError("stator.temperature", f"{rule}, or a material with a block temperature")
+    table = thermal_table(block.material)
+    with stator_keys("stator.temperature"):
+        return solid_at(block.material, temperature), fem.expansion_along(table, block.cut, temperature)
+
+
+def solid_at(material: str | PiezoelectricSolid | IsotropicSolid, temperature: float):
+    """Return the ``fem.Solid`` of a material with temperature coefficients at a temperature in degC."""
+    if isinstance(material, str):
+        return fem.solid_at(material, temperature)
+    table = fem.table_at(thermal_table(material), temperature)
+    return crystal(type(material).from_table("stator.material", table))
 
 
 def named_solid(name: str) -> tuple:

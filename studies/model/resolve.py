@@ -15,6 +15,7 @@ from typing import Any
 
 import fem
 from studies.model.fem_objects import drive, pieces, port_admittance, solid, stator, transducers, unturned, whole_stator
+from studies.model.materials import crystal_at, knows_temperature, reference_temperature
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -37,8 +38,20 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     """Return the scene with numbers for its automatic values; SceneError if material, moduli or layout are impossible.
 
     ``spread``: True if the admittances for an automatic match are those of finite apertures; by default the scene
-    decides.
+    decides. Automatic values are those of the constants without ``stator.temperature``: a motor is built once.
     """
+    temperature = None if scene.stator is None else scene.stator.temperature
+    if scene.stator is None or temperature is None:
+        return _resolved(scene, spread)
+    if temperature != "steady":
+        solid(scene.stator)
+    elif not knows_temperature(scene.stator):
+        crystal_at(scene.stator, reference_temperature(scene.stator))
+    cold = _resolved(replace(scene, stator=replace(scene.stator, temperature=None)), spread)
+    return replace(cold, stator=replace(cold.stator, temperature=temperature))
+
+
+def _resolved(scene: Scene, spread: bool | None) -> Scene:
     if scene.stator is not None:
         if scene.transducer:
             _refuse_long_waves(scene)

@@ -47,9 +47,50 @@ VELOCITY_COEFFICIENT = Annotated[
     "Temperature coefficient of the resonance frequency, TCF: of the velocity less the expansion along x. Absent: the "
     "temperature's effect on the wave is not stated.",
 ]
+TEMPERATURE = Quantity("degC", negative=True)
+ABSOLUTE_ZERO, HOTTEST_AMBIENT = -273.15, 250.0  # degC; a number of 250 and more is a room's temperature in K
 DENSITY = Annotated[float, Quantity("kg/m^3"), "Mass density."]
 QUALITY = Annotated[
     float | None, Quantity(), "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss."
+]
+
+
+COEFFICIENTS = Named("a table of coefficients by constant such as { c11 = -1.74e-4 }", NUMBER)
+AXIAL = FixedList((NUMBER,) * 3, "three numbers, along the crystal's axes 1, 2, 3")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TemperatureCoefficients(Block):
+    """How the constants of a solid change with the temperature."""
+
+    block: ClassVar[str] = "stator.material.temperature"
+    reference: Annotated[float, TEMPERATURE, "Temperature at which the constants hold."] = 25.0
+    source: Annotated[str | None, TEXT, "Where the coefficients come from."] = None
+    confirmed: Annotated[str | None, TEXT, "Published values that they give; absent: none was found."] = None
+    first: Annotated[tuple | None, COEFFICIENTS, "Relative change of the constants by name, 1/K."] = None
+    second: Annotated[tuple | None, COEFFICIENTS, "Of second order, 1/K^2."] = None
+    third: Annotated[tuple | None, COEFFICIENTS, "Of third order, 1/K^3."] = None
+    expansion: Annotated[tuple | None, AXIAL, "Relative expansion along the crystal's axes, 1/K."] = None
+    expansion_second: Annotated[tuple | None, AXIAL, "Of second order, 1/K^2."] = None
+    expansion_third: Annotated[tuple | None, AXIAL, "Of third order, 1/K^3."] = None
+
+    def check_reference(self) -> Any:
+        if not ABSOLUTE_ZERO < self.reference < HOTTEST_AMBIENT:
+            rule = f"must be above {ABSOLUTE_ZERO:g} and below {HOTTEST_AMBIENT:g} degC"
+            yield "reference", f"{rule}, got {self.reference:g}; 293 K are 20 degC"
+
+    def unknown(self, known: tuple[str, ...]) -> Any:
+        """Yield key and rule of each coefficient whose constant is not among the known ones."""
+        for order in fem.COEFFICIENT_ORDERS:
+            for name, _ in getattr(self, order) or ():
+                if name not in known:
+                    yield f"temperature.{order}.{name}", f"must be one of {', '.join(known)}"
+
+
+TEMPERATURE_COEFFICIENTS = Annotated[
+    TemperatureCoefficients | None,
+    Within(TemperatureCoefficients),
+    "Temperature coefficients of the constants. Absent: they are not known.",
 ]
 
 
@@ -122,6 +163,19 @@ class PiezoelectricSolid(Block):
         float | None, NUMBER, "Temperature in degC at which the poling is lost. Absent: it is not judged."
     ] = None
     velocity_coefficient: VELOCITY_COEFFICIENT = None
+    temperature: TEMPERATURE_COEFFICIENTS = None
+
+    def check_temperature(self) -> Any:
+        if self.temperature is None:
+            return
+        if self.velocity_coefficient is not None:
+            yield "velocity_coefficient", "must be absent beside temperature, whose coefficients give it"
+        if self.constants is None:
+            yield "temperature", "needs constants by name (constants, with a crystal_class), not tables"
+            return
+        names = tuple(name for name, _ in self.constants)
+        tied = self.form == "stress-charge" and self.crystal_class in fem.TIED_C66
+        yield from self.temperature.unknown((*names, "c66") if tied else names)
 
     def check_form(self) -> Any:
         elastic = "compliance" if self.form == "strain-charge" else "stiffness"
@@ -197,6 +251,7 @@ class IsotropicSolid(Block):
     conductivity: CONDUCTIVITY = None
     heat_capacity: HEAT_CAPACITY = None
     velocity_coefficient: VELOCITY_COEFFICIENT = None
+    temperature: TEMPERATURE_COEFFICIENTS = None
 
     @property
     def curie_temperature(self) -> None:
@@ -206,6 +261,8 @@ class IsotropicSolid(Block):
     def check_stable(self) -> Any:
         if self.poisson_ratio <= -1:
             yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
+        if self.temperature is not None:
+            yield from self.temperature.unknown(("youngs_modulus", "poisson_ratio"))
 
 
 SOLID = Within(PiezoelectricSolid, IsotropicSolid)
@@ -242,7 +299,6 @@ MATERIAL = MaterialFile() | TEXT | SOLID
 SOLIDS = Named('a table of solids by surface group such as { strip = "aluminium" }', MATERIAL)
 CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
-ABSOLUTE_ZERO, HOTTEST_AMBIENT = -273.15, 250.0  # degC; a number of 250 and more is a room's temperature in K
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,7 +322,7 @@ class Cooling(Block):
         Quantity(zero=True),
         "Share, 0 to 1, of the absorbing ends' heat that the stator takes over its last 5 mm. 0: they are cooled.",
     ] = 0.0
-    ambient: Annotated[float, NUMBER, "Temperature of the surroundings in degC."] = 20.0
+    ambient: Annotated[float, TEMPERATURE, "Temperature of the surroundings."] = 20.0
 
     def check_cooled(self) -> Any:
         if self.air == 0.0 and self.bottom == "air":
@@ -343,6 +399,18 @@ class Stator(Block):
     dielectric_loss: Annotated[
         float | None, Quantity(zero=True), "Loss tangent. Absent: that of the material. 0: lossless."
     ] = None
+    temperature: Annotated[
+        float | str | None,
+        TEMPERATURE | choice("steady"),
+        "Temperature of the stator, for its constants and lengths. steady: the one that its own heat gives it at the "
+        "largest level and a fixed frequency. Absent: the constants as they are. Automatic periods and frequencies "
+        "are those without it.",
+    ] = None
+    temperature_coefficient: Annotated[
+        float | None,
+        Quantity("1/K", negative=True),
+        "Temperature coefficient of the resonance frequency, TCF, about 25 degC. Absent: that of the material.",
+    ] = None
     cooling: Annotated[
         Cooling | None, Within(Cooling), "What takes the stator's heat. Absent: still air on all faces, cooled ends."
     ] = None
@@ -358,6 +426,10 @@ class Stator(Block):
         if isinstance(self.orientation, str):
             return self.orientation
         return fem.euler_angles(self.orientation, self.euler_convention)
+
+    def check_temperature(self) -> Any:
+        if isinstance(self.temperature, float) and not self.temperature > ABSOLUTE_ZERO:
+            yield "temperature", f"must be above {ABSOLUTE_ZERO:g} degC, got {self.temperature:g}"
 
     def check_sides(self) -> Any:
         if self.sides == "mirror" and self.diffraction is False:

@@ -39,6 +39,7 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "J/(kg K)": ("a heat capacity", "420 J/(kg K)", {"J/(kg K)": 0, "J/kg/K": 0}),
     "W/(m^2 K)": ("a heat transfer coefficient", "10 W/(m^2 K)", {"W/(m^2 K)": 0, "W/m^2/K": 0}),
     "1/K": ("a temperature coefficient", "-75e-6 1/K", {"1/K": 0}),
+    "degC": ("a temperature", "60 degC", {"degC": 0, "°C": 0}),
     "deg": ("an angle", "90 deg", {"deg": 0}),
     "": ("a plain number", "", {}),
 }
@@ -119,6 +120,8 @@ def _factor(name: str, unit: str) -> float:
     from pint.util import to_units_container
 
     try:
+        if unit == "degC":  # kelvin and fahrenheit have another zero, which no factor gives
+            raise LookupError("write it in degC; 293.15 K are 20 degC")
         units = _registry().parse_units(name)
         _, roots = _registry().get_root_units(units)
         if unit == "deg":

@@ -17,6 +17,7 @@ BLOCKS = {
     "The file": Scene,
     "[stator]": blocks.Stator,
     "[stator.cooling]": blocks.Cooling,
+    "[stator.material.temperature]": blocks.TemperatureCoefficients,
     "[[transducer]]": blocks.Transducer,
     "[[piece]]": blocks.Piece,
     "[drive]": drive.Drive,
