@@ -10,7 +10,7 @@ from studies.refusal import SceneError, resembling, suggestion
 
 # in the order of the help; each is a module of this package
 COMMANDS = tuple(
-    "run wave sweep scenes materials schema check datasheet study fit design compare help export view".split()
+    "run new wave sweep scenes materials schema check datasheet study fit design compare help export view".split()
 )
 EXIT_CODES = (
     "Exit codes: 0 an answer within its tolerance; 1 one that misses it, or is refused for its model error; 2 bad "

@@ -1,0 +1,223 @@
+"""A first scene of a motor, sized by rules of thumb that its own comments state."""
+
+import math
+from dataclasses import dataclass
+
+import fem
+from studies.model.contact_moduli import pair_moduli
+from studies.model.materials import named_solid
+from studies.model.scene_errors import as_run_errors
+from studies.record.quantities import quantity
+from studies.refusal import RunError, SceneError
+from studies.runs import run
+from studies.scene import Scene
+from studies.scene.blocks import ORIENTATION
+from studies.scene.numbers import Quantity
+from studies.scene.quantity import si_value
+from studies.scene.toml import document
+
+# Material of a cut that is named without one, and pairs of fingers of usual motors
+CUTS = {"128YX": "LiNbO3", "YZ": "LiNbO3", "64YX": "LiNbO3", "X112Y": "LiTaO3", "ST-X": "quartz"}
+PAIRS, PAIRS_OF_CERAMICS, PAIRS_OF_WEAK = 20, 10, 60
+WEAK = 0.01  # coupling K^2 below which a transducer needs more fingers
+# In wavelengths: aperture, from the transducer to the slider, from the ends to the transducers, thickness
+APERTURE, AWAY, MARGIN, THICKNESS = 20.0, 40.0, 15.0, 5.0
+SIDES = 1.6  # width of the stator over the aperture
+FRICTION = 0.18  # steel on lithium niobate (Kurosawa, Takahashi and Higuchi 1998)
+RISE = 10e-9  # m: normal amplitude of a motor without a wanted speed
+SHARE_OF_CREST = 0.5  # speed of a slider over that of the wave's crests, where it presses half of its time
+PRESSED = 0.5  # approach of a ball at rest over the normal amplitude
+SHARE_OF_FRICTION = 0.9  # force at the stall over mu times the preload, of a slider that hops
+MOST_BALLS = 60
+GRAVITY = 9.81
+LIGHT = 0.01  # resonance of the contact over the wave's frequency up to which a slider rides quietly
+DAMPED = 0.1  # of the bounce, over its critical damping
+SAMPLES = 8  # voltages
+ROUGH = 1e-2  # tolerance of the wave that sizes the voltage
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstScene:
+    """A scene that runs, and why its numbers are what they are.
+
+    Attributes
+    ----------
+    table : dict
+        The scene's TOML document.
+    reasons : dict of str to str
+        The rule of each key, by dotted key.
+    remarks : tuple of str
+        Lines for the head of the file.
+    """
+
+    table: dict
+    reasons: dict[str, str]
+    remarks: tuple[str, ...]
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return Scene.from_table("", self.table)
+
+    def __str__(self) -> str:
+        """Return the file's text, each line with its rule."""
+        return document(self.table, remarks=self.remarks, beside=self.reasons)
+
+
+def first_scene(
+    frequency: float | str, material: str, *, speed: float | str | None = None, thrust: float | str | None = None
+) -> FirstScene:
+    """Return a motor for a frequency and a material.
+
+    Parameters
+    ----------
+    frequency : float or str
+        Hz, or with a unit.
+    material : str
+        A catalogue name, with a cut behind it where it has several ("LiNbO3 128YX"), a cut alone ("128YX"), or a file.
+    speed : float or str, optional
+        Wanted without a load, m/s or with a unit.
+    thrust : float or str, optional
+        Wanted at the stall, N or with a unit.
+
+    Raises
+    ------
+    SceneError
+        If a value is refused, the material is not piezoelectric, or balls do not bear the force.
+
+    Examples
+    --------
+    >>> motor = first_scene("2.2 MHz", "PZT-8")
+    >>> motor.table["transducer"][0]["aperture"], motor.scene.frequency
+    ('20 mm', 2200000.0)
+    """
+    written, frequency = frequency, _read("--frequency", frequency, "Hz")
+    name, cut, solid = _cut(material)
+    with as_run_errors():
+        wave = fem.rayleigh(solid, fem.surface_named("vacuum"))
+    if "phi" not in wave.fields:
+        raise SceneError("--material", f"must be piezoelectric, and {solid.name} is not in this orientation")
+    wavelength, ratio = wave.velocity / frequency, abs(wave.surface_ratio)
+    ceramic = cut == "Z"
+    pairs = PAIRS_OF_CERAMICS if ceramic else PAIRS if fem.coupling(solid) > WEAK else PAIRS_OF_WEAK
+    length_of = pairs * wavelength
+    center, place = MARGIN * wavelength + 0.5 * length_of, MARGIN * wavelength + length_of + AWAY * wavelength
+    aperture = _round(APERTURE * wavelength)
+    table: dict = {
+        "title": f"First motor: {quantity('frequency_Hz').with_unit(frequency)} on {solid.name}",
+        "stator": {
+            "material": name, "orientation": cut, "length": _length(2.0 * place),
+            "thickness": _length(THICKNESS * wavelength),
+            "width": _length(SIDES * aperture), "ends": "absorbing",
+        },
+        "transducer": [
+            {
+                "name": "left", "center": _length(center), "finger_pairs": pairs, "period": "auto",
+                "metallisation": 0.5, "aperture": _length(aperture),
+            },
+        ],
+        "drive": {"frequency": written, "transducer": "left", "voltage": 1.0},
+    }  # fmt: skip
+    amplitude = RISE
+    if speed is not None:
+        amplitude = _read("--speed", speed, "m/s") / (SHARE_OF_CREST * 2.0 * math.pi * frequency * ratio)
+    slider, why = _slider(name, solid, place, frequency, amplitude, thrust)
+    table["slider"] = slider
+    volts = _volts(table, amplitude)
+    table["drive"]["voltage"] = [f"{volts * (k + 1) / (SAMPLES - 2):.3g} V" for k in range(SAMPLES)]
+    of_wave = f"{wavelength * 1e3:.4g} mm, the wavelength of {wave.velocity:.0f} m/s"
+    reasons = {
+        "stator.length": f"slider in the middle, {AWAY:g} wavelengths from the fingers",
+        "stator.thickness": f"{THICKNESS:g} wavelengths: little of the wave reaches the bottom",
+        "stator.width": f"{SIDES:g} times the aperture",
+        "stator.ends": "glue or wax at both ends; absent: free, with a standing wave",
+        "transducer.0.center": f"{MARGIN:g} wavelengths from the end, {of_wave}",
+        "transducer.0.finger_pairs": "as in published motors"
+        if pairs < PAIRS_OF_WEAK
+        else "many: the coupling is weak",
+        "transducer.0.period": "the one that gives the strongest wave",
+        "transducer.0.aperture": f"{APERTURE:g} wavelengths: the beam stays together up to the slider",
+        "drive.voltage": f"{volts:.3g} V give {amplitude * 1e9:.3g} nm under the slider",
+    } | why
+    remarks = (
+        "A first motor, sized by rules of thumb: what a measurement or a data sheet says is better than each of them.",
+        "sawmotor run FILE computes it; sawmotor design FILE searches better numbers within ranges.",
+    )
+    return FirstScene(table=table, reasons=reasons, remarks=remarks)
+
+
+def _read(option: str, value, unit: str) -> float:
+    """Return a positive quantity of an option in SI units."""
+    return Quantity(unit).read(option, si_value(option, value, unit))
+
+
+def _cut(text: str) -> tuple:
+    """Return the name of a material, its orientation and the rotated solid."""
+    name, cut = (CUTS[text], text) if text in CUTS else (text, "Z")
+    try:
+        material, solid = named_solid(name)
+    except (SceneError, fem.InputError) as refusal:
+        name, space, cut = text.rpartition(" ")
+        try:
+            material, solid = named_solid(name if space else text)
+        except (SceneError, fem.InputError):
+            raise SceneError("--material", str(getattr(refusal, "rule", refusal))) from None
+    try:
+        rotated = fem.rotated(solid, ORIENTATION.read("--material", cut))
+    except fem.InputError as error:
+        raise SceneError("--material", error.rule) from None
+    return material if isinstance(material, str) else name, cut, rotated
+
+
+def _slider(name: str, solid, place: float, frequency: float, amplitude: float, thrust) -> tuple[dict, dict]:
+    """Return the slider's block and the rules of its keys."""
+    moduli = pair_moduli("steel", solid)
+    radius = 1e-3 if frequency < 5e6 else 0.5e-3
+    approach = PRESSED * amplitude
+    per_ball = 4.0 / 3.0 * moduli[0] * math.sqrt(radius) * approach**1.5
+    preload, balls = 3.0 * per_ball, 3
+    if thrust is not None:
+        thrust = _read("--thrust", thrust, "N")
+        preload = thrust / (SHARE_OF_FRICTION * FRICTION)
+        balls = max(3, math.ceil(preload / per_ball))
+        if balls > MOST_BALLS:
+            rule = f"asks for {balls} balls that approach by {approach * 1e9:.2g} nm each; a slider of silicon pillars"
+            raise SceneError("--thrust", f"{rule} carries more: sawmotor scenes --copy silicon-slider")
+    # bounce at rest: dP/dz = 1.5 P/z
+    stiffness = 1.5 * preload / approach
+    lightest = stiffness / (2.0 * math.pi * LIGHT * frequency) ** 2
+    mass = _round(max(preload / GRAVITY, lightest), 2)
+    damping = 2.0 * DAMPED * math.sqrt(stiffness * mass)
+    heavy = mass < 1.1 * preload / GRAVITY
+    block = {
+        "position": _length(place), "ball": "steel", "radius": _length(radius), "contacts": balls,
+        "mass": f"{mass * 1e3:.3g} g", "preload": f"{preload * 1e3:.3g} mN", "friction_coefficient": FRICTION,
+        "damping": {"normal": f"{damping:.2g} N s/m"},
+    }  # fmt: skip
+    why = {
+        "slider.contacts": "balls, at one place until their positions are given: [x, ...]",
+        "slider.mass": "its weight is the preload" if heavy else "the contact resonates at 1 % of the frequency",
+        "slider.preload": f"a ball at rest approaches by half the amplitude, {approach * 1e9:.3g} nm",
+        "slider.friction_coefficient": "steel on lithium niobate, Kurosawa et al. 1998: measure yours",
+        "slider.damping.normal": "a tenth of critical for the bounce at rest",
+    }
+    if thrust is not None:
+        why["slider.preload"] = f"stalls at about {SHARE_OF_FRICTION:g} mu times it, {thrust * 1e3:.3g} mN"
+        why["slider.contacts"] = f"so that each approaches by half the amplitude, {approach * 1e9:.3g} nm"
+    return block, why
+
+
+def _volts(table: dict, amplitude: float) -> float:
+    """Return the voltage at which the wave has a normal amplitude in m under the slider."""
+    record = run(Scene.from_table("", {key: table[key] for key in ("stator", "transducer", "drive")}), tolerance=ROUGH)
+    if not record.points or not record.normal_amplitude[0] > 0.0:
+        raise RunError(f"the stator gives no wave to size the voltage by: {record.shortfall}")
+    return amplitude / float(record.normal_amplitude[0])
+
+
+def _round(value: float, digits: int = 2) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _length(value: float) -> str:
+    return f"{value * 1e3:.3g} mm"

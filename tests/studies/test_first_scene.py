@@ -1,0 +1,87 @@
+"""``sawmotor new``: the file is the scene, its motor does what was asked for, and what cannot be is refused."""
+
+import re
+import tomllib
+
+import pytest
+
+from studies import Scene, SceneError, run
+from studies.__main__ import main
+from studies.inverse.first_scene import first_scene
+
+
+@pytest.fixture(scope="module")
+def ceramic():
+    return first_scene("2.2 MHz", "PZT-8", speed="0.1 m/s")
+
+
+def test_file_is_the_scene_and_every_rule_stands_beside_its_key(ceramic, tmp_path):
+    file = tmp_path / "motor.toml"
+    file.write_text(str(ceramic))
+    assert Scene.load(file).to_table() == ceramic.scene.to_table()
+    assert tomllib.loads(str(ceramic)) == ceramic.table
+    for key, rule in ceramic.reasons.items():
+        name = key.rpartition(".")[2]
+        assert re.search(rf"^{name} = .*  # {re.escape(rule)}$", str(ceramic), re.MULTILINE), key
+
+
+def test_sizes_by_hand(ceramic):
+    # wavelength on PZT-8 at 2.2 MHz: 2181.9 m/s over it, 0.99178 mm; 10 pairs, 15 and 40 wavelengths beside them
+    stator, (fingers,) = ceramic.table["stator"], ceramic.table["transducer"]
+    assert (stator["thickness"], stator["width"], fingers["aperture"]) == ("4.96 mm", "32 mm", "20 mm")
+    assert (fingers["center"], ceramic.table["slider"]["position"], stator["length"]) == (
+        "19.8 mm",
+        "64.5 mm",
+        "129 mm",
+    )
+
+
+def test_motor_runs_at_the_wanted_speed(ceramic):
+    volts = float(ceramic.reasons["drive.voltage"].split()[0])
+    record = run(ceramic.scene.replace(drive={"voltage": volts}), tolerance=1e-2)
+    assert record.exit_code == 0
+    # the slider presses for half of the cycle at half of the crest's speed: a rule of thumb
+    assert abs(record.velocity[0]) == pytest.approx(0.1, rel=0.3)
+    # 0.1 m/s = half of omega r u_z, r = 0.671
+    assert record.normal_amplitude[0] == pytest.approx(0.1 / (0.5 * 2 * 3.14159 * 2.2e6 * 0.671), rel=0.02)
+
+
+def test_motor_has_about_the_wanted_thrust():
+    motor = first_scene("10 MHz", "128YX", thrust="5 mN")
+    volts = float(motor.reasons["drive.voltage"].split()[0])
+    free, loaded, stalled = (
+        -float(run(motor.scene.replace(drive={"voltage": volts}, slider={"load": load}), tolerance=1e-2).velocity[0])
+        for load in (0.0, 2.5e-3, 5.4e-3)
+    )
+    assert free > loaded > 0.6 * free
+    assert -0.2 * free < stalled < 0.2 * free
+    assert motor.table["slider"]["contacts"] > 3
+
+
+def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    call = ["new", "--frequency", "10 MHz", "--material", "128YX", "--out", "mine.toml"]
+    assert main(call) == 0
+    assert capsys.readouterr().out == "wrote mine.toml: sawmotor run mine.toml\n"
+    assert main(["check", "mine.toml"]) == 0
+    before = (tmp_path / "mine.toml").read_text()
+    assert 'orientation = "128YX"' in before
+    assert main(call) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == "sawmotor: --out must be a new file, and 'mine.toml' exists"
+    assert (tmp_path / "mine.toml").read_text() == before
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"frequency": "10"}, "--frequency must be a frequency, .* got '10', which has no unit"),
+        ({"material": "steel"}, "--material must be piezoelectric, and steel is not in this orientation"),
+        ({"material": "unobtainium"}, r"--material must be in the catalogue \(.*\), got 'unobtainium'"),
+        ({"speed": "-1 m/s"}, "--speed must be positive"),
+        ({"thrust": "5 V"}, "--thrust must be a force"),
+        ({"thrust": "1 N"}, r"--thrust asks for \d+ balls that approach by 5 nm each; a slider of silicon pillars"),
+    ],
+)
+def test_refusals(given, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        first_scene(**{"frequency": "10 MHz", "material": "128YX"} | given)
