@@ -21,9 +21,8 @@ _PUBLIC = {
     ),
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
-    "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction",
-    "averaged.pillar_results": "PillarLoadLine PillarMotion",
-    "averaged.pillars": "balls_of PassingWave Pillars",
+    "aliases": "balls_of pillar_load_line pillar_motion pillar_traction Pillars",
+    "averaged.coupled_motion": "WaveRows",
     "choice": "Answer",
     "error_estimate": "reference_speed speed_scale",
     "exceptions": "ConvergenceError InputError",
@@ -36,6 +35,7 @@ _PUBLIC = {
     "orbit": "Orbit",
     "slider": "Slider",
     "track": "Track",
+    "wave": "PassingWave",
     "averaged.riding": "mean_load riding_height",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

@@ -23,6 +23,7 @@ from typing import NamedTuple
 from contact.error_estimate import relative_to_reference
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit
+from contact.wave import PassingWave
 
 OK, ABOVE_TOLERANCE = "ok", "above tolerance"
 EXCEEDS = "estimated error"  # begins the reason of an answer that misses its tolerance
@@ -88,7 +89,7 @@ class Answered:
     """Base of results whose velocity is an `Answer`: relative error, status and message."""
 
     answer: Answer
-    orbits: tuple[Orbit, ...]
+    orbits: tuple[Orbit, ...] | PassingWave
 
     @property
     def relative_error(self) -> float:

@@ -94,7 +94,7 @@ class SliderNumber(IntEnum):
 def numbers(s: Slider, contacts: int) -> list[float]:
     """Return what `in_units` takes of a slider, in the order of `SliderNumber`."""
     return [
-        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.static_coefficient, s.contact_damping,
+        s.unit_mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.static_coefficient, s.contact_damping,
         s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
     ]  # fmt: skip
 

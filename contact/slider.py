@@ -1,12 +1,15 @@
-"""Slider: a rigid body on one or several equal balls or flat punches.
+r"""Slider: a rigid body on contacts, which are balls, flat punches or pillars.
 
-Mass, preload, load and viscous dampers are those of the whole slider. Radius and moduli are those of each contact.
+Mass, preload, load, viscous dampers and the way in which the body is held are those of the whole slider. Position,
+height, radius or stiffness, and weight belong to the contacts, one value for all of them or one for each.
 Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = sum Q_i - R_t v - load.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,23 +24,63 @@ from contact.law.user import Contact, UserLaw, tried, user_law
 from contact.roots import bracketed
 
 LAWS = ("elastic", "hysteretic")
-POSITIVE = {"radius": "m", "mass": "kg", "effective_modulus": "Pa", "tangential_modulus": "Pa"}
+TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
 NON_NEGATIVE = {
     "preload": "N", "load": "N", "friction_coefficient": "", "stick_band": "m/s", "contact_damping": "s/m",
     "normal_damping": "N s/m", "tangential_damping": "N s/m",
 }  # fmt: skip
+# What each contact may have of its own: noun and unit. Radii, stiffnesses and weights are positive.
+OWN = {
+    "x": ("position", "m"), "y": ("position", "m"), "heights": ("height", "m"), "radius": ("radius", "m"),
+    "normal_stiffness": ("stiffness", "N/m"), "tangential_stiffness": ("stiffness", "N/m"), "weights": ("weight", ""),
+}  # fmt: skip
+ANY_SIGN = ("x", "y", "heights")
+SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 
 
-@dataclass(frozen=True, kw_only=True)
+class Derived(float):
+    """A number that follows from other fields, so that `dataclasses.replace` computes it anew."""
+
+
+class DerivedArray(np.ndarray):
+    """Numbers that follow from other fields, so that `dataclasses.replace` computes them anew."""
+
+
+class Contacts(NamedTuple):
+    """The n contacts of a slider, SI units; arrays (n,)."""
+
+    x: np.ndarray
+    y: np.ndarray
+    height: np.ndarray
+    normal_stiffness: np.ndarray  # k_n of P = k_n p(z)
+    tangential_stiffness: np.ndarray
+    limit_slope: np.ndarray  # c
+    weight: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Slider:
     """A slider and its contacts.
 
     Attributes
     ----------
-    radius : float
+    radius : float or array_like, shape (n,), optional
         Radius of each ball or punch, m, positive.
+    effective_modulus, tangential_modulus : float, optional
+        Effective moduli E and G of the pair of materials, Pa, positive. With the radius they give the stiffnesses.
+    normal_stiffness, tangential_stiffness : float or array_like, shape (n,), optional
+        k_n of P = k_n z^1.5 (sphere, N/m^1.5) or P = k_n z (punch, N/m) and k_t of each contact, positive. Contacts
+        without a radius, such as pillars that are compliant themselves, are given by these. The slip limit is
+        c = mu k_n/k_t times the approach; of radius and moduli k_t = 4 (G/E) k_n.
+    x, y : float or array_like, shape (n,)
+        Positions along and across the wave, from the slider's centre, m.
+    heights : float or array_like, shape (n,)
+        Height of each contact, positive towards the surface, m; an empty tuple means that all heights are 0.
+    weights : float or array_like, shape (n,)
+        Number of equal contacts that each contact represents, positive.
     mass : float
-        Mass of the slider, kg, positive.
+        Mass of the slider, kg, positive. inf stands for a slider that moves neither up nor along within a cycle of the
+        wave: first-order averaging is exact for it, and it has no motion in time.
     preload : float
         Normal force that presses the slider onto the surface, including its weight, N, zero or positive.
     load : float
@@ -45,8 +88,6 @@ class Slider:
         cycle means, also for a slider that hops. Such a slider may move the other way, and then the load drives it.
     friction_coefficient : float
         Coefficient of friction mu, zero or positive.
-    effective_modulus, tangential_modulus : float
-        Effective moduli E and G of the pair of materials, Pa, positive.
     law : str
         "elastic" (Feenstra and Breedveld, eq. 2) or "hysteretic" (Mindlin-Deresiewicz). A `UserLaw`, a module
         or the path of a file becomes `friction`, with the elastic law's stick and slip.
@@ -59,51 +100,113 @@ class Slider:
     normal_damping, tangential_damping : float
         Viscous dampers R_n2 and R_t on the slider's normal and tangential velocity, N s/m.
     shape : str
-        "sphere" (default), or "punch": a rigid flat cylindrical projection on a half-space.
-    heights : tuple of float
-        Height of each contact, positive towards the surface, m; an empty tuple means that all heights are 0.
+        "sphere" (default), or "punch": a flat cylindrical projection, such as a pillar.
     friction : FallingFriction or UserLaw, optional
         Friction law that depends on more than the normal force; None means Coulomb's law.
+    tilt : str
+        "held" (default: no rotation), "pitch" (rotation about y) or "free" (rotation about x and y).
+    preload_at : tuple of float
+        Position (x, y) at which the preload acts, m. It has no effect if `tilt` is "held".
+    load_height : float
+        Height above the surface at which a load acts, m. It has no effect if `tilt` is "held".
+    backing : str
+        "rigid": all contacts are on one plane. "soft": every row along the wave carries the same force per contact.
+    curvature : float
+        Curvature of the slider's face, 1/m. If it is positive, the middle protrudes: a contact at (x, y) is set back by
+        (x^2 + y^2)/2 times the curvature.
     """
 
-    radius: float
     mass: float
     preload: float
     load: float
     friction_coefficient: float
-    effective_modulus: float
-    tangential_modulus: float
     law: str
     reciprocal: bool
     stick_band: float
     contact_damping: float
     normal_damping: float
     tangential_damping: float
+    radius: Any = None
+    effective_modulus: Any = None
+    tangential_modulus: Any = None
+    normal_stiffness: Any = None
+    tangential_stiffness: Any = None
+    x: Any = 0.0
+    y: Any = 0.0
+    heights: Any = ()
+    weights: Any = 1.0
     shape: str = "sphere"
-    heights: tuple[float, ...] = ()
     friction: FallingFriction | UserLaw | None = None
+    tilt: str = "held"
+    preload_at: tuple[float, float] = (0.0, 0.0)
+    load_height: float = 0.0
+    backing: str = "rigid"
+    curvature: float = 0.0
 
     def __post_init__(self):
         if not isinstance(self.law, str) or (self.law not in LAWS and self.law.endswith(".py")):
-            object.__setattr__(self, "friction", UserLaw.of(self.law))
-            object.__setattr__(self, "law", "elastic")
-        for rule, units in (parameter_check.positive, POSITIVE), (parameter_check.non_negative, NON_NEGATIVE):
-            for name, unit in units.items():
-                object.__setattr__(self, name, rule(f"slider.{name}", getattr(self, name), unit))
-        parameter_check.choice("slider.law", self.law, LAWS)
-        parameter_check.choice("slider.shape", self.shape, normal.SHAPES)
-        if np.ndim(self.heights) != 1:
-            raise InputError("slider.heights", "must be a list of heights in m", self.heights)
-        heights = tuple(parameter_check.finite("slider.heights", height, "m") for height in self.heights)
-        object.__setattr__(self, "heights", heights if any(heights) else ())
+            self._set("friction", UserLaw.of(self.law))
+            self._set("law", "elastic")
+        if self.mass != math.inf:
+            self._set("mass", parameter_check.positive("slider.mass", self.mass, "kg"))
+        for name, unit in NON_NEGATIVE.items():
+            self._set(name, parameter_check.non_negative(f"slider.{name}", getattr(self, name), unit))
+        for name, allowed in {"law": LAWS, "shape": normal.SHAPES, "tilt": TILTS, "backing": BACKINGS}.items():
+            parameter_check.choice(f"slider.{name}", getattr(self, name), allowed)
         if self.shape == "punch" and self.law == "hysteretic":
             raise InputError("slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"')
         if self.stick_band > 0.0 and self.law == "hysteretic":
             raise InputError("slider.stick_band", "must be 0 m/s with the hysteretic law", self.stick_band, "m/s")
         if not isinstance(self.reciprocal, bool):
             raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
+        self._set_contacts()
+        self._check_body()
         if self.friction is not None:
             self._check_friction()
+
+    def _set(self, name, value):
+        object.__setattr__(self, name, value)
+
+    def _set_contacts(self):
+        """Check the contacts' values and make them floats or arrays; derive the stiffnesses from radius and moduli."""
+        placed = np.size(self.x) if np.ndim(self.x) else None
+        if np.ndim(self.heights) != 1 and placed is None:
+            raise InputError("slider.heights", "must be a list of heights in m", self.heights)
+        if isinstance(self.normal_stiffness, Derived | DerivedArray):
+            self._set("normal_stiffness", None)
+            self._set("tangential_stiffness", None)
+        moduli = () if self.normal_stiffness is not None else ("effective_modulus", "tangential_modulus")
+        required = ("normal_stiffness", "tangential_stiffness") if not moduli else ("radius",)
+        if placed and np.ndim(self.heights) and not len(self.heights):
+            self._set("heights", 0.0)
+        for name, (noun, unit) in OWN.items():
+            if getattr(self, name) is not None or name in required:
+                self._set(name, _own_values(name, noun, getattr(self, name), unit, placed))
+        if placed is None:
+            self._set("heights", tuple(self.heights.tolist()) if self.heights.any() else ())
+        for name in moduli:
+            self._set(name, parameter_check.positive(f"slider.{name}", getattr(self, name), "Pa"))
+        if moduli:
+            k_n = normal.stiffness(self.radius, self.effective_modulus, self.contact_shape)
+            k_t = 4.0 * self.tangential_modulus / self.effective_modulus * k_n
+            for name, value in (("normal_stiffness", k_n), ("tangential_stiffness", k_t)):
+                self._set(name, value.view(DerivedArray) if np.ndim(value) else Derived(value))
+
+    def _check_body(self):
+        """Raise unless the contacts can hold the body, its tilt and a preload beside their centre."""
+        for name, unit in (("load_height", "m"), ("curvature", "1/m")):
+            self._set(name, parameter_check.finite(f"slider.{name}", getattr(self, name), unit))
+        at = tuple(parameter_check.finite("slider.preload_at", each, "m") for each in self.preload_at)
+        self._set("preload_at", at)
+        if self.backing == "soft" and self.tilt != "held":
+            rule = 'must be "held" with a soft backing, which has no plane to tilt'
+            raise InputError("slider.tilt", rule, self.tilt)
+        if self.tilt == "held":
+            return
+        for name in ("x",) if self.tilt == "pitch" else ("x", "y"):
+            if np.ptp(getattr(self, name)) == 0.0:
+                raise InputError("slider.tilt", f'must be "held" where all contacts have the same {name}')
+        self.preload_point(0.0)
 
     def _check_friction(self):
         """Raise if other parameters are not compatible with friction that depends on speed or pressure."""
@@ -113,6 +216,10 @@ class Slider:
         for name, wanted in (("law", "elastic"), ("reciprocal", False), ("stick_band", 0.0)):
             if getattr(self, name) != wanted:
                 raise InputError(f"slider.{name}", f"must be {wanted!r} {only}", getattr(self, name))
+        if not self.even:
+            raise InputError("slider.radius", f"must be equal for all contacts {only}, and the weights 1")
+        if self.effective_modulus is None:
+            raise InputError("slider.effective_modulus", f"is required {only}")
         if isinstance(self.friction, FallingFriction):
             parameter_check.positive("slider.friction_coefficient", self.friction_coefficient, "")
         else:
@@ -123,16 +230,54 @@ class Slider:
         """SPHERE or PUNCH of `contact.law.normal`."""
         return normal.SHAPES.index(self.shape)
 
-    @property
-    def normal_stiffness(self) -> float:
-        """K of P = K z^1.5 (sphere, N/m^1.5) or P = K z (punch, N/m) of one contact."""
-        return float(normal.stiffness(self.radius, self.effective_modulus, self.contact_shape))
+    def _key(self):
+        values = (getattr(self, each.name) for each in fields(self))
+        return tuple(each.tobytes() if isinstance(each, np.ndarray) else each for each in values)
+
+    def __eq__(self, other):
+        return isinstance(other, Slider) and self._key() == other._key()
+
+    def __hash__(self):
+        return hash(self._key())
+
+    @cached_property
+    def even(self) -> bool:
+        """True if all contacts have the same stiffnesses and the weight 1."""
+        own = self.normal_stiffness, self.tangential_stiffness, self.weights
+        return bool(np.max(self.weights) == 1.0) and all(np.ptp(each) == 0.0 for each in own)
 
     @property
-    def limit_slope(self) -> float:
-        """C = mu E/4G, the slip limit over the approach; its maximum if mu depends on the pressure."""
+    def unit_mass(self) -> float:
+        """Mass in kg of the units in which the solvers work; any number, here 1, for a slider of infinite mass."""
+        return 1.0 if self.mass == math.inf else self.mass
+
+    @property
+    def count(self) -> int:
+        """How many contacts have values of their own; 1 where all values are single numbers."""
+        return max(1, *(np.size(getattr(self, name)) for name in OWN if getattr(self, name) is not None))
+
+    @property
+    def number(self) -> float:
+        """Number of contacts of `count`, that of their weights."""
+        return float(np.sum(self._each("weights", self.count)))
+
+    @cached_property
+    def stiffness_unit(self) -> float:
+        """k_n of the stiffest contact, N/m^1.5 or N/m."""
+        return float(np.max(self.normal_stiffness))
+
+    @cached_property
+    def slope_unit(self) -> float:
+        """The largest `limit_slope`."""
+        return float(np.max(self.limit_slope))
+
+    @property
+    def limit_slope(self):
+        """C = mu k_n/k_t = mu E/4G, the slip limit over the approach; its maximum if mu depends on the pressure."""
         if isinstance(self.friction, UserLaw):
             return self._tried[1]
+        if not isinstance(self.normal_stiffness, Derived):
+            return self.friction_coefficient * self.normal_stiffness / self.tangential_stiffness
         c = elastic.limit_slope(self.friction_coefficient, self.effective_modulus, self.tangential_modulus)
         if self.friction is None or self.friction.high_pressure is None:
             return c
@@ -147,12 +292,13 @@ class Slider:
     def tangential_law(self) -> Law:
         """The tangential law in the form that the solvers use."""
         if isinstance(self.friction, UserLaw):
-            return user_law(self.friction, self._contact, self.normal_stiffness)
+            return user_law(self.friction, self._contact, float(self.stiffness_unit))
         if self.friction is not None:
-            area = math.pi * self.radius * (1.0 if self.contact_shape == Shape.SPHERE else self.radius)
-            ratio, pressure = (self.effective_modulus / (4.0 * self.tangential_modulus), self.normal_stiffness / area)
+            radius = float(np.max(self.radius))
+            area = math.pi * radius * (1.0 if self.contact_shape == Shape.SPHERE else radius)
+            ratio, pressure = (self.effective_modulus / (4.0 * self.tangential_modulus), self.stiffness_unit / area)
             return self.friction.law(self.friction_coefficient, ratio, pressure)
-        if self.law == "hysteretic" and self.limit_slope > 0.0:
+        if self.law == "hysteretic" and self.slope_unit > 0.0:
             return hysteretic.mindlin_deresiewicz()
         kind = Tangential.RECIPROCAL if self.reciprocal else Tangential.ELASTIC
         return elastic.coulomb(Tangential.HYSTERETIC if self.law == "hysteretic" else kind)
@@ -160,20 +306,19 @@ class Slider:
     @property
     def _contact(self):
         return Contact(
-            self.friction_coefficient, self.radius, self.effective_modulus, self.tangential_modulus,
+            self.friction_coefficient, float(np.max(self.radius)), self.effective_modulus, self.tangential_modulus,
             float(self.contact_shape == Shape.PUNCH),
         )  # fmt: skip
 
     @property
     def _tried(self):
-        return tried(self.friction, self._contact, self.normal_stiffness)
+        return tried(self.friction, self._contact, float(self.stiffness_unit))
 
-    @property
-    def _in_si(self):
-        """Problem for the law's functions with lengths in m, times in s and forces divided by K."""
+    def _in_si(self, limit_slope=None):
+        """Problem of a contact for the law's functions with lengths in m, times in s and forces divided by K."""
         return SimpleNamespace(
-            length=1.0, omega=1.0, friction=self.static_coefficient, limit_slope=self.limit_slope,
-            shape=self.contact_shape, law=self.tangential_law,
+            length=1.0, omega=1.0, friction=self.static_coefficient, shape=self.contact_shape, law=self.tangential_law,
+            limit_slope=self.slope_unit if limit_slope is None else limit_slope,
         )  # fmt: skip
 
     def static_friction(self, contacts: int) -> float:
@@ -184,45 +329,153 @@ class Slider:
 
     def sliding_friction(self, contacts: int, speed: float) -> float:
         """Return the friction force in N of contacts that slip at a speed in m/s under the preload without a wave."""
-        law, si, z = self.tangential_law, self._in_si, self.rest_approaches(contacts)
-        return self.normal_stiffness * sum(float(law.sliding(si, each, speed)) for each in z if each > 0.0)
+        law, si, z = self.tangential_law, self._in_si(), self.rest_approaches(contacts)
+        return self.stiffness_unit * sum(float(law.sliding(si, each, speed)) for each in z if each > 0.0)
 
-    def contact_radius(self, approach: float) -> float:
-        """Return the radius in m of the contact circle at an approach in m."""
-        return float(normal.contact_radius(approach, self.radius, self.contact_shape))
+    def contact_radius(self, approach):
+        """Return the radius in m of the contact circle at an approach in m, or at one of each contact."""
+        return normal.contact_radius(approach, self.radius, self.contact_shape)
 
-    def pressure(self, approach: float) -> float:
-        """Return the maximum pressure of a sphere, 2 E a/(pi R), or the mean pressure of a punch, 2 E z/(pi R), Pa."""
-        z = max(approach, 0.0)
+    def pressure(self, approach):
+        """Return the pressure in Pa at an approach in m, or at one of each contact.
+
+        It is the maximum pressure of a sphere, 2 E a/(pi R), or the mean pressure of a punch, k_n z/(pi R^2), which is
+        2 E z/(pi R) on a half-space.
+        """
+        if self.radius is None:
+            raise InputError("slider.radius", "is required for the pressure of the contacts")
+        z = np.maximum(approach, 0.0)
         length = z if self.shape == "punch" else self.contact_radius(z)
-        return 2.0 * self.effective_modulus * length / (math.pi * self.radius)
+        modulus = (
+            self.effective_modulus
+            if isinstance(self.normal_stiffness, Derived | DerivedArray)
+            else (self.normal_stiffness / (2.0 * self.radius))
+        )
+        return 2.0 * modulus * length / (math.pi * self.radius)
 
     def tangential_force(self, deformation, approach: float):
         """Return Q in N of the elastic law at deformations and an approach in m, limited by friction."""
         friction = self.friction_coefficient * self.normal_stiffness
         return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.contact_shape)
 
+    def _each(self, name: str, contacts: int) -> np.ndarray:
+        """Return a value of `OWN` for each of so many contacts."""
+        value = getattr(self, name)
+        if np.ndim(value) and len(value) != contacts:
+            raise InputError(f"slider.{name}", f"must hold one {OWN[name][0]} per contact, {contacts}", len(value))
+        return np.broadcast_to(value, (contacts,))
+
+    def contacts(self, number: int) -> Contacts:
+        """Return the values of so many contacts."""
+        x, y, k_n, k_t, weight = (
+            self._each(name, number) for name in ("x", "y", "normal_stiffness", "tangential_stiffness", "weights")
+        )
+        return Contacts(x, y, self.offsets(number), k_n, k_t, np.broadcast_to(self.limit_slope, (number,)), weight)
+
+    def classes(self, across=None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the contacts that stand for all that are equal to them, rows one after the other from left to right.
+
+        Contacts of a row are at one x; equal ones also have the same height, stiffnesses and ``across``.
+
+        Returns
+        -------
+        member : (m,) array
+            A contact of each class.
+        classes : (n,) array
+            Number of each contact's class.
+        row : (m,) array
+            Number of each class's row.
+        """
+        x, _, heights, k_n, k_t, _, _ = self.contacts(self.count)
+        step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
+        position = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
+        # one column per contact, sorted by position first; equal columns are one class
+        table = np.stack([position, np.zeros_like(x) if across is None else across, heights, k_n, k_t])
+        order = np.lexsort(table[::-1])
+        is_first = np.ones(x.size, dtype=bool)
+        is_first[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
+        classes = np.empty(x.size, dtype=int)
+        classes[order] = np.cumsum(is_first) - 1
+        member = order[is_first]
+        return member, classes, np.unique(position[member], return_inverse=True)[1]
+
+    def merged(self) -> "Slider":
+        """Return the same slider with one contact, of their weights, for all contacts that are equal and in one row."""
+        if np.ndim(self.x) == 0:
+            return self
+        member, classes, _ = self.classes()
+        own = {name: getattr(self, name)[member] for name in OWN if getattr(self, name) is not None}
+        own["heights"], own["weights"] = self.offsets(classes.size)[member], np.bincount(classes, self.weights)
+        if isinstance(self.normal_stiffness, DerivedArray):
+            own["normal_stiffness"] = own["tangential_stiffness"] = None
+        return replace(self, curvature=0.0, **own)
+
+    def contact_factors(self, contacts: int) -> np.ndarray:
+        """Return weight times k_n over `stiffness_unit`, and c over `slope_unit`, of each contact, (2, contacts)."""
+        if self.even:
+            return np.ones((2, contacts))
+        own, slope = self.contacts(contacts), self.slope_unit or 1.0
+        return np.array([own.weight * own.normal_stiffness / self.stiffness_unit, own.limit_slope / slope])
+
+    @cached_property
+    def level(self) -> bool:
+        """True if all contacts have the height 0."""
+        return not self.curvature and not np.any(self.heights)
+
     def offsets(self, contacts: int) -> np.ndarray:
-        """Return the heights of the contacts as an array of that length, m."""
-        if self.heights and len(self.heights) != contacts:
-            raise InputError("slider.heights", f"must hold one height per contact, {contacts}", len(self.heights))
-        return np.array(self.heights) if self.heights else np.zeros(contacts)
+        """Return the heights of the contacts on the slider's curved face as an array of that length, m."""
+        heights = np.array(self._each("heights", contacts)) if np.size(self.heights) else np.zeros(contacts)
+        if self.curvature:
+            heights -= 0.5 * self.curvature * (self._each("x", contacts) ** 2 + self._each("y", contacts) ** 2)
+        return heights
+
+    def preload_point(self, load: float) -> tuple[float, float]:
+        """Return where the preload acts together with a load in N along -x, m; raise if it lifts a side that may tilt.
+
+        A load at a height b above the surface shifts the point by -b load/preload.
+        """
+        x, y = self.preload_at
+        x -= self.load_height * load / self.preload if load else 0.0
+        lifts = "" if self.tilt == "held" else self.lifts(x, y)
+        if not lifts:
+            return x, y
+        rest = f"within the contacts unless the tilt is held, got ({x:g}, {y:g}) m: no equilibrium, the {lifts} lifts"
+        if self.lifts(*self.preload_at):
+            raise InputError("slider.preload_at", f"must lie {rest}")
+        raise InputError("slider.load_height", f"must keep preload and load of {abs(load):.4g} N {rest}")
+
+    def lifts(self, x: float, y: float) -> str:
+        """Return which side lifts off under a force at (x, y), or an empty string where the contacts carry it."""
+        if not self.x.min() < x < self.x.max():
+            return "side at smaller x" if x >= self.x.max() else "side at larger x"
+        if self.tilt != "free":
+            return ""
+        if not self.y.min() < y < self.y.max():
+            return "side at smaller y" if y >= self.y.max() else "side at larger y"
+        # within the convex hull: no direction in which all contacts lie behind the point
+        angle = np.sort(np.arctan2(self.y - y, self.x - x))
+        gaps = np.diff(np.append(angle, angle[0] + 2.0 * math.pi))
+        if gaps.max() >= math.pi:
+            towards = math.degrees(angle[int(gaps.argmax())] + 0.5 * gaps.max()) + 180.0
+            return f"side at {towards % 360.0:.0f} degrees from the wave's direction"
+        return ""
 
     def approach_under(self, force: float, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
-        shape, target = self.contact_shape, force / self.normal_stiffness
-        if not self.heights:
+        shape, target = self.contact_shape, force / self.stiffness_unit
+        if self.even and self.level:
             return float(normal.approach(target / contacts, shape))
-        heights = self.offsets(contacts)
+        heights, (share, _) = self.offsets(contacts), self.contact_factors(contacts)
         # both initial guesses are upper bounds: one takes all heights equal to the smallest, the other only the contact
         # with the largest height
-        h = float(min(normal.approach(target / contacts, shape) - min(heights),
-                      normal.approach(target, shape) - max(heights)))  # fmt: skip
+        top = int(np.argmax(heights))
+        h = float(min(normal.approach(target / np.sum(share), shape) - min(heights),
+                      normal.approach(target / share[top], shape) - heights[top]))  # fmt: skip
         if target == 0.0:
             return h
 
         def sums(height):
-            return tuple(float(np.sum(each(height + heights, shape))) for each in (normal.load, normal.slope))
+            return tuple(float(np.sum(share * each(height + heights, shape))) for each in (normal.load, normal.slope))
 
         return float(height_under(sums, target, h, 1e-15 * (abs(h) + float(np.max(np.abs(heights))))))
 
@@ -246,11 +499,11 @@ class Slider:
         Contacts that are sheared together by x carry Q = mu (P - P'), where P' is the normal force at an approach that
         is smaller by x/c (Ciavarella 1998; see `law.elastic`). Hence P' equals the preload less load/mu.
         """
-        z, c = self.rest_approaches(contacts), self.limit_slope
+        z, c = self.rest_approaches(contacts), self.slope_unit
         if c == 0.0:
             return 0.0 * z
-        if self.friction is not None:
-            limits = np.array([float(slip_limit(self._in_si, each)) if each > 0.0 else 0.0 for each in z])
+        if self.friction is not None or np.ptp(self.limit_slope) > 0.0:
+            limits = self._slip_limits(z)
             if self.static_friction(contacts) <= self.load:
                 return limits
             return np.minimum(-self.distance_to_rest(0.0 * z, self.load), limits)
@@ -262,25 +515,54 @@ class Slider:
 
         Its contacts stick on the way, or slip at their limits. At rest the sum of Q(x_i - distance) is the load.
         """
-        si, z = self._in_si, self.rest_approaches(len(deformations))
+        z, (share, slopes) = self.rest_approaches(len(deformations)), self.contact_factors(len(deformations))
         touching = np.flatnonzero(z)
-        x, limits = deformations[touching], np.array([float(slip_limit(si, z[i])) for i in touching])
+        x, limits = deformations[touching], self._slip_limits(z)[touching]
+        contacts = [self._in_si(slopes[i] * self.slope_unit) for i in touching]
 
         def left(distance):
             at_rest = np.clip(x - distance, -limits, limits)
             forces = (
-                np.sign(b) * float(si.law.stuck(si, z[i], abs(b))) for i, b in zip(touching, at_rest, strict=True)
+                share[i] * np.sign(b) * float(si.law.stuck(si, z[i], abs(b)))
+                for i, si, b in zip(touching, contacts, at_rest, strict=True)
             )
-            return self.normal_stiffness * sum(forces) - load
+            return self.stiffness_unit * sum(forces) - load
 
         return bracketed(left, float(np.min(x - limits)), float(np.max(x + limits)))
 
+    def _slip_limits(self, z):
+        """Return the slip limit in m of each contact at its approach; 0 if it does not touch."""
+        contacts = (self._in_si(factor * self.slope_unit) for factor in self.contact_factors(len(z))[1])
+        return np.array(
+            [float(slip_limit(si, each)) if each > 0.0 else 0.0 for si, each in zip(contacts, z, strict=True)]
+        )
+
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""
-        slope = float(np.sum(normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.contact_shape)))
-        return math.sqrt(self.normal_stiffness * slope / self.mass) / (2.0 * math.pi)
+        return math.sqrt(self._spring(contacts, 1.0) / self.mass) / (2.0 * math.pi)
 
     def tangential_resonance(self, contacts: int) -> float:
-        """Return the frequency in Hz of a small tangential ring at rest, sqrt(sum 8 a G/m)/2 pi; dP/dz = 2 a E."""
-        ratio = 4.0 * self.tangential_modulus / self.effective_modulus
-        return math.sqrt(ratio) * self.normal_resonance(contacts)
+        """Return the frequency in Hz of a small tangential ring at rest, sqrt(sum k_t dp/dz/m)/2 pi; 8 a G for one."""
+        ratio = self.tangential_stiffness / self.normal_stiffness
+        return math.sqrt(self._spring(contacts, ratio) / self.mass) / (2.0 * math.pi)
+
+    def _spring(self, contacts, ratio):
+        """Return the sum of the contacts' normal springs at rest, each times a ratio, N/m."""
+        each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.contact_shape)
+        return self.stiffness_unit * float(np.sum(self.contact_factors(contacts)[0] * ratio * each))
+
+
+def _own_values(name, noun, value, unit, placed):
+    """Return a value of `OWN` as a float, or as a read-only array with one number for each contact."""
+    rule = parameter_check.finite if name in ANY_SIGN else parameter_check.positive
+    if np.ndim(value) == 0:
+        value = rule(f"slider.{name}", value, unit)
+        return value if placed is None else np.broadcast_to(value, (placed,))
+    array = np.array(value, dtype=float)
+    if array.ndim > 1 or array.size != (placed or array.size) or (array.size == 0 and name != "heights"):
+        raise InputError(f"slider.{name}", f"must hold one {noun} per contact, {placed or 'at least 1'}", array.size)
+    right = np.isfinite(array) if name in ANY_SIGN else np.isfinite(array) & (array > 0.0)
+    if not right.all():
+        rule(f"slider.{name}", float(array[~right][0]), unit)
+    array.flags.writeable = False
+    return array

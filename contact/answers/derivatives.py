@@ -17,14 +17,15 @@ from collections.abc import Callable
 from contact.answers.load_line import mean_traction
 from contact.averaged.sweep import mean_motion
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits, drive_direction
+from contact.orbit import Orbit
 from contact.slider import Slider
+from contact.wave import PassingWave, crest_direction
 
 STEP = 2e-3  # of v (relative) and of s; fourth-order differences of forces that are accurate to 1e-11
 
 
 def velocity_derivative(
-    family: Callable[[float], tuple[Slider, Orbit | tuple[Orbit, ...]]], *, step: float = STEP
+    family: Callable[[float], tuple[Slider, Orbit | tuple[Orbit, ...] | PassingWave]], *, step: float = STEP
 ) -> float:
     """Return dv/ds at s = 0 of the averaged steady velocity, m/s; 0 where the slider is held.
 
@@ -55,7 +56,7 @@ def velocity_derivative(
     mean = mean_motion(slider, orbits)
     if mean.held:
         return 0.0
-    v, load_sign = mean.first_order, mean.load_sign * drive_direction(as_orbits(orbits))
+    v, load_sign = mean.first_order, mean.load_sign * crest_direction(orbits)
 
     def residual(s, velocity):
         """Return F(s, v), the mean tangential force less damper and load."""

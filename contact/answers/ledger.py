@@ -84,7 +84,7 @@ def together(*ledgers: Ledger) -> Ledger:
 
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of a `motion.Motion` since its start, divided by `spans` (its number of cycles)."""
-    unit = slider.mass * motion.problem.speed**2 / spans
+    unit = slider.unit_mass * motion.problem.speed**2 / spans
     works_and_losses = motion.sums[Sum.WAVE_NORMAL : Sum.LEAK + 1]
     increases = motion.energy() - motion.begun  # of the springs, the preload and the slider
     return Ledger(*(unit * works_and_losses).tolist(), *(unit * increases).tolist())

@@ -15,14 +15,16 @@ import numpy as np
 from contact import parameter_check
 from contact.answers.steady import SteadyState, steady
 from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
+from contact.averaged.coupled_motion import CoupledSearch, unloaded
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
 from contact.averaged.sweep import mean_motion
 from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, search_error
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import Orbit, towards_plus
 from contact.problem import scaled
 from contact.slider import Slider
+from contact.wave import coupling, frequency, prescribed, resonance_ratio
 
 # Largest relative tolerance of the search for the load at which the full motion stops. In eight motors it took 3 to 6
 # steady states, with 1e-3 2 to 4 and with 1e-9 5 to 10: a larger value would hardly save time.
@@ -51,6 +53,10 @@ class LoadLine:
         Errors of the velocities over max(|v|, omega |u_x|/10). The last entry is the relative error of the stall load.
     stall : Answer
         Load at which the motor stalls, N, and its error.
+    held_up_to : float
+        Largest load under which the slider stays at rest, N, by averaging. A larger load drags it backwards.
+    states : tuple of SteadyState
+        The states at the loads but the last.
     status, message : str
         Status "ok", or the status of a point that misses the tolerance, and its reasons.
     """
@@ -61,6 +67,8 @@ class LoadLine:
     efficiency: np.ndarray
     relative_error: np.ndarray
     stall: Answer
+    held_up_to: float
+    states: tuple[SteadyState, ...]
     status: str
     message: str
 
@@ -85,6 +93,9 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     ConvergenceError
         Status "not applicable" where averaging does not apply.
     """
+    if coupling(slider, orbits):
+        search, _, direction = unloaded(slider, orbits)
+        return search.stall(direction)
     _, problem, unit = _unloaded(slider, orbits)
     low, high = rest_forces(problem)
     # a slider that is driven against the crests moves towards -x, so that both forces change sign
@@ -97,7 +108,7 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     Parameters
     ----------
     slider, orbits
-        As for `steady`; the slider's load and tangential damping are not used.
+        As for `steady`; the slider's tangential damping is not used, and of its load only the tilt that it causes.
     velocities : ndarray, shape (k,)
         Velocities along +x, m/s.
 
@@ -110,6 +121,9 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     ConvergenceError
         Status "not applicable" where averaging does not apply.
     """
+    if coupling(slider, orbits):
+        search = CoupledSearch(slider, orbits)
+        return np.array([search.traction(v, math.copysign(slider.load, v)) for v in np.asarray(velocities, float)])
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed
     return side * mean_tangential_forces(problem, speeds) * unit
@@ -117,12 +131,12 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
 
 def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
     """Return (drive direction, problem without load whose crests drive towards +x, its unit of force in N)."""
-    listed = as_orbits(orbits)
+    slider, listed = prescribed(slider, orbits)
     free = replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY)
     side, driven = towards_plus(listed)
     problem = scaled(free, driven, direction=1.0, start=0.0)
-    return side, problem, slider.mass * problem.omega**2 * problem.length
+    return side, problem, slider.unit_mass * problem.omega**2 * problem.length
 
 
 def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float) -> Answer:
@@ -146,22 +160,26 @@ def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float
         Status "not applicable" if averaging, which gives the initial guess, does not apply; "held" if the wave does not
         move the unloaded slider.
     """
-    listed = as_orbits(orbits)
-    guess, _ = blocked_thrust(slider, listed)
+    return _stalled(slider, orbits, tolerance)[0]
+
+
+def _stalled(slider, orbits, tolerance):
+    """Return the `stall` and the largest load in N under which the slider stays at rest."""
+    guess, held_up_to = blocked_thrust(slider, orbits)
     if guess <= 0.0:
         raise ConvergenceError(
             "held", "the wave does not move the unloaded slider; raise the amplitude above the threshold"
         )
-    ratio = slider.normal_resonance(len(listed)) / listed[0].frequency
-    averaged_answer = Answer(value=guess, error=guess * averaged_stall_error(ratio), reasons=("mean traction at rest",))
-    if averaged_answer.error <= tolerance * guess:
-        return averaged_answer
+    error = guess * averaged_stall_error(resonance_ratio(slider, orbits))
+    averaged_answer = Answer(value=guess, error=error, reasons=("mean traction at rest",))
+    if coupling(slider, orbits) or averaged_answer.error <= tolerance * guess:
+        return averaged_answer.judged(tolerance, guess), held_up_to
     try:
-        answer = full_stall(slider, listed, averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
-        return answer.judged(tolerance, guess)
+        answer = full_stall(*prescribed(slider, orbits), averaged_answer, min(STALL_TOLERANCE, 0.5 * tolerance))
     except ConvergenceError as failed:
         reason = f"the full motion near the stall was not found: {failed}"
-        return replace(averaged_answer, reasons=(*averaged_answer.reasons, reason)).judged(tolerance, guess)
+        answer = replace(averaged_answer, reasons=(*averaged_answer.reasons, reason))
+    return answer.judged(tolerance, guess), held_up_to
 
 
 def full_stall(slider, orbits, near, tolerance):
@@ -235,23 +253,21 @@ def load_line(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int,
     tolerance : float
         As for `steady`.
     """
-    listed = as_orbits(orbits)
     parameter_check.count("points", points, 2)
-    stalled = stall(slider, listed, tolerance=tolerance)
-    direction = np.sign(mean_motion(replace(slider, load=0.0), listed).velocity)
-    loads = stalled.value * np.linspace(0.0, 1.0, points)
+    stalled, held_up_to = _stalled(slider, orbits, tolerance)
+    loads, states = stalled.value * np.linspace(0.0, 1.0, points), []
+    for load in loads[:-1].tolist():
+        near = states[-1] if states else None
+        states.append(steady(replace(slider, load=load), orbits, tolerance=tolerance, near=near))
     velocity, wave_power = np.zeros(points), np.zeros(points)
     errors = np.full(points, stalled.error / stalled.value)
-    first_reported: Answer | SteadyState = stalled
-    for k, load in enumerate(loads[:-1]):
-        state = steady(replace(slider, load=float(load)), listed, tolerance=tolerance)
-        velocity[k], errors[k] = direction * state.velocity, state.relative_error
-        if first_reported.status == "ok":
-            first_reported = state
-        wave_power[k] = state.ledger.wave * listed[0].frequency
+    velocity[:-1] = [math.copysign(1.0, states[0].velocity) * state.velocity for state in states]
+    errors[:-1] = [state.relative_error for state in states]
+    wave_power[:-1] = [state.ledger.wave * frequency(orbits) for state in states]
     power = loads * velocity
     efficiency = np.divide(power, wave_power, out=np.zeros(points), where=wave_power > 0.0)
+    reported = next((each for each in (stalled, *states) if each.status != "ok"), states[-1])
     return LoadLine(
         load=loads, velocity=velocity, power=power, efficiency=efficiency, relative_error=errors, stall=stalled,
-        status=first_reported.status, message=first_reported.message,
+        held_up_to=held_up_to, states=tuple(states), status=reported.status, message=reported.message,
     )  # fmt: skip

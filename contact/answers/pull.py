@@ -8,8 +8,9 @@ import numpy as np
 
 from contact.averaged.riding import riding_height
 from contact.law.normal import load
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit
 from contact.slider import Slider
+from contact.wave import prescribed
 
 # Phases of a cycle at which the force is sampled: the least force is found to 2e-7 of itself, the share to 5e-4.
 PHASES = 4096
@@ -40,7 +41,8 @@ def damper_pull(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[floa
     >>> f"{1e3 * force:.2f} mN, {100 * share:.0f} % of the cycle"
     '-1.84 mN, 20 % of the cycle'
     """
-    listed, chi = as_orbits(orbits), slider.contact_damping
+    slider, listed = prescribed(slider, orbits)
+    chi = slider.contact_damping
     fastest = max(orbit.omega * abs(orbit.normal) for orbit in listed)
     if chi * fastest <= 1.0 or slider.preload == 0.0:
         return 0.0, 0.0
@@ -49,5 +51,6 @@ def damper_pull(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[floa
     heights = riding_height(slider, listed) + slider.offsets(len(listed))
     approach = heights[:, None] + size * np.cos(phase)
     damped = 1.0 - chi * listed[0].omega * size * np.sin(phase)
-    force = slider.normal_stiffness * load(approach, slider.contact_shape) * damped
+    stiffness = slider.contacts(len(listed)).normal_stiffness[:, None]
+    force = stiffness * load(approach, slider.contact_shape) * damped
     return min(float(force.min()), 0.0), float(np.max(np.mean(force < 0.0, axis=1)))

@@ -14,6 +14,7 @@ on the deformations at the start and fills an interval. If the load lies in this
 its velocity is exactly zero.
 """
 
+import math
 import time
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -26,6 +27,7 @@ from contact.answers.pull import damper_pull
 from contact.averaged.bounce import speed_lost
 from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
+from contact.averaged.coupled_motion import WaveRows, coupled_motion
 from contact.averaged.event_equilibrium import Balance, balanced, cycle_at
 from contact.averaged.sweep import mean_motion
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
@@ -38,11 +40,12 @@ from contact.error_estimate import (
     two_orders_error,
 )
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import Orbit, towards_plus
 from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic
 from contact.problem import scaled
 from contact.slider import Slider
+from contact.wave import PassingWave, coupling, prescribed, resonance_ratio
 
 METHODS = ("auto", "exact", "averaged")
 # SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried. Above it a long run
@@ -80,6 +83,11 @@ class SteadyState(Answered):
         Method that gave the answer: "exact" or "averaged".
     ledger : Ledger
         Energies over one cycle; all zero if a closed form gives the velocity.
+    tilt : tuple of float
+        Rotations in rad: increase of the approach along x (pitch) and along y (roll).
+    loaded : WaveRows or None
+        The wave at the rows of contacts and the forces of each contact, of a slider on a `PassingWave` that loads it,
+        that tilts, has a soft backing or an infinite mass; None otherwise.
     other_velocity : float or None
         Mean velocity of a second steady motion in m/s, None if none is known. It is either a motion that repeats with
         the wave's period but is not reached from rest, or the motion of a slider that starts from rest and whose
@@ -92,12 +100,14 @@ class SteadyState(Answered):
     """
 
     slider: Slider
-    orbits: tuple[Orbit, ...]
+    orbits: tuple[Orbit, ...] | PassingWave
     answer: Answer
     regime: str
     height: float
     method: str
     ledger: Ledger
+    tilt: tuple[float, float] = (0.0, 0.0)
+    loaded: WaveRows | None = None
     other_velocity: float | None = None
     statistics: dict
     seconds: float
@@ -108,19 +118,25 @@ class SteadyState(Answered):
         return self.answer.value
 
 
-def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float, method: str = "auto") -> SteadyState:
+def steady(
+    slider: Slider, orbits: Orbit | tuple[Orbit, ...] | PassingWave, *, tolerance: float, method: str = "auto",
+    near: SteadyState | None = None,
+) -> SteadyState:  # fmt: skip
     """Return the steady state of a slider on a continuous wave.
 
     Parameters
     ----------
     slider : Slider
         The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    orbits : Orbit, tuple of Orbit or PassingWave
+        Motion of the surface under each contact, or the waves below the slider.
     tolerance : float
         Allowed error of the velocity, relative to max(|v|, omega |u_x|/10).
     method : str
         "exact", "averaged" or "auto".
+    near : SteadyState, optional
+        A state of the same contacts on a similar wave that they load, from which the search starts. With "harmonics"
+        its number of harmonics is used if it has overtones.
 
     Returns
     -------
@@ -136,9 +152,11 @@ def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: floa
         or the status of the solver that failed.
     """
     begun = time.perf_counter()
-    listed = as_orbits(orbits)
     parameter_check.positive("tolerance", tolerance, "")
     parameter_check.choice("method", method, METHODS)
+    if isinstance(orbits, PassingWave) and method != "exact" and (coupling(slider, orbits) or slider.mass == math.inf):
+        return _on_rows(slider, orbits, tolerance, near, begun)
+    given, (slider, listed) = slider, prescribed(slider, orbits)
     solution = _closed(slider, listed) or _searched(slider, listed, method)
     reference = reference_speed(solution.velocity, listed) or 1.0
     near = solution.method == "averaged" and solution.velocity == 0.0
@@ -147,9 +165,26 @@ def steady(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: floa
         tolerance, reference, "so near the threshold the slider may move" if near else ""
     )
     return SteadyState(
-        slider=slider, orbits=listed, answer=answer, regime=solution.regime, height=solution.height,
+        slider=given, orbits=orbits if isinstance(orbits, PassingWave) else listed, answer=answer,
+        regime=solution.regime, height=solution.height,
         method=solution.method, ledger=solution.ledger, other_velocity=solution.other_velocity,
         statistics=solution.statistics, seconds=time.perf_counter() - begun,
+    )  # fmt: skip
+
+
+def _on_rows(slider, wave, tolerance, near, begun):
+    """Return the averaged state of a slider at the rows of a passing wave."""
+    motion = coupled_motion(slider, wave, None if near is None else near.loaded)
+    rows, cycle = motion.rows, 1.0 / wave.frequency
+    error = motion.relative_error + first_order_error(resonance_ratio(slider, wave))
+    reference = reference_speed(motion.velocity, wave) or 1.0
+    how = "averaged equilibrium of the rows" + (" on the wave that they load" if rows.loading else "")
+    answer = Answer(value=motion.velocity, error=error * reference, reasons=(how,)).judged(tolerance, reference)
+    powers = (*rows.work, rows.friction_power, 0.0, 0.0, rows.damping_power, rows.thrust_power, *[0.0] * 4)
+    return SteadyState(
+        slider=slider, orbits=wave, answer=answer, regime=motion.regime, height=motion.height, method="averaged",
+        ledger=Ledger(*(cycle * each for each in powers)), tilt=motion.tilt, loaded=rows,
+        statistics={"sweeps": rows.sweeps}, seconds=time.perf_counter() - begun,
     )  # fmt: skip
 
 
@@ -325,6 +360,8 @@ def _shooting(search):
 
 
 def _shooting_refusals(search):
+    if search.slider.mass == math.inf:
+        return ("the mass is infinite",)
     if search.balance.held:
         return ("friction holds the slider in the mean",)
     return ("the wave is too slow for the contact",) if search.ratio > SLOWEST_WAVE else ()

@@ -33,9 +33,10 @@ from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import Orbit, towards_plus
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
+from contact.wave import prescribed
 
 MAX_CYCLES = 2**21  # the last number that `cycles_for` tries when it doubles from 256
 # The slider counts as held after this many spans (half periods of the ring) without slip: QUIET_SPANS if no slip can
@@ -123,7 +124,7 @@ def step(
     -------
     Step
     """
-    listed = as_orbits(orbits)
+    slider, listed = prescribed(slider, orbits, in_time=True)
     cycles = parameter_check.count("cycles", cycles, 1)
     if slider.static_friction(len(listed)) <= slider.load:
         raise ConvergenceError("runaway", "friction cannot hold the load, so the slider never stops; lower slider.load")
@@ -222,7 +223,7 @@ def cycles_for(
     ConvergenceError
         Status "out of reach" if 2^21 cycles, about 2 million, do not reach the displacement.
     """
-    listed = as_orbits(orbits)
+    slider, listed = prescribed(slider, orbits, in_time=True)
     wanted = parameter_check.positive("displacement", displacement, "m")
     known = {0: Step(cycles=0, **dict.fromkeys(Step.__annotations__.keys() - {"cycles"}, 0.0))}
 

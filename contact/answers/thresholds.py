@@ -38,18 +38,21 @@ from functools import cache
 
 import numpy as np
 
+from contact.averaged.coupled_motion import coupled_motion
 from contact.averaged.event_equilibrium import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
 from contact.choice import Answer
 from contact.error_estimate import averaged_threshold_error, bounds_error
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
+from contact.law.normal import approach
 from contact.law.user import UserLaw
 from contact.orbit import Orbit, as_orbits, towards_plus
 from contact.periodic.sticking import least, normal_motion, room_to_stick
 from contact.problem import scaled
 from contact.roots import bracketed
 from contact.slider import Slider
+from contact.wave import PassingWave, coupling, prescribed
 
 # Relative accuracy of the bisection in the averaged equilibrium. It is part of the error, and below the error of
 # averaging for f_n/f above 0.0022.
@@ -85,7 +88,10 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     >>> print(threshold(slider, Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)))
     0.706283 +- 7.1e-07 (ok: periodic motion up to the first event)
     """
-    _, listed = towards_plus(as_orbits(orbits))
+    if coupling(slider, orbits):
+        return _coupled_threshold(slider, orbits)
+    slider, listed = prescribed(slider, orbits)
+    _, listed = towards_plus(listed)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
         return Answer(value=math.inf, error=0.0, reasons=("there is no wave",))
     if slider.static_friction(len(listed)) <= slider.load:
@@ -93,8 +99,8 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     if slider.load == 0.0 and _own_mirror_image(slider, listed):
         return Answer(value=math.inf, error=0.0, reasons=("the wave drives both ways alike",))
     bent = bool(slider.tangential_law.bent)  # the slip limit is not proportional to the approach
-    elastic = _elastic_threshold(_simplified(slider) if slider.heights or bent else slider, listed)
-    if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
+    elastic = _elastic_threshold(_simplified(slider) if bent or not slider.level else slider, listed)
+    if slider.law == "elastic" and not (slider.reciprocal or bent) and slider.level and slider.even and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
         return (_by_averaging if own_spring else _by_full_motion)(slider, listed, elastic)
     held = _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in listed)).held, elastic)
@@ -112,7 +118,8 @@ def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     The factor is inf without normal motion. Contacts that do not touch at rest are ignored. The parameters are those
     of `threshold`.
     """
-    _, listed = towards_plus(as_orbits(orbits))
+    slider, listed = prescribed(slider, orbits)
+    _, listed = towards_plus(listed)
     factor = _released(slider, listed)
     if slider.reciprocal and slider.law == "elastic":
         return _by_averaging(slider, listed, factor)
@@ -141,7 +148,8 @@ def releases(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[Answer 
     >>> [round(each.value, 3) for each in releases(slider, (orbit, orbit))]
     [2.959, 2.206]
     """
-    _, listed = towards_plus(as_orbits(orbits))
+    slider, listed = prescribed(slider, orbits)
+    _, listed = towards_plus(listed)
     count, first = len(listed), release(slider, listed)
     touch = slider.rest_approach(count) + slider.offsets(count) > 0.0
     factors = [_released_contact(slider, listed, i) if touch[i] else None for i in range(count)]
@@ -191,7 +199,7 @@ def _by_full_motion(slider, orbits, averaged_factor, margins=None):
     The answer is their mean, and their distance is its error. If one has no root, the averaged factor is returned.
     """
     averaged, margins = _by_averaging(slider, orbits, averaged_factor), margins or _stick_margins
-    if math.isinf(averaged_factor) or averaged_factor == 0.0:
+    if math.isinf(averaged_factor) or averaged_factor == 0.0 or slider.mass == math.inf:
         return averaged
 
     def root(samples, which):
@@ -257,7 +265,7 @@ def _own_mirror_image(slider, orbits):
     A later time multiplies all amplitudes by one phase factor. Every factor that turns the first mirrored orbit that
     moves into one of the orbits is tried.
     """
-    heights = slider.offsets(len(orbits))
+    own = np.vstack([slider.offsets(len(orbits)), slider.contact_factors(len(orbits))]).T
     amplitudes = [np.array([o.normal, o.tangential]) for o in orbits]
     size = max(float(np.max(np.abs(each))) for each in amplitudes)
     mirrored = [np.array([o.normal, -o.tangential]) for o in orbits]
@@ -267,11 +275,11 @@ def _own_mirror_image(slider, orbits):
     def equal_after(phase_factor):
         """Return True if the mirrored orbits times a phase factor are the orbits, in any order."""
         unmatched = list(range(len(orbits)))
-        for each, height in zip(mirrored, heights, strict=True):
+        for each, height in zip(mirrored, own, strict=True):
             match = [
                 k for k in unmatched
                 if np.max(np.abs(amplitudes[k] - phase_factor * each)) < ALIKE * size
-                and abs(heights[k] - height) < 1e-15
+                and np.max(np.abs(own[k] - height)) < 1e-15
             ]  # fmt: skip
             if not match:
                 return False
@@ -284,7 +292,7 @@ def _own_mirror_image(slider, orbits):
 
 def _released(slider, listed):
     """Return the averaged factor at which a contact is first lost."""
-    if not slider.heights and not slider.reciprocal:
+    if slider.level and not slider.reciprocal:
         normal = [abs(o.normal) for o in listed]
         return _factor_at(max(normal), slider, normal) if max(normal) > 0.0 else math.inf
     touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0  # at rest
@@ -313,22 +321,37 @@ def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> fl
 
     All orbits are scaled by the same factor. Use `threshold_factor` if u_z is zero.
     """
-    return threshold_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
+    return threshold_factor(slider, orbits) * _first_normal(slider, orbits)
 
 
 def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     """Return the amplitude |u_z| of the first orbit in m at which a contact is first lost once per cycle."""
-    return release_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
+    return release_factor(slider, orbits) * _first_normal(slider, orbits)
+
+
+def _first_normal(slider, orbits):
+    """Return |u_z| of the first orbit, or of the larger wave, m."""
+    return orbits.amplitude if isinstance(orbits, PassingWave) else abs(as_orbits(orbits)[0].normal)
+
+
+def _coupled_threshold(slider, wave):
+    """Return the threshold of a slider whose wave or tilts depend on its forces, searched in the averaged motion."""
+    held = replace(slider, tilt="held", backing="rigid")
+    guess = threshold(held, replace(wave, loading=False)).value
+    if not 0.0 < guess < math.inf:
+        return _by_averaging(slider, wave.orbits_at(0.0), guess)
+    factor = _edge(lambda k: coupled_motion(slider, wave.scaled(k)).velocity != 0.0, guess)
+    return _by_averaging(slider, wave.orbits_at(np.zeros(slider.count)), factor)
 
 
 def _simplified(slider):
     """Return the slider with all contacts at the same height and with a constant coefficient of friction."""
-    return replace(slider, heights=(), friction=None, friction_coefficient=slider.static_coefficient)
+    return replace(slider, heights=(), curvature=0.0, friction=None, friction_coefficient=slider.static_coefficient)
 
 
 def _elastic_threshold(slider, orbits):
     """Return the factor at which a contact first slips, for equal heights (see the module docstring)."""
-    c = slider.limit_slope
+    c = slider.slope_unit
     # smallest h at which the two bounds on the offset of every contact leave an interval, for the orbits as they are
     lowest = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
     # at this factor the slider rides at that height, and the interval of one contact vanishes
@@ -346,8 +369,11 @@ def _factor_at(height, slider, normal):
     under the force preload / sum <p>.
     """
     unit = max(height, *normal)
-    mean_sum = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in normal)
-    return slider.approach_under(slider.preload / mean_sum, 1) / unit
+    shape, (share, _) = slider.contact_shape, slider.contact_factors(len(normal))
+    mean_sum = sum(
+        part * mean_load(height / unit, each / unit, shape) for part, each in zip(share, normal, strict=True)
+    )
+    return float(approach(slider.preload / mean_sum / slider.stiffness_unit, shape)) / unit
 
 
 def _alike(orbits):
@@ -362,17 +388,18 @@ def _holding_margin(slider, orbits, factor):
     It is the smaller of two margins: half the width of the interval of allowed offsets over the slip limit at rest, and
     the distance of the load from the mean tangential forces at the largest and the smallest offsets.
     """
-    c, mu, shape = slider.limit_slope, slider.static_coefficient, slider.contact_shape
+    mu, shape, (share, slopes) = slider.static_coefficient, slider.contact_shape, slider.contact_factors(len(orbits))
     scaled = tuple(orbit.scaled(factor) for orbit in orbits)
     h = riding_height(slider, scaled)
     margin, largest, smallest = math.inf, 0.0, 0.0
-    for orbit in scaled:
+    for part, slope, orbit in zip(share, slopes, scaled, strict=True):
+        c = slope * slider.slope_unit
         # -backward <= x0 <= forward
         forward = c * h - abs(orbit.tangential - c * orbit.normal)
         backward = c * h - abs(orbit.tangential + c * orbit.normal)
         margin = min(margin, 0.5 * (forward + backward) / (c * slider.rest_approach(len(orbits))))
         z, u_x = h + (orbit.normal * PHASES).real, (orbit.tangential * PHASES).real
-        friction = mu * slider.normal_stiffness
+        friction = mu * slider.stiffness_unit * part
         largest += float(np.mean(tangential_force(u_x + forward, z, friction, c, shape)))
         smallest += float(np.mean(tangential_force(u_x - backward, z, friction, c, shape)))
     return min(margin, _load_margin(smallest, largest, slider.load, mu * slider.preload))

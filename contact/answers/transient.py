@@ -28,10 +28,11 @@ from contact.choice import Answer, Answered
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import Orbit, towards_plus
 from contact.slider import Slider
 from contact.stepping.along_track import Scaled
 from contact.track import Track
+from contact.wave import prescribed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,7 +144,7 @@ def burst(
         Status "not applicable" if the method does not apply, or the status of the solver that failed.
     """
     begun = clock.perf_counter()
-    listed = as_orbits(orbits)
+    slider, listed = prescribed(slider, orbits, in_time=True)
     after, fading = after if isinstance(after, tuple) else (after, None)
     parameter_check.positive("duration", duration, "s")
     parameter_check.non_negative("after", after, "s")

@@ -21,10 +21,11 @@ from contact.choice import Answer, Answered
 from contact.error_estimate import two_orders_error
 from contact.events.segment import Sample
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import Orbit, towards_plus
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import COARSE, FINE, coarse_periodic, fine_periodic
 from contact.slider import Slider
+from contact.wave import prescribed
 
 STAGES = ("start", "steady", "after")
 # Names in the order of `codes.Regime`. A hysteretic contact with a slip annulus is "partial"; one that grows sticks.
@@ -98,7 +99,7 @@ def contact_history(
     -------
     History
     """
-    listed = as_orbits(orbits)
+    slider, listed = prescribed(slider, orbits, in_time=True)
     parameter_check.choice("stage", stage, STAGES)
     parameter_check.non_negative("skip", skip, "cycles")
     parameter_check.positive("cycles", cycles, "cycles")
@@ -125,7 +126,7 @@ def contact_history(
     motion, (z, x, P, Q, regime, v) = motions[0], recorded[0]
     problem, speed = motion.problem, side * v[:, 0] * motion.problem.speed
     error = two_orders_error(float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))), unseen)
-    force = slider.mass * problem.omega**2 * problem.length
+    force = slider.unit_mass * problem.omega**2 * problem.length
     v_t = at_phase(problem.paths, np.arange(problem.contacts), np.cos(phases)[:, None], np.sin(phases)[:, None])[3]
     return History(
         slider=slider, orbits=listed, time=(phases - begin + turn * skip) / problem.omega,

@@ -1,4 +1,4 @@
-"""All pillars of a slider through one cycle on a wave whose overtones they radiate.
+"""All contacts of a slider through one cycle on a wave whose overtones they radiate.
 
 Two waves meet the rows. The *driving* wave, the larger one, carries overtones and is followed from row to row
 (`overtone_march`). The *opposing* wave runs the other way. It keeps its fundamental only: overtones that run back are
@@ -12,22 +12,22 @@ import numpy as np
 from contact.averaged.cycle_mean import Each, MeanForces, forces_of
 from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
-from contact.averaged.pillar_cycle import PillarCycle
+from contact.averaged.row_cycle import RowCycle
 from contact.exceptions import ConvergenceError
 
 SAMPLES, FEWEST = 4, 32  # of a cycle: for each harmonic, and at least
 
 
-class OvertoneCycle(PillarCycle):
-    """Pillars and the amplitudes U_1 ... U_N of the driving wave, shape (m, N), and U_1 of the opposing one, (m, 1)."""
+class OvertoneCycle(RowCycle):
+    """Contacts and the amplitudes U_1 ... U_N of the driving wave, shape (m, N), and U_1 of the opposing, (m, 1)."""
 
-    def __init__(self, pillars, wave, loading: bool, harmonics: int):
+    def __init__(self, slider, wave, loads: bool, harmonics: int):
         self.forward_drives = abs(wave.forward) >= abs(wave.backward)
         # `super().__init__` calls `reset`, which needs the attributes up to there
         self.downstream = slice(None) if self.forward_drives else slice(None, None, -1)
         self.numbers, self.harmonics = np.arange(harmonics) + 1, harmonics
         self.samples = samples(harmonics, max(SAMPLES * harmonics, FEWEST))
-        super().__init__(pillars, wave, loading)
+        super().__init__(slider, wave, loads)
         behind = np.append(self.first[1:], self.x.size)
         self.contacts = Classes(
             np.ascontiguousarray(self.first[self.downstream]), np.ascontiguousarray(behind[self.downstream]),
@@ -135,9 +135,9 @@ class OvertoneCycle(PillarCycle):
         return complex(amplitudes[0, -1, -1] if self.forward_drives else amplitudes[1, 0, -1])
 
     def work(self, forces: MeanForces):
-        """Return the complex power over omega of the surface on each row and in each harmonic."""
+        """Return the complex powers over omega of P and Q of the surface on each row, in each harmonic."""
         force, (u_z, u_x) = self.row_forces(forces), self.amplitudes()
         overtones = self._driving_and_opposing()[0][:, 1:]
         u_z = np.concatenate([u_z[:, None], overtones], axis=1)
         u_x = np.concatenate([u_x[:, None], self.driving_orbit * overtones], axis=1)
-        return 0.5 * self.numbers * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())
+        return 0.5 * self.numbers * np.stack([force[:, 0] * u_z.conj(), force[:, 1] * u_x.conj()])

@@ -18,9 +18,10 @@ from contact.jit.compiled import compiled, formula, native, summed
 from contact.law.elastic import coulomb
 from contact.law.normal import approach as approach_under
 from contact.law.normal import load, slope
-from contact.orbit import Orbit, as_orbits
+from contact.orbit import Orbit
 from contact.problem import Problem, scaled
 from contact.slider import Slider
+from contact.wave import prescribed
 
 NODES = 48  # of the answer for one slider
 
@@ -161,5 +162,5 @@ def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
 
     Negative when the slider hops: it rides above the undisturbed surface.
     """
-    problem = scaled(slider, as_orbits(orbits), direction=1.0, start=0.0)
+    problem = scaled(*prescribed(slider, orbits), direction=1.0, start=0.0)
     return riding_approach(problem) * problem.length

@@ -21,6 +21,7 @@ import numpy as np
 from contact import parameter_check
 from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.closed_forms import closed_form
+from contact.averaged.coupled_motion import coupled_motion, unloaded
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
@@ -29,10 +30,12 @@ from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.body import Paths
 from contact.codes import Status, Steady
+from contact.error_estimate import averaged_stall_error, first_order_error
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import Orbit, towards_plus
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
+from contact.wave import PassingWave, coupling, crest_direction, prescribed, resonance_ratio
 
 REGIMES = np.array([regime.name.lower() for regime in Steady])
 REFUSALS = {
@@ -118,8 +121,8 @@ def steady_sweep(
     return _answer(results.reshape(*factors.shape, -1))
 
 
-def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion:
-    """Return the steady state by averaging with the second-order correction.
+def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...] | PassingWave) -> MeanMotion:
+    """Return the steady state by averaging, with the second-order correction on prescribed orbits.
 
     Parameters
     ----------
@@ -131,7 +134,9 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     ConvergenceError
         Status "not applicable", "near the threshold", "runaway" or "not converged".
     """
-    listed = as_orbits(orbits)
+    if coupling(slider, orbits):
+        return _coupled(slider, orbits)
+    slider, listed = prescribed(slider, orbits)
     result = _entries([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
     status = result[Entry.STATUS]
     if math.isnan(status):
@@ -149,14 +154,27 @@ def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanM
     The phases of the harmonics refer to t = 0 of the orbits' complex amplitudes. The force of a contact that always
     sticks depends on its history; its deformation is taken as the least possible one.
     """
-    listed = as_orbits(orbits)
+    slider, listed = prescribed(slider, orbits)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
     by_contact = np.empty((len(Each), len(listed)))
     velocities = np.full(len(listed), motion.first_order / problem.speed)
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
     contact_cycles(problem, riding_approach(problem), velocities, rule, work, by_contact)
-    force_unit = slider.mass * problem.omega**2 * problem.length
+    force_unit = slider.unit_mass * problem.omega**2 * problem.length
     return forces_of(by_contact, force_unit, force_unit)
+
+
+def _coupled(slider, wave):
+    """Return the `MeanMotion` of a slider whose wave or tilts depend on its forces."""
+    found, ratio = coupled_motion(slider, wave), resonance_ratio(slider, wave)
+    search, _, direction = unloaded(slider, wave)
+    thrust = max(search.stall(direction)[0], 0.0)
+    values = (
+        found.velocity, found.velocity, found.height, found.regime, found.regime == "stick",
+        found.relative_error + first_order_error(ratio), 0.0, thrust, thrust * averaged_stall_error(ratio),
+        direction * crest_direction(wave),
+    )  # fmt: skip
+    return MeanMotion(*map(np.asarray, values))
 
 
 def _answer(results):
@@ -195,9 +213,9 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
         if not averaged[k]:
             _fill_closed(sliders[slider], driven[wave], factors[k], out[k])
     errors = np.asarray(wave_errors, float)
-    for law, law_numbers, members in _by_law(sliders, which, np.flatnonzero(averaged)):
+    for law, law_numbers, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
         problems = Sweep(parameters, law_numbers, law, heights, paths, omegas, errors, ratios, which, factors)
-        _solve(problems, out, members, threads)
+        _solve(problems, out, members, harmonics, threads)
     side = np.array(sides)[which[:, 1]]
     for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
@@ -205,20 +223,24 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
 
 
 def _by_law(sliders, which, averaged):
-    """Yield (law, numbers, members) for each law of the problems `averaged`; `members` are the problems with this law.
+    """Yield (law, numbers, members, harmonics) for each law of the problems `averaged`, and for infinite masses.
+
+    `members` are the problems with this law, `harmonics` those of the slider's motion within a cycle.
 
     A kernel is compiled for the functions of one law, so that laws which differ only in their numbers are one law here.
     `numbers` has shape (sliders, k). The entry of a slider with another law holds the numbers of the first slider with
     this law; no problem of this group uses it.
     """
     laws = [slider.tangential_law for slider in sliders]
-    functions = [law._replace(numbers=None) for law in laws]
+    functions = [
+        (law._replace(numbers=None), slider.mass == math.inf) for law, slider in zip(laws, sliders, strict=True)
+    ]
     for kind in dict.fromkeys(functions):
         first, same = laws[functions.index(kind)], np.array([other == kind for other in functions])
         numbers = np.array([(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)])
         members = averaged[same[which[averaged, 0]]]
         if members.size:
-            yield first, numbers, members
+            yield first, numbers, members, 0 if kind[1] else HARMONICS
 
 
 def _fill_closed(slider, orbits, factor, result):
@@ -236,15 +258,15 @@ def _fill_closed(slider, orbits, factor, result):
     result[Entry.REGIME] = np.flatnonzero(closed["regime"] == REGIMES)[0]
 
 
-def _solve(problems, out, members, threads):
+def _solve(problems, out, members, harmonics, threads):
     """Fill the results of `members` in several threads, interleaved because neighbours have similar cost."""
     threads = min(threads or os.cpu_count() or 1, max(1, len(members) // 8))
     if threads == 1:
-        solve_problems(problems, out, members, HARMONICS, 0, 1)
+        solve_problems(problems, out, members, harmonics, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:
         jobs = [
-            pool.submit(solve_problems, problems, out, members, HARMONICS, first, threads) for first in range(threads)
+            pool.submit(solve_problems, problems, out, members, harmonics, first, threads) for first in range(threads)
         ]
         for job in jobs:
             job.result()

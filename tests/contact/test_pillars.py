@@ -146,7 +146,7 @@ def test_ten_thousand_pillars_are_as_fast_as_independent_programs_say():
 
 def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
     # Their wave runs forward only: -0.81081891 m/s, exit 19.688829 nm, +1.2997665 rad
-    from contact.averaged import pillar_cycle
+    from contact.averaged import row_cycle
 
     def forward_only(turns, force, slope, amplitude, g, incident):
         here, half, found = incident[0], 0.5j * g, amplitude.copy()
@@ -158,9 +158,9 @@ def test_the_loaded_wave_leaves_as_independent_programs_say(monkeypatch):
         return found
 
     two = pillar_motion(gaussian(100, steps=100), wave())
-    monkeypatch.setattr(pillar_cycle, "march", forward_only)
+    monkeypatch.setattr(row_cycle, "march", forward_only)
     # no step of Newton's, which knows both ways
-    monkeypatch.setattr(pillar_cycle.PillarCycle, "tangent", lambda self, *_: None)
+    monkeypatch.setattr(row_cycle.RowCycle, "tangent", lambda self, *_: None)
     found = pillar_motion(gaussian(100, steps=400), wave())
     assert found.velocity == pytest.approx(-0.81081891, rel=4e-5)
     assert 20.0 * abs(found.exit_over_entry) == pytest.approx(19.688829, abs=2e-5)
@@ -270,13 +270,12 @@ def test_the_wave_pays_for_friction_and_thrust_and_no_more(name):
 
 def test_newtons_step_is_exact_where_contacts_stick():
     # Linear springs: one step from any amplitudes leads to those that the sweeps find
-    from contact.averaged.pillar_slider import PillarSlider
+    from contact.averaged.coupled_motion import CoupledSearch
 
-    slider = PillarSlider(
-        grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9), wave(backward=6e-9j, strip_width=2e-4), True
-    )
-    rest = slider.rest(1.0)
-    cycle, found = slider.cycle, (slider.cycle.forward.copy(), slider.cycle.backward.copy())
+    passing = wave(backward=6e-9j, strip_width=2e-4, loading=True)
+    search = CoupledSearch(grid(30, 1, friction_coefficient=50.0, preload=30 * 1.8e6 * 60e-9), passing)
+    rest = search.rest(1.0)
+    cycle, found = search.cycle, (search.cycle.forward.copy(), search.cycle.backward.copy())
     # within the range of stick of the same cycle
     cycle.forward, cycle.backward = 0.9 * found[0], found[1] * (1.0 + 0.1j)
     place = cycle.approaches(rest.height, 0.0, 0.0)
@@ -347,14 +346,14 @@ def test_a_load_line_ends_at_the_stall_and_both_ends_of_the_band():
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"heights": [0.0, 1.0]}, "pillars.heights must hold one value for each of the 4 pillars"),
-        ({"heights": [0.0, math.nan, 0.0, 0.0]}, "pillars.heights must be finite, got nan m"),
-        ({"normal_stiffness": -1.0}, "pillars.normal_stiffness must be positive, got -1.0 N/m"),
-        ({"preload": 0.0}, "pillars.preload must be positive and finite, got 0.0 N"),
+        ({"heights": [0.0, 1.0]}, "slider.heights must hold one height per contact, 4, got 2"),
+        ({"heights": [0.0, math.nan, 0.0, 0.0]}, "slider.heights must be finite, got nan m"),
+        ({"normal_stiffness": -1.0}, "slider.normal_stiffness must be positive and finite, got -1.0 N/m"),
+        ({"preload": 0.0}, "slider.preload must be positive and finite, got 0.0 N"),
         ({"tilt": "free", "preload_at": (1e-3, 0.0)}, r"must lie .* \(0.001, 0\) m: .* side at smaller x lifts"),
         ({"tilt": "free", "preload_at": (0.0, -1e-3)}, "the side at larger y lifts"),
         ({"tilt": "pitch", "backing": "soft"}, 'tilt must be "held" with a soft backing'),
-        ({"x": 0.0, "y": [0.0, 1.0, 2.0, 3.0]}, "pillars.y must hold one value for each of the 1 pillars"),
+        ({"x": 0.0, "y": [0.0, 1.0, 2.0, 3.0]}, "slider.y must hold one position per contact, 1, got 4"),
     ],
 )  # fmt: skip
 def test_bad_input_is_refused(given, sentence):

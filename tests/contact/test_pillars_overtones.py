@@ -1,15 +1,30 @@
 """Overtones of the wave under pillars: an integrator of its own with FFT, closed forms, energy, and published sizes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from contact import pillar_load_line, pillar_motion, pillar_traction
+from contact.aliases import Renamed
 from contact.averaged import overtone_cycle
-from contact.averaged import pillar_motion as module
-from contact.averaged.pillar_equilibrium import Equilibrium
+from contact.averaged.coupled_equilibrium import Equilibrium
+from contact.averaged.coupled_motion import CoupledSearch, truncated_motion
 from tests.contact.test_pillars import LENGTH, SCENES, gaussian, grid, scatter, wave
 
 K = 2.0 * np.pi / LENGTH
+
+
+def named(motion):
+    """Return an averaged motion with the attributes of its rows."""
+    rows, places = motion.rows, {"velocity": motion.velocity, "approach": motion.height}
+    return Renamed(rows, wave_work=sum(rows.work), normal_force=rows.forces.normal, **places)
+
+
+def truncated(slider, passing, near, harmonics, load=0.0):
+    """Return the motion with a fixed number of harmonics on the loaded wave, searched from another motion."""
+    body, loaded = replace(slider, load=load), replace(passing, loading=True)
+    return named(truncated_motion(body, loaded, near.loaded, harmonics))
 
 
 def stop(z, y, c, turns=2):
@@ -61,7 +76,7 @@ def test_the_overtones_are_those_of_time_steps_and_fft(monkeypatch):
     monkeypatch.setattr(overtone_cycle.OvertoneCycle, "wave_step", lambda self, *_: -self.waves)
     slider = grid(8, 3, pitch=90e-6, heights=scatter(24, 8e-9, 12), preload=0.12)
     passing = wave(strip_width=1e-4)
-    motion = module.truncated_motion(slider, passing, 0.0, True, pillar_motion(slider, passing), 6)
+    motion = truncated(slider, passing, pillar_motion(slider, passing), 6)
     U, P0, Q0 = marched(slider, passing, motion, 6)
     assert motion.overtone > 0.08
     assert motion.overtones[-1] == pytest.approx(U[1:], abs=5e-4 * abs(U[1]))
@@ -76,11 +91,11 @@ def test_one_harmonic_in_finer_samples_is_the_closed_form(monkeypatch):
         closed, errors = pillar_motion(slider, passing, load=0.01), []
         for samples in (64, 128, 256):
             monkeypatch.setattr(overtone_cycle, "FEWEST", samples)
-            cycle, slide = overtone_cycle.OvertoneCycle, module.PillarSlider(slider, passing, True)
-            slide.cycle = cycle(slider, passing, True, 1)
-            slide.equilibrium = Equilibrium(slide.cycle)
-            slide.begin_at(closed)
-            found = slide.motion(slide.under(closed.load), closed.load)
+            search = CoupledSearch(slider, replace(passing, loading=True))
+            search.cycle = overtone_cycle.OvertoneCycle(slider, passing, True, 1)
+            search.equilibrium = Equilibrium(search.cycle)
+            search.begin_at(closed.loaded)
+            found = named(search.motion(search.under(closed.load), closed.load))
             errors.append(abs(found.velocity / closed.velocity - 1.0))
             assert abs(found.ledger_residual) < 1e-12
         assert errors[2] < 5e-5
@@ -92,12 +107,11 @@ def test_one_harmonic_in_finer_samples_is_the_closed_form(monkeypatch):
 def test_overtones_are_as_large_as_independent_programs_say():
     # 30 N, 20 nm, 10 nm of scatter: |U_1| leaves with 11.9 nm, U_2 with 6 to 7, |v| = 1.07 to 1.14 m/s; at 1 N +3 %
     slider = gaussian(50, steps=24)
-    found = module.truncated_motion(slider, wave(), 0.0, True, pillar_motion(slider, wave()), 16)
+    found = truncated(slider, wave(), pillar_motion(slider, wave()), 16)
     assert 20.0 * abs(found.exit_over_entry) == pytest.approx(11.9, abs=0.2)
     assert 6.0 < 20.0 * found.overtone < 7.0
     assert 1.07 < -found.velocity < 1.14
-    light = gaussian(50, steps=24)
-    light = type(light)(**{key: getattr(light, key) for key in vars(light)} | {"preload": 1.0})
+    light = replace(gaussian(50, steps=24), preload=1.0)
     plain, rich = (pillar_motion(light, wave(), loading=each) for each in (True, "harmonics"))
     assert rich.velocity / plain.velocity == pytest.approx(1.03, abs=0.01)
 
@@ -107,9 +121,7 @@ def test_overtones_are_as_large_as_independent_programs_say():
 )
 def test_the_overtones_carry_power_away_and_no_more_than_there_is(name):
     slider, passing, load = SCENES[name]
-    found = module.truncated_motion(
-        slider, passing, load, True, pillar_motion(slider, passing, load=load, loading=True), 8
-    )
+    found = truncated(slider, passing, pillar_motion(slider, passing, load=load, loading=True), 8, load=load)
     assert abs(found.ledger_residual) < 1e-12
     assert found.wave_work == pytest.approx(found.wave_power_in - found.wave_power_out, abs=1e-12 * found.wave_power_in)
     assert 0.0 <= found.friction_power <= found.wave_power_in
@@ -121,7 +133,7 @@ def test_the_overtones_carry_power_away_and_no_more_than_there_is(name):
 def test_the_number_of_harmonics_follows_the_error():
     slider, passing = grid(12, 2), wave(strip_width=0.15e-3)
     found = pillar_motion(slider, passing, loading="harmonics")
-    finer = module.truncated_motion(slider, passing, 0.0, True, found, 2 * found.harmonics)
+    finer = truncated(slider, passing, found, 2 * found.harmonics)
     assert abs(finer.velocity / found.velocity - 1.0) < 2.0 * found.relative_error < 2e-3
     # a near motion keeps the number, so that derivatives are not those of the truncation
     again = pillar_motion(slider, passing, loading="harmonics", near=found)

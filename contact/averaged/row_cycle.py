@@ -2,7 +2,7 @@
 
 Contacts at the same x form a row. Contacts of a row with equal height and stiffness (and equal y, if the slider tilts
 about x) form a class, which is computed once with the sum of their weights. The cycle means are those of
-`cycle_mean.contact_cycles`: closed for flat pillars, by quadrature for balls. In both P = k_n p(z), and Q is k_t times
+`cycle_mean.contact_cycles`: closed for flat contacts, by quadrature for balls. In both P = k_n p(z), and Q is k_t times
 a function of approach and deformation. The tangential spring of a ball does not act back on its normal motion, so that
 it is not conservative. The friction power of a ball is defined as the power that it takes from the wave and does not
 give to the slider.
@@ -25,22 +25,22 @@ from contact import body
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
 from contact.averaged.march import march, passed
-from contact.averaged.pillars import PassingWave, Pillars
 from contact.averaged.riding import mean_loads, quadrature
 from contact.body import Coordinates, Paths, tilted
 from contact.codes import Shape, Tangential
 from contact.law.elastic import coulomb
-from contact.law.normal import SHAPES, load
+from contact.law.normal import load
 from contact.problem import Problem
+from contact.slider import Slider
+from contact.wave import PassingWave
 
-SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 STEP = 1e-7  # step of finite differences, relative to the incident amplitude
 # The ratio Q_1/u_x is used as a stiffness only if |u_x| exceeds this fraction of its largest possible value.
 TANGENTIAL_SHARE = 0.3
 NODES = 24  # per smooth piece of a ball's cycle; errors of 1e-10 of the largest force
 
 
-class PillarCycle:
+class RowCycle:
     """Contacts in classes and rows, with the current wave amplitudes at the rows.
 
     Attributes
@@ -61,10 +61,10 @@ class PillarCycle:
     `_set_classes` adds those of classes and rows.
     """
 
-    def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
-        self.pillars, self.wave, self.shape = pillars, wave, SHAPES.index(pillars.shape)
-        self.g = wave.compliance_per_width if loading else 0.0
-        self._set_classes(pillars)
+    def __init__(self, slider: Slider, wave: PassingWave, loads: bool):
+        self.slider, self.wave, self.shape = slider, wave, slider.contact_shape
+        self.g = wave.compliance_per_width if loads else 0.0
+        self._set_classes(slider)
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
@@ -78,30 +78,19 @@ class PillarCycle:
         self._rule, self._work = rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()
 
-    def _set_classes(self, pillars: Pillars):
+    def _set_classes(self, slider: Slider):
         """Sort the contacts into classes and rows.
 
         Per class: `weight`, `x`, `y`, `height`, `k_n`, `k_t`, `limit_slope` and its number of the `row`; per row: the
         `first` class and `row_x`; per contact: its number in `classes`.
         """
-        x, y = pillars.x, pillars.y
-        heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
-        across = y if pillars.tilt == "free" else np.zeros_like(y)
-        step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
-        position = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
-        # one column per contact, sorted by position first; equal columns are one class
-        table = np.stack([position, across, heights, pillars.normal_stiffness, pillars.tangential_stiffness])
-        order = np.lexsort(table[::-1])
-        is_first = np.ones(x.size, dtype=bool)
-        is_first[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
-        self.classes = np.empty(x.size, dtype=int)
-        self.classes[order] = np.cumsum(is_first) - 1
-        member = order[is_first]  # one contact of each class
-        self.weight = np.bincount(self.classes, pillars.weights)
+        x, y, heights, k_n, k_t, limit_slope, weights = slider.contacts(slider.count)
+        across = y if slider.tilt == "free" else np.zeros_like(y)
+        member, self.classes, self.row = slider.classes(across)
+        self.weight = np.bincount(self.classes, weights)
         self.x, self.y, self.height = x[member], across[member], heights[member]
-        self.k_n, self.k_t = pillars.normal_stiffness[member], pillars.tangential_stiffness[member]
-        self.limit_slope = pillars.limit_slope[member]
-        _, self.first, self.row = np.unique(position[member], return_index=True, return_inverse=True)
+        self.k_n, self.k_t, self.limit_slope = k_n[member], k_t[member], limit_slope[member]
+        self.first = np.unique(self.row, return_index=True)[1]
         self.row_x = self.x[self.first]
 
     def reset(self):
@@ -225,9 +214,12 @@ class PillarCycle:
         return passed(self.turn, force[:, 0], force[:, 1], self.wave.orbit, self.g, self.incident)
 
     def work(self, forces: MeanForces):
-        """Return the complex power over omega of the surface on each row; its imaginary part is the mean power."""
+        """Return the complex powers over omega of P and Q of the surface on each row, shape (2, m, harmonics).
+
+        Their imaginary parts are the mean powers.
+        """
         force, (u_z, u_x) = self.row_forces(forces)[..., 0], self.amplitudes()
-        return 0.5 * (force[:, 0] * u_z.conj() + force[:, 1] * u_x.conj())
+        return 0.5 * np.stack([force[:, 0] * u_z.conj(), force[:, 1] * u_x.conj()])[..., None]
 
     def _driving(self, forces):
         """Return (sum P_1 + C* Q_1, sum P_1 + C Q_1) of each row, shape (m, 2)."""

@@ -5,8 +5,8 @@ the wave's amplitudes at the rows of contacts. They satisfy
 
     sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,                               (1)
 
-and the amplitudes are those that the contacts' first harmonics leave (`PillarCycle.wave_step`). The cycle means,
-including the weights, come from `PillarCycle` or `OvertoneCycle`. The contacts may differ in position, height, radius
+and the amplitudes are those that the contacts' first harmonics leave (`RowCycle.wave_step`). The cycle means,
+including the weights, come from `RowCycle` or `OvertoneCycle`. The contacts may differ in position, height, radius
 and stiffness. A load that acts at a height b above the surface tilts the slider: it shifts x_F by -b load/F.
 
 On a prescribed wave, `equilibrium` computes H first and then v. This is not possible here, because the wave amplitudes
@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contact.averaged.cycle_mean import MeanForces
-from contact.averaged.pillar_cycle import PillarCycle
+from contact.averaged.row_cycle import RowCycle
 from contact.body import height_under
 from contact.exceptions import ConvergenceError
 from contact.law.normal import approach
@@ -31,7 +31,7 @@ CLOSE = 1e-12  # tolerance of the scaled residuals and of the change of the wave
 # For a wave of many periods or a sum of 10^5 forces, rounding keeps the change of the amplitudes above CLOSE. Residuals
 # and changes below ROUNDING are accepted if they no longer fall.
 ROUNDING = 1e-11
-# Where pillars touch only at the crests, residuals are the forces' rounding times the amplitude over the depth of the
+# Where contacts touch only at the crests, residuals are the forces' rounding times the amplitude over the depth of the
 # contact (4e-11 under 1 uN). They are accepted below MAX_RESIDUAL if Newton's step is below CLOSE of the unknowns.
 MAX_RESIDUAL = 1e-8
 STEP = 1e-6  # of the finite differences, in scaled unknowns
@@ -50,7 +50,7 @@ FAR, SHORTER, SHORTENINGS = 0.3, 0.4, 7
 # the change does not fall below SLOW times the last one, the derivatives of the forces in the amplitudes are computed.
 START, INNER, WAIT, SLOW = 0.1, 0.1, 12, 0.5
 # Largest number of Newton steps of H and tilts under the normal forces alone. SOFT times the mean stiffness is added to
-# the diagonal of their matrix, which is singular if a single pillar is in contact.
+# the diagonal of their matrix, which is singular if a single contact touches.
 LEVELLINGS, SOFT = 60, 1e-9
 HEIGHT, PITCH, ROLL, SPEED = range(4)
 
@@ -81,13 +81,13 @@ def _largest(values) -> float:
 
 
 def _solved(jacobian, right):
-    """Return the shortest solution of a system of equations, which is singular if few pillars are in contact."""
+    """Return the shortest solution of a system of equations, which is singular if few contacts touch."""
     return np.linalg.lstsq(jacobian, right, rcond=1e-12)[0]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
-    """Averaged equilibrium of a slider on pillars."""
+    """Averaged equilibrium of a slider on a passing wave."""
 
     height: float  # H, m; with a soft backing the mean over the rows
     tilt: tuple[float, float]  # about y and x, rad; positive if the approach increases towards +x and +y
@@ -100,24 +100,24 @@ class Balance:
 class Equilibrium:
     """Equations of one slider on one wave; each solution starts from the last one."""
 
-    def __init__(self, cycle: PillarCycle):
-        pillars, wave = cycle.pillars, cycle.wave
+    def __init__(self, cycle: RowCycle):
+        slider, wave = cycle.slider, cycle.wave
         self.cycle = cycle
         # load on the slider, N, and the point (x_F, y_F) at which the resultant of load and preload acts, m
-        self.load, self.preload_at = 0.0, pillars.preload_at
-        self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
+        self.load, self.preload_at = 0.0, slider.preload_at
+        self.preload, self.friction = slider.preload, slider.friction_coefficient * slider.preload
         rest = float(approach(self.preload / float(np.sum(cycle.weight * cycle.k_n)), cycle.shape))
         self.amplitude = max(wave.amplitude, 1e-300)
         self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
-        # Half the extent along x and y, the unit of length of the moments. If all pillars lie on one line, the tilt
+        # Half the extent along x and y, the unit of length of the moments. If all contacts lie on one line, the tilt
         # along it has no effect, and the arm is arbitrary.
-        self.arm = np.array([0.5 * float(np.ptp(each)) or 1.0 for each in (pillars.x, pillars.y)])
-        tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[pillars.tilt]
-        self.soft = pillars.backing == "soft"
+        self.arm = np.array([0.5 * float(np.ptp(each)) or 1.0 for each in (slider.x, slider.y)])
+        tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[slider.tilt]
+        self.soft = slider.backing == "soft"
         self.plane = [] if self.soft else [HEIGHT, *tilts]
         self.scale = np.array([self.length, *(self.length / self.arm), self.speed])
-        self.row_load = self.preload * cycle.sums(np.ones_like(cycle.x)) / pillars.number
+        self.row_load = self.preload * cycle.sums(np.ones_like(cycle.x)) / slider.number
         self.unknowns = np.zeros(4)
         self.rows = np.full(cycle.turn.size, -np.inf)  # H of each row with a soft backing
         self.rest = rest - float(cycle.height.min())
@@ -192,7 +192,7 @@ class Equilibrium:
         self.moving, self.forces = (w, side), cycle.forces(self.approaches, w, side)
         sums = self._generalised(self.forces.normal, self.forces.tangential)
         self.traction = float(sums[SPEED]) * self.friction
-        opposed = self.load + cycle.pillars.tangential_damping * w * cycle.wave.omega
+        opposed = self.load + cycle.slider.tangential_damping * w * cycle.wave.omega
         return sums - np.array([1.0, *(np.array(self.preload_at) / self.arm), opposed / self.friction])
 
     def _generalised(self, normal, tangential):
@@ -248,7 +248,7 @@ class Equilibrium:
             columns[SPEED] = scale * (
                 self._generalised(there.normal, there.tangential) - self._generalised(here.normal, here.tangential)
             )
-            columns[SPEED, SPEED] -= cycle.pillars.tangential_damping * cycle.wave.omega * self.speed / self.friction
+            columns[SPEED, SPEED] -= cycle.slider.tangential_damping * cycle.wave.omega * self.speed / self.friction
         return columns.T[np.ix_(active, active)]
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
@@ -256,7 +256,7 @@ class Equilibrium:
 
         `side`: sign of the motion before a velocity of zero.
         """
-        self.load, self.preload_at = load, self.cycle.pillars.preload_point(load)
+        self.load, self.preload_at = load, self.cycle.slider.preload_point(load)
         active = list(self.plane)
         if w is None:
             active.append(SPEED)
