@@ -6,6 +6,7 @@ place of `pillar_motion` and `pillar_load_line` `steady` and `load_line` on a `P
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from contact.exceptions import InputError
 from contact.slider import Slider
 from contact.wave import PassingWave
 
-STILL = {
+STILL: dict[str, Any] = {
     "mass": math.inf, "load": 0.0, "law": "elastic", "reciprocal": False, "stick_band": 0.0, "contact_damping": 0.0,
     "normal_damping": 0.0, "tangential_damping": 0.0,
 }  # fmt: skip
@@ -53,7 +54,7 @@ def Pillars(*, x, y, preload, friction_coefficient, shape="punch", **given) -> S
     """
     for name, value, unit in (("preload", preload, "N"), ("friction_coefficient", friction_coefficient, "")):
         parameter_check.positive(f"slider.{name}", value, unit)
-    own = {"x": np.atleast_1d(np.asarray(x, dtype=float)), "y": y, "shape": shape}
+    own: dict[str, Any] = {"x": np.atleast_1d(np.asarray(x, dtype=float)), "y": y, "shape": shape}
     return Slider(**STILL | own | given, preload=preload, friction_coefficient=friction_coefficient)
 
 

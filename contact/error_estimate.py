@@ -92,8 +92,9 @@ LEAST_DISTANCE = 1e-6
 
 def reference_speed(velocity: float, orbits: tuple[Orbit, ...] | PassingWave) -> float:
     """Return the reference speed max(|v|, omega |u_x|/10) in m/s, with the largest |u_x| of the orbits or the waves."""
-    passes = isinstance(orbits, PassingWave)
-    return speed_scale(velocity, orbits.peak_speed if passes else max(o.omega * abs(o.tangential) for o in orbits))
+    if isinstance(orbits, PassingWave):
+        return speed_scale(velocity, orbits.peak_speed)
+    return speed_scale(velocity, max(o.omega * abs(o.tangential) for o in orbits))
 
 
 def speed_scale(velocity: float, surface_speed: float) -> float:

@@ -131,6 +131,10 @@ class PassingWave:
         )
 
 
+# The motion of the surface under a slider: one orbit, one per contact, or waves that give it at each place
+Surface = Orbit | tuple[Orbit, ...] | PassingWave
+
+
 def crest_direction(orbits) -> float:
     """Return +1 or -1, the direction of the surface velocity at the crests of orbits or of the larger wave."""
     if not isinstance(orbits, PassingWave):
@@ -154,7 +158,7 @@ def coupling(slider: Slider, orbits) -> tuple[str, ...]:
 
     ``orbits``: `Orbit`, a tuple of them, or a `PassingWave`.
     """
-    why = ("the slider tilts",) if slider.tilt != "held" else ()
+    why: tuple[str, ...] = ("the slider tilts",) if slider.tilt != "held" else ()
     why += ("its backing is soft",) if slider.backing == "soft" else ()
     passes = isinstance(orbits, PassingWave)
     if why and not passes:

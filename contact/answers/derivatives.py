@@ -17,16 +17,13 @@ from collections.abc import Callable
 from contact.answers.load_line import mean_traction
 from contact.averaged.sweep import mean_motion
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.wave import PassingWave, crest_direction
+from contact.wave import Surface, crest_direction
 
 STEP = 2e-3  # of v (relative) and of s; fourth-order differences of forces that are accurate to 1e-11
 
 
-def velocity_derivative(
-    family: Callable[[float], tuple[Slider, Orbit | tuple[Orbit, ...] | PassingWave]], *, step: float = STEP
-) -> float:
+def velocity_derivative(family: Callable[[float], tuple[Slider, Surface]], *, step: float = STEP) -> float:
     """Return dv/ds at s = 0 of the averaged steady velocity, m/s; 0 where the slider is held.
 
     Parameters

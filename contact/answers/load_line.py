@@ -21,10 +21,10 @@ from contact.averaged.sweep import mean_motion
 from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, search_error
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, towards_plus
+from contact.orbit import towards_plus
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.wave import coupling, frequency, prescribed, resonance_ratio
+from contact.wave import Surface, coupling, frequency, prescribed, resonance_ratio
 
 # Largest relative tolerance of the search for the load at which the full motion stops. In eight motors it took 3 to 6
 # steady states, with 1e-3 2 to 4 and with 1e-9 5 to 10: a larger value would hardly save time.
@@ -78,7 +78,7 @@ class LoadLine:
         return self.stall.value
 
 
-def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[float, float]:
+def blocked_thrust(slider: Slider, orbits: Surface) -> tuple[float, float]:
     """Return (smallest load, largest load) in N under which the slider is held, by first-order averaging.
 
     They are the extreme mean tangential forces of a cycle at rest. The smallest one is the blocked thrust.
@@ -102,7 +102,7 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     return (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
 
 
-def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities: np.ndarray) -> np.ndarray:
+def mean_traction(slider: Slider, orbits: Surface, velocities: np.ndarray) -> np.ndarray:
     """Return the mean tangential force of the surface on a slider at constant velocities, N along +x (averaged).
 
     Parameters
@@ -129,7 +129,7 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     return side * mean_tangential_forces(problem, speeds) * unit
 
 
-def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
+def _unloaded(slider: Slider, orbits: Surface):
     """Return (drive direction, problem without load whose crests drive towards +x, its unit of force in N)."""
     slider, listed = prescribed(slider, orbits)
     free = replace(slider, load=0.0)
@@ -139,7 +139,7 @@ def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
     return side, problem, slider.unit_mass * problem.omega**2 * problem.length
 
 
-def stall(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float) -> Answer:
+def stall(slider: Slider, orbits: Surface, *, tolerance: float) -> Answer:
     """Return the load in N at which the motor stalls: where the steady velocity of the full motion falls to zero.
 
     Parameters
@@ -241,7 +241,7 @@ def full_stall(slider, orbits, near, tolerance):
     return Answer(value=estimate, error=error, reasons=("load at which the full motion stops",))
 
 
-def load_line(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int, tolerance: float) -> LoadLine:
+def load_line(slider: Slider, orbits: Surface, *, points: int, tolerance: float) -> LoadLine:
     """Return the load line from zero load to the blocked thrust.
 
     Parameters
@@ -255,7 +255,8 @@ def load_line(slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int,
     """
     parameter_check.count("points", points, 2)
     stalled, held_up_to = _stalled(slider, orbits, tolerance)
-    loads, states = stalled.value * np.linspace(0.0, 1.0, points), []
+    loads = stalled.value * np.linspace(0.0, 1.0, points)
+    states: list[SteadyState] = []
     for load in loads[:-1].tolist():
         near = states[-1] if states else None
         states.append(steady(replace(slider, load=load), orbits, tolerance=tolerance, near=near))

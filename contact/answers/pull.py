@@ -8,15 +8,14 @@ import numpy as np
 
 from contact.averaged.riding import riding_height
 from contact.law.normal import load
-from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.wave import prescribed
+from contact.wave import Surface, prescribed
 
 # Phases of a cycle at which the force is sampled: the least force is found to 2e-7 of itself, the share to 5e-4.
 PHASES = 4096
 
 
-def damper_pull(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[float, float]:
+def damper_pull(slider: Slider, orbits: Surface) -> tuple[float, float]:
     """Return how strongly, and how long, the contact damper of a slider that rides on a wave pulls it down.
 
     Parameters

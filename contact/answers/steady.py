@@ -45,7 +45,7 @@ from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.wave import PassingWave, coupling, prescribed, resonance_ratio
+from contact.wave import PassingWave, Surface, coupling, prescribed, resonance_ratio
 
 METHODS = ("auto", "exact", "averaged")
 # SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried. Above it a long run
@@ -119,7 +119,7 @@ class SteadyState(Answered):
 
 
 def steady(
-    slider: Slider, orbits: Orbit | tuple[Orbit, ...] | PassingWave, *, tolerance: float, method: str = "auto",
+    slider: Slider, orbits: Surface, *, tolerance: float, method: str = "auto",
     near: SteadyState | None = None,
 ) -> SteadyState:  # fmt: skip
     """Return the steady state of a slider on a continuous wave.

@@ -33,10 +33,10 @@ from contact.events.energy import Sum
 from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
-from contact.orbit import Orbit, towards_plus
+from contact.orbit import towards_plus
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
-from contact.wave import prescribed
+from contact.wave import Surface, prescribed
 
 MAX_CYCLES = 2**21  # the last number that `cycles_for` tries when it doubles from 256
 # The slider counts as held after this many spans (half periods of the ring) without slip: QUIET_SPANS if no slip can
@@ -98,12 +98,7 @@ class Step:
 
 
 def step(
-    slider: Slider,
-    orbits: Orbit | tuple[Orbit, ...],
-    *,
-    cycles: int,
-    envelope: Envelope | None = None,
-    after: Envelope | None = None,
+    slider: Slider, orbits: Surface, *, cycles: int, envelope: Envelope | None = None, after: Envelope | None = None
 ) -> Step:
     """Return the step that a burst of whole cycles makes from rest.
 
@@ -200,7 +195,7 @@ def _step_at(slider, orbits, cycles, envelope, after, level):
 
 def cycles_for(
     slider: Slider,
-    orbits: Orbit | tuple[Orbit, ...],
+    orbits: Surface,
     *,
     displacement: float,
     envelopes: Callable[[int], tuple[Envelope, Envelope | None]] | None = None,

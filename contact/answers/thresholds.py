@@ -47,12 +47,12 @@ from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
 from contact.law.normal import approach
 from contact.law.user import UserLaw
-from contact.orbit import Orbit, as_orbits, towards_plus
+from contact.orbit import as_orbits, towards_plus
 from contact.periodic.sticking import least, normal_motion, room_to_stick
 from contact.problem import scaled
 from contact.roots import bracketed
 from contact.slider import Slider
-from contact.wave import PassingWave, coupling, prescribed
+from contact.wave import PassingWave, Surface, coupling, prescribed
 
 # Relative accuracy of the bisection in the averaged equilibrium. It is part of the error, and below the error of
 # averaging for f_n/f above 0.0022.
@@ -70,7 +70,7 @@ ALIKE = 1e-9
 PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 
 
-def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
+def threshold(slider: Slider, orbits: Surface) -> Answer:
     """Return the factor on all orbits above which the slider starts to move, with its error.
 
     The factor is zero without friction or if friction cannot hold the load, and inf if no amplitude moves the slider.
@@ -107,12 +107,12 @@ def threshold(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     return _by_averaging(slider, listed, held)
 
 
-def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+def threshold_factor(slider: Slider, orbits: Surface) -> float:
     """Return the value of `threshold`."""
     return threshold(slider, orbits).value
 
 
-def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
+def release(slider: Slider, orbits: Surface) -> Answer:
     """Return the factor on all orbits at which a contact is first lost once per cycle, with its error.
 
     The factor is inf without normal motion. Contacts that do not touch at rest are ignored. The parameters are those
@@ -126,12 +126,12 @@ def release(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> Answer:
     return _by_full_motion(slider, listed, factor, _contact_margins)
 
 
-def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+def release_factor(slider: Slider, orbits: Surface) -> float:
     """Return the value of `release`."""
     return release(slider, orbits).value
 
 
-def releases(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[Answer | None, ...]:
+def releases(slider: Slider, orbits: Surface) -> tuple[Answer | None, ...]:
     """Return for each contact the factor on all orbits above which it leaves the surface once per cycle.
 
     The smallest is `release`; the others follow from cycle means, because contacts that have separated make the motion
@@ -316,7 +316,7 @@ def _released(slider, listed):
     return _edge(separates, elastic)
 
 
-def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+def threshold_amplitude(slider: Slider, orbits: Surface) -> float:
     """Return the amplitude |u_z| of the first orbit in m above which the slider starts to move.
 
     All orbits are scaled by the same factor. Use `threshold_factor` if u_z is zero.
@@ -324,7 +324,7 @@ def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> fl
     return threshold_factor(slider, orbits) * _first_normal(slider, orbits)
 
 
-def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+def release_amplitude(slider: Slider, orbits: Surface) -> float:
     """Return the amplitude |u_z| of the first orbit in m at which a contact is first lost once per cycle."""
     return release_factor(slider, orbits) * _first_normal(slider, orbits)
 

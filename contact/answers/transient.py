@@ -32,7 +32,7 @@ from contact.orbit import Orbit, towards_plus
 from contact.slider import Slider
 from contact.stepping.along_track import Scaled
 from contact.track import Track
-from contact.wave import prescribed
+from contact.wave import Surface, prescribed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +102,7 @@ class Trajectory(Answered):
 
 def burst(
     slider: Slider,
-    orbits: Orbit | tuple[Orbit, ...],
+    orbits: Surface,
     *,
     duration: float,
     after: float | tuple[float, Envelope],

@@ -25,7 +25,7 @@ from contact.orbit import Orbit, towards_plus
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import COARSE, FINE, coarse_periodic, fine_periodic
 from contact.slider import Slider
-from contact.wave import prescribed
+from contact.wave import Surface, prescribed
 
 STAGES = ("start", "steady", "after")
 # Names in the order of `codes.Regime`. A hysteretic contact with a slip annulus is "partial"; one that grows sticks.
@@ -74,13 +74,7 @@ class History(Answered):
 
 
 def contact_history(
-    slider: Slider,
-    orbits: Orbit | tuple[Orbit, ...],
-    *,
-    stage: str,
-    skip: float,
-    cycles: float,
-    points_per_cycle: float,
+    slider: Slider, orbits: Surface, *, stage: str, skip: float, cycles: float, points_per_cycle: float
 ) -> History:
     """Return the waveforms of the contact points.
 

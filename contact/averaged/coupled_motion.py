@@ -177,7 +177,7 @@ class CoupledSearch:
     out all overtones. ``near``: rows of a motion of the same contacts, from which the first search starts.
     """
 
-    def __init__(self, slider: Slider, wave: PassingWave, harmonics: int = 1, near: WaveRows | None = None):
+    def __init__(self, slider: Slider, wave, harmonics: int = 1, near: WaveRows | None = None):
         if slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0.0 or slider.friction is not None:
             rule = 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
             raise InputError("slider.law", f"{rule}, on a wave that it loads or with a tilt or a soft backing")
@@ -347,7 +347,7 @@ class CoupledSearch:
         )  # fmt: skip
 
 
-def unloaded(slider: Slider, wave: PassingWave) -> tuple[CoupledSearch, Coupled, float]:
+def unloaded(slider: Slider, wave) -> tuple[CoupledSearch, Coupled, float]:
     """Return a search that starts from the motion without load, that motion and its direction.
 
     The direction of a slider that the wave does not move is that of the crests.

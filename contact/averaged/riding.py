@@ -18,10 +18,9 @@ from contact.jit.compiled import compiled, formula, native, summed
 from contact.law.elastic import coulomb
 from contact.law.normal import approach as approach_under
 from contact.law.normal import load, slope
-from contact.orbit import Orbit
 from contact.problem import Problem, scaled
 from contact.slider import Slider
-from contact.wave import prescribed
+from contact.wave import Surface, prescribed
 
 NODES = 48  # of the answer for one slider
 
@@ -157,7 +156,7 @@ def riding_approach(problem: Problem, nodes: int = NODES) -> float:
     return float(answer[0])
 
 
-def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+def riding_height(slider: Slider, orbits: Surface) -> float:
     """Return h in m, the mean approach of a contact of height 0 at which <sum P_i> is the preload (preload > 0).
 
     Negative when the slider hops: it rides above the undisturbed surface.

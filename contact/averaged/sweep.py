@@ -35,7 +35,7 @@ from contact.exceptions import ConvergenceError
 from contact.orbit import Orbit, towards_plus
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
-from contact.wave import PassingWave, coupling, crest_direction, prescribed, resonance_ratio
+from contact.wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
 
 REGIMES = np.array([regime.name.lower() for regime in Steady])
 REFUSALS = {
@@ -121,7 +121,7 @@ def steady_sweep(
     return _answer(results.reshape(*factors.shape, -1))
 
 
-def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...] | PassingWave) -> MeanMotion:
+def mean_motion(slider: Slider, orbits: Surface) -> MeanMotion:
     """Return the steady state by averaging, with the second-order correction on prescribed orbits.
 
     Parameters
@@ -148,7 +148,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...] | PassingWave)
     return _answer(result)
 
 
-def mean_forces(slider: Slider, orbits: Orbit | tuple[Orbit, ...], motion: MeanMotion) -> MeanForces:
+def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForces:
     """Return the forces of each contact in an averaged steady state of `mean_motion`, by first-order averaging.
 
     The phases of the harmonics refer to t = 0 of the orbits' complex amplitudes. The force of a contact that always

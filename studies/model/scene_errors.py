@@ -42,11 +42,11 @@ def stator_keys(path: str, names=(), pieces=()) -> Iterator[None]:
 
 @contextmanager
 def slider_keys() -> Iterator[None]:
-    """Turn a `contact.InputError` about a slider, or its pillars, into a `SceneError` about the scene's key."""
+    """Turn a `contact.InputError` about a slider, or the load on its wave, into a `SceneError` about the scene's key."""
     try:
         yield
     except contact.InputError as error:
-        key = error.key.replace("pillars.", "slider.", 1)
+        key = error.key.replace("wave.loading", "slider.loading")
         key = key if "." in key else f"slider.{key}"
         if not key.startswith("slider."):
             raise

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -354,7 +355,10 @@ def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
 
     motion = PillarContact.of(contact_of_run(driven)).motion(150.0)
     length = float(np.ptp(motion.row_x))
-    light = replace(motion, loading_number=1e-3 * motion.wave.wavenumber * length)
+    light = SimpleNamespace(
+        row_x=motion.row_x, loading=True, wave=motion.wave, pillars=motion.pillars,
+        loading_number=1e-3 * motion.wave.wavenumber * length,
+    )  # fmt: skip
     (_, _, leak, _), (_, _, size, _) = leak(driven, light)
     assert leak == pytest.approx(1e-3 / 0.01252, rel=1e-3)  # 128YX, open
     # -0.5 % at 2.7e-3, by the published roots, and in proportion

@@ -22,6 +22,7 @@ from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.orbit import towards_plus
 from contact.stepping.time_stepping import steps
+from contact.wave import prescribed
 
 # Steps per cycle and collocation nodes of the two methods. The last gives the velocity, all give its error.
 STEPS, NODES = (64, 90, 128), (9, 14)
@@ -56,8 +57,8 @@ def cross_check(state: SteadyState) -> CrossCheck:
     ConvergenceError
         If the motion cannot be computed or does not settle.
     """
-    side, driven = towards_plus(state.orbits)
-    slider = state.slider
+    slider, orbits = prescribed(state.slider, state.orbits)
+    side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
     unit = problem.speed
     begin = np.zeros(3 + len(driven))
