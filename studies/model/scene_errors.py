@@ -42,7 +42,7 @@ def stator_keys(path: str, names=(), pieces=()) -> Iterator[None]:
 
 @contextmanager
 def slider_keys() -> Iterator[None]:
-    """Turn a `contact.InputError` about a slider, or the load on its wave, into a `SceneError` about the scene's key."""
+    """Turn a `contact.InputError` about a slider, or its load on the wave, into a `SceneError` about the key."""
     try:
         yield
     except contact.InputError as error:
