@@ -35,8 +35,8 @@ _PUBLIC = {
     "analytic.point_load": "point_load PointLoad",
     "analytic.quasistatic": "end_excess surface_permittivity transducer_estimate TransducerEstimate",
     "analytic.coupled_modes": "relative_amplitude",
-    "heat": "foldover_number FOLDOVER_LIMIT folds heated_powers HeatedPlate HeatSource MAX_BIOT_NUMBER runaway_rise "
-    "temperature_profile TemperatureProfile",
+    "heat": "drive_folds foldover_number FOLDOVER_LIMIT folds heated_powers heated_states HeatedPlate HeatedState "
+    "HeatSource MAX_BIOT_NUMBER runaway_rise sampled_foldover_number temperature_profile TemperatureProfile",
     "discretize.absorber": "absorber_kind",
     "discretize.grading": "Resolution",
     "discretize.error_estimate": "LEVELS planned_levels",

@@ -14,10 +14,13 @@ from fem.heat import (
     FOLDOVER_LIMIT,
     HeatedPlate,
     HeatSource,
+    drive_folds,
     foldover_number,
     folds,
     heated_powers,
+    heated_states,
     runaway_rise,
+    sampled_foldover_number,
     temperature_profile,
 )
 
@@ -141,7 +144,7 @@ def test_a_uniform_source_is_a_closed_form():
 def test_foldover():
     assert FOLDOVER_LIMIT == pytest.approx(1.539601, rel=1e-6)
     for number, expected in (
-        (2.0, ((2.0, 0.5), (2.134885, 0.919644))),
+        (2.0, ((2.0, 0.5), (2.134884, 0.919643))),
         (4.0, ((2.723554, 0.278772), (4.063526, 0.983579))),
     ):
         flat = [each for pair in folds(number) for each in pair]
@@ -157,6 +160,32 @@ def test_foldover():
     assert heated_powers(-2.05, 2.0, -1.0) == pytest.approx(heated_powers(2.05, 2.0))
     number = foldover_number(quality=1070, frequency_coefficient=-17e-6, resistance=7.6, peak_power=5.8)
     assert number == pytest.approx(2 * 1070 * 17e-6 * 7.6 * 5.8, rel=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("number", [1.2, 2.0, 4.0])
+def test_sampled_states_and_folds_are_those_of_the_closed_form(number, sign):
+    """A lone resonance of Q 100000 at 1 MHz, with a rise R W_peak of 10 K."""
+    quality, peak = 1e5, 10.0
+    coefficient = sign * number / (2 * quality * peak)
+    x = np.linspace(-12.0, 12.0, 4801)
+    cold = 1e6 * (1.0 + x / (2 * quality))
+    held = peak / (1.0 + x * x)
+    found = [2 * quality * (each / 1e6 - 1.0) for each in drive_folds(cold, held, coefficient)]
+    assert found == pytest.approx(sorted(at for at, _ in folds(number, sign)), rel=1e-3)
+    assert sampled_foldover_number(cold, held, coefficient) == pytest.approx(number, rel=1e-3)
+    rises = np.linspace(0.0, 12.0, 2401)
+    for detuning in (1.5, 0.5 * (sum(at for at, _ in folds(number)) or 3.8), 4.5):
+        shifted = sign * (detuning - number * rises / peak)
+        states = heated_states(rises, peak / (1.0 + shifted**2))
+        exact = heated_powers(sign * detuning, number, sign)
+        assert [each.rise / peak for each in states] == pytest.approx(exact, rel=1e-6)
+        assert [each.stable for each in states] == [True, False, True][: len(exact)]
+
+
+def test_samples_must_rise():
+    with pytest.raises(InputError, match="rises must be at least 4 rising numbers"):
+        heated_states([0.0, 1.0, 1.0, 2.0], [1.0] * 4)
 
 
 def test_runaway():
