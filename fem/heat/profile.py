@@ -4,7 +4,12 @@
 
 with the loss g per length of `HeatedPlate` and sources q' per length (the fin of Carslaw and Jaeger, section 4.2).
 Spectral elements of order 12 end where a source begins or ends and are no longer than two decay lengths; the error of
-smooth sources is below 1e-9. The transient is the sum over the modes of these elements, exact in time.
+smooth sources is below 1e-9. Their inner nodes are eliminated first (static condensation), so that the cost grows with
+the number of elements. The transient is a series of the modes of a rod with cooled ends (Carslaw and Jaeger, 3.9),
+
+    phi = cos(m x) + (h/(k m)) sin(m x),    (m^2 - (h/k)^2) sin(m L) = 2 m (h/k) cos(m L),
+
+each of which decays with rho c A/(k A m^2 + g).
 """
 
 from collections.abc import Callable, Sequence
@@ -24,6 +29,9 @@ MAX_DECAY_LENGTHS = 2.0  # of one element; e^2 within an element leaves 1e-10 at
 MAX_ELEMENTS = 400
 POINTS, POINTS_PER_SCALE = 16, 4  # of the quadrature of a source in each element, or in each step of its scale
 SAMPLES = 32  # in each element, where the highest temperature is looked for
+# Modes of the transient: the last of a plate of PZT 160 mm long decays in 0.4 s, of a chip of LiNbO3 in 6 ms
+MODES = 128
+PER_MODE = 4  # pieces of the quadrature of a mode in each of its half waves, over the length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,8 +73,6 @@ class TemperatureProfile:
         Steady rise at the nodes, K.
     breakpoints : ndarray, shape (elements + 1,)
         Ends of the elements, m.
-    conduction, storage : ndarray, shape (n, n)
-        Matrices of conduction and losses, W/K, and of the length, m.
     """
 
     plate: HeatedPlate
@@ -74,42 +80,70 @@ class TemperatureProfile:
     power: float
     steady: np.ndarray = field(repr=False)
     breakpoints: np.ndarray = field(repr=False)
-    conduction: np.ndarray = field(repr=False)
-    storage: np.ndarray = field(repr=False)
 
     @cached_property
-    def _modes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rates of decay times storage in W/(m K), shape (n,), and mass-normalised modes (n, n)."""
-        from scipy.linalg import eigh
-
-        return eigh(self.conduction, self.storage)
+    def _wavenumbers(self) -> np.ndarray:
+        """Wavenumbers m of the modes in 1/m, rising, by bisection: one in each interval of pi/L."""
+        ratio, length = self.plate.film / self.plate.conductivity, self.plate.length
+        number = np.arange(MODES)
+        low, high = number * np.pi / length, (number + 1) * np.pi / length
+        for _ in range(60):
+            m = 0.5 * (low + high)
+            above = (-1.0) ** number * ((m**2 - ratio**2) * np.sin(m * length) - 2 * m * ratio * np.cos(m * length)) > 0
+            low, high = np.where(above, low, m), np.where(above, m, high)
+        return high
 
     @property
     def time_constants(self) -> np.ndarray:
-        """Of the modes, s, the slowest first, shape (n,)."""
+        """Of the modes, s, the slowest first, shape (`MODES`,)."""
         if self.plate.volumetric_heat is None:
             raise InputError("volumetric_heat", "is missing: the steady temperature needs none, its time does")
-        return self.plate.volumetric_heat * self.plate.section / self._modes[0]
+        return self.plate.volumetric_heat * self.plate.section / self._losses
 
-    def nodal(self, time: float = np.inf) -> np.ndarray:
-        """Return the rise at the nodes in K, shape (n,), after a time in s from a cold start; steady without one."""
-        if np.isinf(time):
-            return self.steady
-        _, modes = self._modes
-        decayed = np.exp(-time / self.time_constants)
-        return self.steady - modes @ (decayed * (modes.T @ (self.storage @ self.steady)))
+    @property
+    def _losses(self) -> np.ndarray:
+        """Heat per length and kelvin that conduction and the faces take from each mode, W/(m K)."""
+        return self.plate.conductivity * self.plate.section * self._wavenumbers**2 + self.plate.loss_per_length
+
+    def _shapes(self, x: np.ndarray) -> np.ndarray:
+        """Modes at positions in m, shape (positions, modes)."""
+        m = self._wavenumbers
+        phase = np.multiply.outer(x, m)
+        return np.cos(phase) + self.plate.film / (self.plate.conductivity * m) * np.sin(phase)
+
+    @cached_property
+    def _content(self) -> np.ndarray:
+        """Coefficients of the steady rise in the modes, K, shape (modes,)."""
+        pieces = np.diff(self.breakpoints) * MODES * PER_MODE / self.plate.length
+        ends = [
+            np.linspace(*pair, int(np.ceil(n)) + 1)[:-1]
+            for pair, n in zip(pairwise(self.breakpoints), pieces, strict=True)
+        ]
+        edges = np.append(np.concatenate(ends), self.breakpoints[-1])
+        points, weights = np.polynomial.legendre.leggauss(POINTS_PER_SCALE)
+        x = (edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (points + 1.0)).ravel()
+        shapes, share = self._shapes(x), (0.5 * np.diff(edges)[:, None] * weights).ravel()
+        return (share * self._steady_at(x)) @ shapes / (share @ shapes**2)
 
     def at(self, x: ArrayLike, time: float = np.inf) -> np.ndarray:
-        """Return the rise in K at positions in m, the shape of ``x``; as `nodal`."""
+        """Return the rise in K at positions in m, the shape of ``x``, after a time in s from a cold start.
+
+        Steady without a time.
+        """
         positions = np.atleast_1d(np.asarray(x, dtype=float))
         if positions.min() < 0.0 or positions.max() > self.plate.length * (1 + 1e-12):
             raise InputError("x", f"must lie within the plate, 0 to {self.plate.length:g} m")
-        ends, values = self.breakpoints, self.nodal(time)
+        rises = self._steady_at(positions.ravel())
+        if not np.isinf(time):
+            rises = rises - self._shapes(positions.ravel()) @ (self._content * np.exp(-time / self.time_constants))
+        return rises.reshape(np.shape(x))
+
+    def _steady_at(self, positions: np.ndarray) -> np.ndarray:
+        ends = self.breakpoints
         number = np.clip(np.searchsorted(ends, positions, side="right") - 1, 0, len(ends) - 2)
         local = (positions - ends[number]) / (ends[number + 1] - ends[number])
-        basis = lagrange_values(ORDER, local)
         nodes = number[:, None] * ORDER + np.arange(ORDER + 1)
-        return (basis * values[nodes]).sum(axis=1).reshape(np.shape(x))
+        return (lagrange_values(ORDER, local) * self.steady[nodes]).sum(axis=1)
 
     def hottest(self, time: float = np.inf) -> tuple[float, float]:
         """Return the place in m and the size in K of the highest rise."""
@@ -121,7 +155,7 @@ class TemperatureProfile:
 
     def heat_to_surroundings(self) -> float:
         """Return what all faces take in the steady state, W: the balance says that it is `power`."""
-        values = self.nodal()
+        values = self.steady
         widths = np.diff(self.breakpoints)
         weights = reference_matrices(ORDER).mass.sum(axis=0)
         integral = sum(
@@ -143,20 +177,31 @@ def temperature_profile(plate: HeatedPlate, sources: Sequence[HeatSource]) -> Te
             ends = f"{each.start:g} to {each.stop:g} m"
             raise InputError("source", f"must lie within the plate, 0 to {plate.length:g} m, got {ends}")
     breakpoints = _breakpoints(plate, sources)
-    count, elements = (len(breakpoints) - 1) * ORDER + 1, len(breakpoints) - 1
-    reference, stiffness, mass, load = reference_matrices(ORDER), *np.zeros((2, count, count)), np.zeros(count)
-    for k in range(elements):
-        width, nodes = breakpoints[k + 1] - breakpoints[k], slice(k * ORDER, (k + 1) * ORDER + 1)
-        mass[nodes, nodes] += width * reference.mass
-        stiffness[nodes, nodes] += plate.conductivity * plate.section / width * reference.stiffness
-    stiffness += plate.loss_per_length * mass
-    stiffness[[0, -1], [0, -1]] += plate.end_loss
-    for each in sources:
-        load += _load(each, breakpoints, count)
+    loads = sum((_load(each, breakpoints) for each in sources), np.zeros((len(breakpoints) - 1, ORDER + 1)))
     return TemperatureProfile(
         plate=plate, x=line_nodes(breakpoints, ORDER), power=float(sum(each.power for each in sources)),
-        steady=np.linalg.solve(stiffness, load), breakpoints=breakpoints, conduction=stiffness, storage=mass,
+        steady=_solved(plate, breakpoints, loads), breakpoints=breakpoints,
     )  # fmt: skip
+
+
+def _solved(plate: HeatedPlate, breakpoints: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """Return the steady rise at all nodes in K, of loads in W at the nodes of each element (elements, order + 1)."""
+    reference, widths = reference_matrices(ORDER), np.diff(breakpoints)[:, None, None]
+    matrices = plate.conductivity * plate.section / widths * reference.stiffness
+    matrices = matrices + plate.loss_per_length * widths * reference.mass
+    matrices[[0, -1], [0, -1], [0, -1]] += plate.end_loss
+    ends, inner = [0, ORDER], np.arange(1, ORDER)
+    across = matrices[:, inner[:, None], ends]
+    inside = np.linalg.solve(matrices[:, inner[:, None], inner], np.dstack([across, loads[:, inner, None]]))
+    whole, right = np.zeros((len(breakpoints), len(breakpoints))), np.zeros(len(breakpoints))
+    schur = matrices[:, ends][:, :, ends] - across.transpose(0, 2, 1) @ inside[:, :, :2]
+    known = loads[:, ends] - (across * inside[:, :, 2:]).sum(axis=1)
+    for k in range(len(widths)):
+        whole[k : k + 2, k : k + 2] += schur[k]
+        right[k : k + 2] += known[k]
+    lines = np.linalg.solve(whole, right)
+    between = inside[:, :, 2] - inside[:, :, 0] * lines[:-1, None] - inside[:, :, 1] * lines[1:, None]
+    return np.append(np.column_stack([lines[:-1], between]).ravel(), lines[-1])
 
 
 def _breakpoints(plate: HeatedPlate, sources: Sequence[HeatSource]) -> np.ndarray:
@@ -175,10 +220,10 @@ def _breakpoints(plate: HeatedPlate, sources: Sequence[HeatSource]) -> np.ndarra
     return np.array(ends)
 
 
-def _load(source: HeatSource, breakpoints: np.ndarray, count: int) -> np.ndarray:
-    """Return the integrals of a source's power per length with the basis functions, shape (count,)."""
+def _load(source: HeatSource, breakpoints: np.ndarray) -> np.ndarray:
+    """Return the integrals of a source's power per length with each element's basis, W, (elements, order + 1)."""
     points, weights = np.polynomial.legendre.leggauss(POINTS if source.scale is None else POINTS_PER_SCALE)
-    load, total = np.zeros(count), 0.0
+    load, total = np.zeros((len(breakpoints) - 1, ORDER + 1)), 0.0
     tiny = 1e-9 * (breakpoints[-1] - breakpoints[0])
     for k, (start, stop) in enumerate(pairwise(breakpoints)):
         if start < source.start - tiny or stop > source.stop + tiny:
@@ -187,7 +232,7 @@ def _load(source: HeatSource, breakpoints: np.ndarray, count: int) -> np.ndarray
         local = ((np.arange(steps)[:, None] + 0.5 * (points + 1.0)) / steps).ravel()
         share = np.tile(0.5 * weights / steps, steps)
         density = 1.0 if source.density is None else np.asarray(source.density(start + (stop - start) * local))
-        load[k * ORDER : (k + 1) * ORDER + 1] += (stop - start) * (share * density) @ lagrange_values(ORDER, local)
+        load[k] = (stop - start) * (share * density) @ lagrange_values(ORDER, local)
         total += (stop - start) * float((share * density).sum())
     if not total > 0.0:
         raise InputError("source.density", "must have a positive integral")

@@ -77,7 +77,7 @@ class ChangedScenes:
             computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = computed_circuit and fem_objects.diffracts(scene)
             stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
-            drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
+            drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst, duty=scene.drive.duty)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
             # only the moduli of a named ball depend on the stator

@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import fem
-from studies.model.materials import crystal, crystal_at
+from studies.model.materials import crystal, crystal_at, frequency_coefficient, reference_temperature
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -35,6 +35,19 @@ def solid(block: Stator):
 def surface_velocity(block: Stator) -> float:
     """Return the velocity of the Rayleigh wave under a bare surface without charge (D_n = 0), m/s."""
     return fem.rayleigh(solid(block), "open").velocity
+
+
+@lru_cache(256)
+def relative_frequency(block: Stator, temperature: float) -> float:
+    """Return the frequency of a stator's surface wave at a temperature in degC, fingers fixed to it, over the cold one.
+
+    Cold: of the constants as they are. In the lengths before the expansion velocity and frequency change alike.
+    """
+    coefficient = frequency_coefficient(block)
+    if coefficient is not None:
+        return 1.0 + coefficient * (temperature - reference_temperature(block))
+    warm, cold = replace(block, temperature=temperature), replace(block, temperature=None)
+    return surface_velocity(warm) / surface_velocity(cold)
 
 
 def wavelength(scene: Scene) -> float:

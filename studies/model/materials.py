@@ -11,11 +11,10 @@ import fem
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import MATERIAL, IsotropicSolid, PiezoelectricSolid, Stator
+from studies.scene.blocks import MATERIAL, Cooling, IsotropicSolid, PiezoelectricSolid, Stator
 from studies.scene.quantity import si_value
 
 LOSSES = ("mechanical_quality", "dielectric_loss")
-REFERENCE = 25.0  # degC, at which the constants hold where only the coefficient of the frequency is known
 
 
 @lru_cache(64)
@@ -63,8 +62,10 @@ def knows_temperature(block: Stator) -> bool:
 
 
 def reference_temperature(block: Stator) -> float:
-    """Return the temperature in degC at which the constants of a stator's material hold."""
-    return float(thermal_table(block.material).get("temperature", {}).get("reference", REFERENCE))
+    """Return the temperature in degC at which the constants of a stator hold: without coefficients the ambient one."""
+    known = frequency_coefficient(block) is None and "temperature" in thermal_table(block.material)
+    ambient = (block.cooling or Cooling()).ambient
+    return float(thermal_table(block.material)["temperature"]["reference"] if known else ambient)
 
 
 @lru_cache(256)

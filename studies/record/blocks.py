@@ -69,6 +69,7 @@ class HeatBlock(Values):
     """Keys ``heat.*``: where the power goes and how warm the stator becomes."""
 
     voltage_V: Number = None
+    duty: Number = None
     power_W: Number = None
     power_dielectric_W: Number = None
     power_along_beam_W: Number = None
@@ -77,6 +78,7 @@ class HeatBlock(Values):
     power_loads_W: Number = None
     heating_rate_K_per_s: Number = None
     time_constant_s: Number = None
+    burst_rise_K: Number = None
     mean_rise_K: Number = None
     fingers_rise_K: Number = None
     fingers_rise_low_K: Number = None
@@ -94,6 +96,9 @@ class HeatBlock(Values):
     highest_rise_low_K: Number = None
     highest_rise_high_K: Number = None
     hottest_x_m: Number = None
+    continuous_limit_voltage_V: Number = None
+    pulsed_limit_voltage_V: Number = None
+    duty_limit: Number = None
     frequency_drift: Number = None
     warm_amplitude_factor: Number = None
     foldover_number: Number = None

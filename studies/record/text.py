@@ -166,6 +166,10 @@ def _heat(block: HeatBlock):
     shares = [f"{power.with_unit(block[f'power_{key}_W'])} {name}" for name, key in named
               if block[f"power_{key}_W"] > 1e-4 * block.power_W]  # fmt: skip
     yield "power", f"{power.with_unit(block.power_W)} at {block.voltage_V:g} V: {', '.join(shares)}"
+    how = "a continuous drive" if block.duty is None else f"a drive with a duty of {100 * block.duty:.3g} %"
+    if block.burst_rise_K is not None:
+        burst = f"one burst warms the stator by {block.burst_rise_K:.2g} K; drive.duty gives the heat of many"
+        yield "temperature", burst
     if block.highest_rise_K is None:
         return
     rise = quantity("heat.highest_rise_K")
@@ -179,7 +183,11 @@ def _heat(block: HeatBlock):
     lines = [f"steady: {rises}"]
     if block.heating_rate_K_per_s is not None:
         rate, settling = f"{block.heating_rate_K_per_s:.2g} K/s", f"{block.time_constant_s:.3g} s"
-        lines.insert(0, f"a continuous drive warms the stator by {rate} at first, with a time constant of {settling}")
+        lines.insert(0, f"{how} warms the stator by {rate} at first, with a time constant of {settling}")
+    if block.continuous_limit_voltage_V is not None:
+        most = quantity("heat.continuous_limit_voltage_V").with_unit(block.continuous_limit_voltage_V)
+        share = f"; at {block.voltage_V:g} V a duty of {100 * block.duty_limit:.3g} %" if block.duty_limit < 1.0 else ""
+        lines.append(f"below half its Curie temperature: up to {most} continuous{share}")
     if block.frequency_drift is not None:
         drift = f"{1e6 * block.frequency_drift:.3g} ppm of the frequency"
         factor = f"amplitude of the transducer x {block.warm_amplitude_factor:.4f}"

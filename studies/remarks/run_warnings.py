@@ -17,12 +17,12 @@ from studies.model.free_way import free_way
 from studies.record import Record
 from studies.record.text import percent
 from studies.remarks.ball_effects import NODE
+from studies.remarks.heat_warnings import heat_warnings
 from studies.remarks.model_error import SHARED
 from studies.remarks.scene_warnings import scene_warnings
 from studies.remarks.stator_effects import surface_strain
 from studies.scene import Scene
 from studies.solve.contact_at_level import contact_load
-from studies.solve.heat import heat_warnings
 from studies.solve.solved_stator import contact_of_run
 
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1

@@ -263,8 +263,13 @@ def heating(record: Record) -> Effects:
     if "highest_rise_K" in record.heat:
         block = record.heat
         where = f"at x = {1e3 * block['hottest_x_m']:.3g} mm"
-        how = f"continuous drive at {block['voltage_V']:g} V, highest {where}, its effect on the wave left out"
+        drive = "continuous drive" if block.duty is None else f"duty of {100 * block.duty:.3g} %"
+        how = f"{drive} at {block['voltage_V']:g} V, highest {where}, its effect on the wave left out"
         yield "heating of the stator", how, block["highest_rise_K"], "temperature", "K"
+        return
+    if "burst_rise_K" in record.heat:
+        how = f"mean rise by one burst at {record.heat.voltage_V:g} V, its effect on the wave left out"
+        yield "heating of the stator", how, record.heat.burst_rise_K, "temperature", "K"
         return
     highest = max(record.scene.levels, default=0.0)
     power = record.electrical["power_W_per_V2"] * highest**2

@@ -409,7 +409,8 @@ class Stator(Block):
     temperature_coefficient: Annotated[
         float | None,
         Quantity("1/K", negative=True),
-        "Temperature coefficient of the resonance frequency, TCF, about 25 degC. Absent: that of the material.",
+        "Temperature coefficient of the resonance frequency, TCF, about the ambient temperature. Absent: that of the "
+        "material.",
     ] = None
     cooling: Annotated[
         Cooling | None, Within(Cooling), "What takes the stator's heat. Absent: still air on all faces, cooled ends."

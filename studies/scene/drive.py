@@ -127,6 +127,12 @@ class Drive(Block):
         Quantity("s"),
         "Duration of the drive; the slider starts from rest. Absent: the steady state only.",
     ] = None
+    duty: Annotated[
+        float | None,
+        Quantity(),
+        "Share of the time for which the drive is on, at most 1, in bursts much shorter than the stator's time "
+        "constant; its heat is that share. Absent: a continuous drive, or with burst a single one.",
+    ] = None
     source_impedance: Annotated[
         float | complex,
         impedance(),
@@ -140,6 +146,10 @@ class Drive(Block):
         '[{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].',
     ] = "none"
     recovery: Annotated[Recovery | None, Within(Recovery), "Use of the power that another transducer receives."] = None
+
+    def check_duty(self) -> Any:
+        if self.duty is not None and self.duty > 1.0:
+            yield "duty", f"must be at most 1, a continuous drive, got {self.duty:g}"
 
     def check_power(self) -> Any:
         if self.power is None:

@@ -3,7 +3,9 @@
 At the largest level. The dielectric loss arises under the fingers, V^2 B tan(delta)/2 with the susceptance B of each
 driven transducer; the rest of the loss in the solid follows the square of the surface's motion along x; what absorbing
 ends take is heat of the absorber, of which `stator.cooling.ends_heat_stator` comes back over the last `END_LENGTH`.
-Temperatures are those of `fem.heat`, uniform over the cross-section, and carry the band of the air's coefficient.
+Temperatures are those of `fem.heat`, uniform over the cross-section, and carry the band of the air's coefficient. They
+are of a continuous drive, or with `drive.duty` of bursts with that share of its heat; of a lone burst
+(`drive.burst` without a duty) the rise of the mean temperature is stated.
 
 Not in it: friction of balls (below 1e-3 of these powers), heat of bulk waves that leave the section, and a half-space,
 whose temperature never becomes steady.
@@ -14,28 +16,36 @@ import math
 import numpy as np
 
 import fem
-from studies.model.materials import crystal
+from studies.model.fem_objects import relative_frequency
+from studies.model.materials import crystal, frequency_coefficient, knows_temperature, thermal_table
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.refusal import SceneError
-from studies.scene.blocks import Cooling
+from studies.scene import Scene
+from studies.scene.blocks import Cooling, Stator
 
 END_LENGTH = 5e-3  # m: of the absorber's share that heats the stator
 AIR_BAND = 0.4  # of the air's coefficient, with radiation: relative half-width
 FAST = 10.0  # K/s, from which on the rate of heating is a warning
-THERMAL = ("conductivity", "heat_capacity", "curie_temperature", "velocity_coefficient")
+POLED = 0.5  # of the Curie temperature in degC, up to which a ceramic keeps its poling
+THERMAL = ("conductivity", "heat_capacity", "curie_temperature")
+STEP = 1.0  # K, of the differences that give the coefficient of the frequency
 
 
 def thermal_constants(material) -> dict[str, float | None]:
     """Return the thermal constants of a stator's material; None for those that nobody gave.
 
-    ``conductivity`` in W/(m K), ``heat_capacity`` in J/(kg K), ``curie_temperature`` in degC, ``velocity_coefficient``
-    in 1/K.
+    ``conductivity`` in W/(m K), ``heat_capacity`` in J/(kg K), ``curie_temperature`` in degC.
     """
-    if isinstance(material, str):
-        table = fem.catalogue_table(material)
-        return {key: table.get(key) for key in THERMAL}
-    return {key: getattr(material, key) for key in THERMAL}
+    table = thermal_table(material)
+    return {key: table.get(key) for key in THERMAL}
+
+
+def duty(scene: Scene) -> float | None:
+    """Return the share of the time for which a scene's drive is on; None for a lone burst."""
+    if scene.drive.duty is not None or scene.drive.burst is not None:
+        return scene.drive.duty
+    return 1.0
 
 
 def plate(record: Record, *, air: float = 1.0) -> fem.HeatedPlate | None:
@@ -83,9 +93,10 @@ def _dielectric(record: Record) -> float:
     return 0.5 * loss * abs(electrical.comb_voltage_per_volt) ** 2 * max(electrical.admittance_S.imag, 0.0)
 
 
-def sources(record: Record) -> list[fem.HeatSource]:
-    """Return the sources of heat in the stator at the largest level."""
+def sources(record: Record, share: float = 1.0) -> list[fem.HeatSource]:
+    """Return the sources of heat in the stator at the largest level, driven for a share of the time."""
     scene, split = record.scene, powers(record)
+    split = HeatBlock(**{key: share * power for key, power in split.items()})
     length = scene.stator.length
     heated = []
     driven = [each for each in scene.transducer if each.name in scene.drive.driven]
@@ -102,10 +113,10 @@ def sources(record: Record) -> list[fem.HeatSource]:
             scale=0.5 * _wavelength(record),
         )
     )
-    share = (scene.stator.cooling or Cooling()).ends_heat_stator
+    returned = (scene.stator.cooling or Cooling()).ends_heat_stator
     end = min(END_LENGTH, 0.5 * length)
     for start, power in ((0.0, split.power_left_end_W), (length - end, split.power_right_end_W)):
-        heated.append(fem.HeatSource(start=start, stop=start + end, power=share * power))
+        heated.append(fem.HeatSource(start=start, stop=start + end, power=returned * power))
     return [each for each in heated if each.power > 0.0]
 
 
@@ -126,9 +137,13 @@ def _along(record: Record):
     return density
 
 
-def temperature(record: Record, *, air: float = 1.0) -> fem.TemperatureProfile | None:
-    """Return the temperature along the stator at the largest level; None where there is no plate or no heat."""
-    body, heated = plate(record, air=air), sources(record)
+def temperature(record: Record, *, air: float = 1.0, share: float | None = None) -> fem.TemperatureProfile | None:
+    """Return the temperature along the stator at the largest level; None where there is no plate or no heat.
+
+    ``air``: factor of the air's coefficient; ``share``: of the time for which the drive is on, by default the scene's.
+    """
+    share = (duty(record.scene) or 1.0) if share is None else share
+    body, heated = plate(record, air=air), sources(record, share)
     return None if body is None or not heated else fem.temperature_profile(body, heated)
 
 
@@ -137,14 +152,18 @@ def heat_block(record: Record) -> HeatBlock:
     scene, block = record.scene, powers(record)
     if not block.power_W > 0.0:
         return HeatBlock()
-    block |= HeatBlock(voltage_V=max(scene.levels))
-    body = plate(record)
+    block |= HeatBlock(voltage_V=max(scene.levels), duty=scene.drive.duty)
+    body, on = plate(record), duty(scene)
     if body is None:
         return block
-    kept = sum(each.power for each in sources(record))
+    kept = sum(each.power for each in sources(record, on or 1.0))
     rate, settling = body.heating_rate(kept), body.time_constant
     if rate is not None and settling is not None:
         block |= HeatBlock(heating_rate_K_per_s=rate, time_constant_s=settling)
+        if on is None:
+            block |= HeatBlock(burst_rise_K=rate * scene.drive.burst)
+    if on is None:
+        return block
     block |= HeatBlock(mean_rise_K=body.steady_rise(kept))
     places = {"fingers": scene.driven_transducer.center_xy[0], "left_end": 0.0, "right_end": scene.stator.length}
     if scene.slider is not None:
@@ -158,55 +177,62 @@ def heat_block(record: Record) -> HeatBlock:
         block |= {f"{name}_rise{suffix}_K": rise for name, rise in zip(places, rises, strict=True)}
         place, highest = warm.hottest()
         block |= {f"highest_rise{suffix}_K": highest} | ({} if suffix else {"hottest_x_m": place})
-    return block | _effects(record, block)
+    return block | limits(scene, block) | _effects(record, block)
+
+
+def limits(scene: Scene, block: HeatBlock) -> HeatBlock:
+    """Return the largest voltages and the duty that keep the stator below half its Curie temperature and 10 K/s.
+
+    Heat grows with the square of the voltage, as of constants that do not change with the temperature.
+    """
+    found, curie = HeatBlock(), thermal_constants(scene.stator.material)["curie_temperature"]
+    share = scene.drive.duty or 1.0
+    if block.heating_rate_K_per_s:
+        found |= HeatBlock(
+            pulsed_limit_voltage_V=block.voltage_V * math.sqrt(FAST * share / block.heating_rate_K_per_s)
+        )
+    if curie is not None and block.highest_rise_K:
+        allowed = (POLED * curie - (scene.stator.cooling or Cooling()).ambient) / (block.highest_rise_K / share)
+        if allowed > 0.0:
+            found |= HeatBlock(
+                continuous_limit_voltage_V=block.voltage_V * math.sqrt(allowed), duty_limit=min(allowed, 1.0)
+            )
+    return found
+
+
+def drift(block: Stator, rise: float) -> float | None:
+    """Return the relative change of the best frequency from the ambient temperature by a rise in K; None if unknown."""
+    if not knows_temperature(block):
+        return None
+    coefficient, ambient = frequency_coefficient(block), (block.cooling or Cooling()).ambient
+    if coefficient is not None:
+        return coefficient * rise
+    return relative_frequency(block, ambient + rise) / relative_frequency(block, ambient) - 1.0
+
+
+def frequency_slope(block: Stator) -> float:
+    """Return the temperature coefficient of the best frequency at the ambient temperature, 1/K."""
+    coefficient = frequency_coefficient(block)
+    if coefficient is not None:
+        return coefficient
+    ambient = (block.cooling or Cooling()).ambient
+    ahead, here, behind = (relative_frequency(block, ambient + step) for step in (STEP, 0.0, -STEP))
+    return (ahead - behind) / (2 * STEP * here)
 
 
 def _effects(record: Record, block: HeatBlock) -> HeatBlock:
-    """Return what the temperature does to the frequency, with the velocity's coefficient; nothing without it."""
-    constants, stator = thermal_constants(record.scene.stator.material), record.scene.stator
-    coefficient = constants["velocity_coefficient"]
-    if coefficient is None:
+    """Return what the temperature does to the frequency; nothing without temperature coefficients."""
+    scene, stator = record.scene, record.scene.stator
+    change, body = drift(stator, block.fingers_rise_K), plate(record)
+    if change is None or body is None:
         return HeatBlock()
-    drift = coefficient * block.fingers_rise_K
-    pairs = record.scene.driven_transducer.finger_pairs
-    effects = HeatBlock(frequency_drift=drift, warm_amplitude_factor=float(np.sinc(pairs * drift)))
-    if stator.ends != "absorbing":
-        quality = stator.mechanical_quality or crystal(stator.material).mechanical_quality
-        body = plate(record)
-        assert body is not None
+    pairs = scene.driven_transducer.finger_pairs
+    effects = HeatBlock(frequency_drift=change, warm_amplitude_factor=float(np.sinc(pairs * change)))
+    quality = stator.mechanical_quality or crystal(stator.material).mechanical_quality
+    if stator.ends != "absorbing" and math.isfinite(quality):
         number = fem.foldover_number(
-            quality=quality, frequency_coefficient=coefficient, resistance=body.resistance, peak_power=block.power_W
-        )
+            quality=quality, frequency_coefficient=frequency_slope(stator), resistance=body.resistance,
+            peak_power=(scene.drive.duty or 1.0) * block.power_W,
+        )  # fmt: skip
         effects |= HeatBlock(foldover_number=number)
     return effects
-
-
-def heat_warnings(record: Record):
-    """Yield what the heat of a continuous drive asks for, each with a remedy."""
-    block, stator = record.heat, record.scene.stator
-    cooling = stator.cooling or Cooling()
-    constants = thermal_constants(stator.material)
-    highest, curie = block.highest_rise_K, constants["curie_temperature"]
-    if highest is not None and curie is not None and cooling.ambient + highest > 0.5 * curie:
-        yield (
-            f"a continuous drive at {block.voltage_V:g} V warms the stator by {highest:.3g} K above "
-            f"{cooling.ambient:g} degC at x = {1e3 * block.hottest_x_m:.3g} mm, more than half of its Curie "
-            f"temperature of {curie:g} degC: the poling suffers; cool the stator, lower the voltage or drive in bursts"
-        )
-    if (block.heating_rate_K_per_s or 0.0) > FAST:
-        yield (
-            f"at {block.voltage_V:g} V the stator warms by {block.heating_rate_K_per_s:.3g} K in the first "
-            "second: drive in bursts, or glue it to metal (stator.cooling.bottom)"
-        )
-    if (block.foldover_number or 0.0) > fem.FOLDOVER_LIMIT:
-        yield (
-            f"between reflecting ends the warm resonance has two stable temperatures at {block.voltage_V:g} V "
-            f"(foldover number {block.foldover_number:.3g}, two states from 1.54 on): approach it from above where "
-            "the frequency falls with temperature, from below where it rises, or follow the resonance"
-        )
-    body = plate(record)
-    if body is not None and body.bottom is None and body.biot_number > fem.MAX_BIOT_NUMBER:
-        yield (
-            f"the Biot number of the stator is {body.biot_number:.2g}: its temperatures differ through the thickness, "
-            "which the stated ones leave out"
-        )

@@ -8,8 +8,9 @@ from scipy.linalg import solve_banded
 
 from studies import Scene, run
 from studies.refusal import SceneError
+from studies.remarks.heat_warnings import heat_warnings
 from studies.scene.blocks import Cooling, IsotropicSolid
-from studies.solve.heat import heat_block, heat_warnings, plate, powers, sources
+from studies.solve.heat import heat_block, plate, powers, sources
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +84,45 @@ def test_metal_below_cools(motor):
     assert held.heat["mean_rise_K"] < kept * 2e-3 / (1.25 * 0.03 * 0.012)
     assert held.heat["time_constant_s"] == pytest.approx(4 * 4e-6 * 7600 * 420 / (np.pi**2 * 1.25), rel=2e-2)
     assert held.heat["highest_rise_K"] < 0.2 * motor.heat["highest_rise_K"]
+
+
+def driven(record, **drive):
+    """The record of the same run with another duty or burst."""
+    scene = record.scene
+    changed = replace(record, scene=replace(scene, drive=replace(scene.drive, **drive)))
+    return replace(changed, heat=heat_block(changed))
+
+
+def test_a_duty_is_that_share_of_the_heat_and_a_lone_burst_has_no_steady_temperature(motor):
+    tenth = driven(motor, duty=0.1)
+    assert tenth.heat.power_W == motor.heat.power_W
+    for key in ("heating_rate_K_per_s", "mean_rise_K", "fingers_rise_K", "highest_rise_high_K"):
+        assert tenth.heat[key] == pytest.approx(0.1 * motor.heat[key], rel=1e-9)
+    assert "a drive with a duty of 10 %" in str(tenth)
+    burst = driven(motor, burst=5e-3)
+    kept = burst.heat.power_dielectric_W + burst.heat.power_along_beam_W
+    assert burst.heat.burst_rise_K == pytest.approx(5e-3 * kept / (7600 * 420 * 0.03 * 0.012 * 0.002), rel=1e-9)
+    assert burst.heat.highest_rise_K is None
+    assert "one burst warms the stator by" in str(burst)
+    assert driven(motor, burst=5e-3, duty=0.1).heat == tenth.heat
+
+
+def test_the_limits_are_those_at_which_the_warnings_begin(motor):
+    """Heat grows with V^2: a drive at the limits is warm by half the Curie temperature, or by 10 K in a second."""
+    hot = cooled(motor, ends_heat_stator=1.0)
+
+    def at(voltage, **drive):
+        return driven(hot, voltage=(voltage,), **drive).heat
+
+    most = hot.heat.continuous_limit_voltage_V
+    assert at(most).highest_rise_K == pytest.approx(150.0 - 20.0, rel=1e-9)
+    assert at(hot.heat.pulsed_limit_voltage_V).heating_rate_K_per_s == pytest.approx(10.0, rel=1e-9)
+    above = at(2.0 * most)
+    assert above.duty_limit == pytest.approx(0.25, rel=1e-9)
+    assert at(2.0 * most, duty=above.duty_limit).highest_rise_K == pytest.approx(130.0, rel=1e-9)
+    assert at(0.5 * most).duty_limit == 1.0
+    assert not list(heat_warnings(driven(hot, voltage=(0.999 * most,))))
+    assert "half of its Curie" in " ".join(heat_warnings(driven(hot, voltage=(1.001 * most,))))
 
 
 def test_hot_stators_are_warned_of(motor):

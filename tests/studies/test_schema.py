@@ -35,6 +35,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "stator.mechanical_quality": [700],
     "stator.dielectric_loss": [0, 0.01],
     "stator.diffraction": [True, False],
+    "drive.duty": [0.1, 1],
     "stator.temperature": ["steady", 60, "60 degC"],
     "stator.temperature_coefficient": [-4e-5, "-75e-6 1/K"],
     "stator.material.temperature": [{"first": {"c11": -1e-4}, "expansion": [1e-5, 1e-5, 7e-6]}],

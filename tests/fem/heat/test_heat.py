@@ -141,6 +141,18 @@ def test_a_uniform_source_is_a_closed_form():
     assert found.at(x) == pytest.approx(level * (1 - beta * np.cosh(m * (x - half))), rel=1e-9)
 
 
+def test_a_uniform_source_on_insulated_ends_warms_as_one_body():
+    """No air, a bottom with a conductance: T = q/g (1 - exp(-t g/(rho c A))) everywhere."""
+    plate = HeatedPlate(**SEED | {"length": 0.03}, film=0.0, bottom=500.0)
+    found = temperature_profile(plate, [HeatSource(start=0.0, stop=0.03, power=2.0)])
+    g = plate.loss_per_length
+    settling = plate.volumetric_heat * plate.section / g
+    assert found.time_constants[0] == pytest.approx(settling, rel=1e-12)
+    for time in (0.1 * settling, 2.0 * settling):
+        expected = 2.0 / 0.03 / g * -math.expm1(-time / settling)
+        assert found.at([0.0, 0.011, 0.03], time) == pytest.approx([expected] * 3, rel=1e-9)
+
+
 def test_foldover():
     assert FOLDOVER_LIMIT == pytest.approx(1.539601, rel=1e-6)
     for number, expected in (
