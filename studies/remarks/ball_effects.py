@@ -40,7 +40,7 @@ def radiation(record: Record) -> Effects:
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return
     solid, contacts = fem_objects.solid(record.scene.stator), slider.computed_contacts
-    omega, body = 2 * math.pi * record.wave["frequency_Hz"], contact_slider(slider)
+    omega, body = 2 * math.pi * record.wave.frequency_Hz, contact_slider(slider)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
     radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
@@ -58,7 +58,7 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     if normal.max() < NODE * tangential.max() or amplitude_per_power(record) is None:
         return none
     how = "averaged equilibrium of the contacts on a wave that they load (elastic law)"
-    voltages = [point["voltage_V"] for point in record.points]
+    voltages = [point.voltage_V for point in record.points]
     positive = sorted({voltage for voltage in voltages if voltage > 0.0})
     if not positive:
         return none
@@ -89,7 +89,7 @@ def wave_load(record: Record, voltages) -> list[float]:
     tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     at_one_volt = contact.PassingWave(
-        frequency=record.wave["frequency_Hz"], wavelength=wavelength(record), forward=float(normal[strongest]),
+        frequency=record.wave.frequency_Hz, wavelength=wavelength(record), forward=float(normal[strongest]),
         ratio=float(tangential[strongest] / normal[strongest]), strip_width=record.scene.driven_transducer.aperture,
         compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
     )  # fmt: skip

@@ -10,6 +10,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from studies.record import Record
+from studies.record.blocks import ErrorBlock
+from studies.record.point import Point
 from studies.record.text import percent
 from studies.remarks.ball_effects import OVERTONES, loads_on_wave, radiation, travel_over_ripple
 from studies.remarks.stator_effects import Effect, heating, large_strain, stator_effects
@@ -42,10 +44,10 @@ def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...
     if record.surface_wave is not None:
         always = [*stator_effects(record), *radiation(record), *heating(record)]
         for own, point, loads in zip(at_points, record.points, loads_on_wave(record), strict=True):
-            own += [*loads, *travel_over_ripple(record, point), *large_strain(record, point[record.level])]
+            own += [*loads, *travel_over_ripple(record, point), *large_strain(record, point.level)]
     elif record.scene.wave is not None:
         for own, point in zip(at_points, record.points, strict=True):
-            own += large_strain(record, point[record.level])
+            own += large_strain(record, point.level)
     return _finite(always), [_finite(own) for own in at_points]
 
 
@@ -56,7 +58,7 @@ def _finite(effects: list[tuple]) -> tuple[Effect, ...]:
 def _largest(record: Record, always: tuple, at_points: list[tuple]) -> list[Effect]:
     """Return each effect once, with the size that `model_error` states."""
     if record.scene.on_pillars:
-        levels = [point[record.level] for point in record.points]
+        levels = [point.level for point in record.points]
         of_points = at_points[levels.index(max(levels))]
     else:
         of_points = tuple(sorted((each for own in at_points for each in own), key=lambda each: abs(each.size)))
@@ -81,11 +83,12 @@ def with_model_error(record: Record) -> Record:
         return record
     points = []
     for point, own in zip(record.points, at_points, strict=True):
-        if "amplitude_sensitivity" in point:
+        if point.amplitude_sensitivity is not None:
             u_z, velocity = (_total(always + own, quantity) for quantity in SHARED)
-            point = point | {"model_relative_error": float(velocity + u_z * point["amplitude_sensitivity"])}
+            point |= Point(model_relative_error=float(velocity + u_z * point.amplitude_sensitivity))
         points.append(point)
-    error = record.error | ({"model": sum(_total(largest, quantity) for quantity in SHARED)} if record.error else {})
+    model = sum(_total(largest, quantity) for quantity in SHARED)
+    error = record.error | ErrorBlock(model=model if record.error else None)
     shortfall, refused = record.shortfall, record.refused
     # the size of the overtones is a first-order upper bound, which causes only a warning
     decisive = [each for each in largest if each.quantity in SHARED and each.effect != OVERTONES]

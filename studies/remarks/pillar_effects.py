@@ -47,7 +47,7 @@ def effects_at_points(record: Record) -> list[list[tuple]]:
     effects: list[list[tuple]] = [[] for _ in record.points]
     for own, point in zip(effects, record.points, strict=True):
         with suppress(contact.ConvergenceError):
-            if level := point[record.level]:
+            if level := point.level:
                 motion = body.motion(level, near=motion)
                 own += _at_level(record, body, motion, point)
     return effects

@@ -27,7 +27,6 @@ from studies.solve.solved_stator import contact_of_run
 
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
 AIR = 101325.0  # pressure in Pa
-END = "way_ends_after_s"  # column of the points whose slider comes to the end of its way
 CREEP = 0.01  # slider speed over the speed of the surface along x below which the slider counts as sticking
 # Values above which a warning is issued:
 OFF_RESONANCE = 1.15  # largest amplitude over frequency, relative to the present one; the ripple of a plate makes 1.1
@@ -161,7 +160,7 @@ def _section(record: Record) -> Iterator[str]:
     if stator.ends != "absorbing" and math.isinf(fem_objects.solid(stator).mechanical_quality):
         yield (
             "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
-            f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "
+            f"(standing-wave ratio {record.wave.standing_wave_ratio:.3g}): give stator.mechanical_quality, "
             'or ends = "absorbing"'
         )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
@@ -207,7 +206,7 @@ def _contact(record: Record) -> Iterator[str]:
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and do not describe the wave under the contacts: choose another slider.position"
         )
-    ratio = record.wave.get("largest_lateral_ratio", 0.0)
+    ratio = record.wave.largest_lateral_ratio or 0.0
     if ratio > SIDEWAYS:
         nearer = "keep the contacts nearer to the middle of the beam"
         if not any(across for _, across in record.scene.slider.offsets):
@@ -253,11 +252,11 @@ def _contact(record: Record) -> Iterator[str]:
 
 def _points(record: Record) -> Iterator[str]:
     """Yield warnings about a slider that turns between two points, that is too fast, or that always sticks."""
-    omega, named = 2 * math.pi * record.wave["frequency_Hz"], record.scene.named
+    omega, named = 2 * math.pi * record.wave.frequency_Hz, record.scene.named
     moving = [
-        (point[record.level], velocity)
+        (point.level, velocity)
         for point in record.points
-        if abs(velocity := point.get("velocity_m_per_s", 0.0)) > CREEP * omega * point["tangential_amplitude_m"]
+        if abs(velocity := point.velocity_m_per_s or 0.0) > CREEP * omega * point.tangential_amplitude_m
     ]
     for (low, before), (high, after) in pairwise(moving):
         if before * after < 0:
@@ -272,7 +271,7 @@ def _points(record: Record) -> Iterator[str]:
             f"{record.scene.level_key} and of slider.load"
         )
     if record.at_rest:  # the only answer is the threshold, whose error is that of the wave
-        error, threshold = record.wave.get("relative_error"), record.limit("threshold")
+        error, threshold = record.wave.relative_error, record.limit("threshold")
         starts = "" if threshold is None else f"; it starts at {named(threshold)}"
         accuracy = "" if error is None else f"; the relative error of the wave under the slider is {error:.1e}"
         yield f"the slider sticks at every point, so that neither a velocity nor its error is given{starts}{accuracy}"
@@ -281,13 +280,13 @@ def _points(record: Record) -> Iterator[str]:
 def _ripple(record: Record) -> Iterator[str]:
     """Yield a warning if the velocity depends on where within half a wavelength the slider is."""
     summary, rippled = record.summary, []
-    if summary.get("velocity_ripple", 0.0) < RIPPLE:
+    if (summary.velocity_ripple or 0.0) < RIPPLE:
         return
     for point in record.points:
-        if "mean_velocity_m_per_s" in point:
-            mean, low, high = (point[f"{name}_velocity_m_per_s"] for name in ("mean", "lowest", "highest"))
+        if point.mean_velocity_m_per_s is not None:
+            mean, low, high = point.mean_velocity_m_per_s, point.lowest_velocity_m_per_s, point.highest_velocity_m_per_s
             if high > low and high - low >= RIPPLE * abs(mean):
-                rippled.append((point[record.level], point["velocity_m_per_s"], mean, low, high))
+                rippled.append((point.level, point.velocity_m_per_s, mean, low, high))
     level, *speeds = max(rippled)
     here, mean, low, high = (f"{1e3 * speed:.4g}" for speed in speeds)
     yield (
@@ -295,7 +294,7 @@ def _ripple(record: Record) -> Iterator[str]:
         f"within half a wavelength about the slider's position, {mean} mm/s in the mean over place, {here} mm/s at the "
         f"position ({record.scene.named(level)}): take the mean for a slider that travels, or reduce the reflection "
         "(standing-wave ratio "
-        f"{record.wave['standing_wave_ratio']:.3g}; split fingers reflect least)"
+        f"{record.wave.standing_wave_ratio:.3g}; split fingers reflect least)"
     )
 
 
@@ -305,7 +304,8 @@ def _end_of_way(record: Record) -> Iterator[str]:
     if scene.burst is None or scene.stator is None:
         return
     way = free_way(scene)
-    ends = [(p["way_ends_after_s"], p[record.level], p["displacement_m"]) for p in record.points if END in p]
+    ended = [point for point in record.points if point.way_ends_after_s is not None]
+    ends = [(point.way_ends_after_s, point.level, point.displacement_m) for point in ended]
     if ends:
         after, level, displacement = min(ends)
         what = way.at_high if displacement > 0 else way.at_low
@@ -314,7 +314,7 @@ def _end_of_way(record: Record) -> Iterator[str]:
             f"its motion stops: at {scene.named(level)} {what} {after:.4g} s after the start, and the velocity at the "
             f"burst's end is that of this instant: shorten {scene.source.block}.burst, or move slider.position"
         )
-    moved = [(p[record.level], x) for p in record.points if END not in p and (x := p.get("displacement_m"))]
+    moved = [(p.level, p.displacement_m) for p in record.points if p.way_ends_after_s is None and p.displacement_m]
     beyond = [(level, x) for level, x in moved if not way.low <= x <= way.high]
     if beyond:
         level, displacement = max(beyond, key=lambda each: abs(each[1]))
@@ -327,12 +327,12 @@ def _end_of_way(record: Record) -> Iterator[str]:
 
 def _other_motion(record: Record) -> Iterator[str]:
     """Yield a warning if some points have a second steady motion."""
-    several = [point for point in record.points if "other_velocity_m_per_s" in point]
+    several = [point for point in record.points if point.other_velocity_m_per_s is not None]
     if not several:
         return
     point, damping = several[-1], record.scene.slider.damping
-    here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
-    level = record.scene.named(point[record.level])
+    here, other = (f"{each * 1e3:.4g}" for each in (point.velocity_m_per_s, point.other_velocity_m_per_s))
+    level = record.scene.named(point.level)
     where = f"at {len(several)} of {len(record.points)} points (at {level}: {here} and {other} mm/s)"
     if damping.normal == damping.contact == 0:
         yield (

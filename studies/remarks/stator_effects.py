@@ -84,7 +84,7 @@ def _left_out_beam(record: Record):
 
 def wavelength(record: Record) -> float:
     """Return the wavelength of the surface wave, m."""
-    return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+    return record.wave.phase_velocity_m_per_s / record.wave.frequency_Hz
 
 
 def _aperture(record: Record, left_out) -> Effects:
@@ -146,12 +146,12 @@ def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
     ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
     """
     stator = fem_objects.stator(record.scene.stator)
-    wave, frequency = record.wave, record.wave["frequency_Hz"]
+    wave, frequency = record.wave, record.wave.frequency_Hz
     try:
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
     except fem.ConvergenceError:
         # some directions have no surface wave: assume the velocity along x in all directions
-        curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
+        curve = fem.Slowness.circle(2 * math.pi * frequency / wave.phase_velocity_m_per_s)
     return curve.spectrum(driven.aperture, np.subtract(x, driven.center_xy[0]), y)
 
 
@@ -208,7 +208,7 @@ def amplitude_per_power(record: Record) -> float | None:
     surface mode half a wavelength outside the driven fingers. C is unknown if the ends of the stator reflect, if
     several sources drive, or if that point is covered by electrodes.
     """
-    scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
+    scene, wave, power = record.scene, record.surface_wave, record.electrical.power_W_per_V2
     driven = fem_objects.driven(scene)
     if scene.crossed:  # the group of the driven transducer has its own axes
         transducers = record.surface_motion.beam.rows[0].transducers
@@ -216,21 +216,21 @@ def amplitude_per_power(record: Record) -> float | None:
     (left, right), half_wavelength = driven.extent, wavelength(record) / 2
     sample_x = right + half_wavelength if driven.center < wave.length / 2 else left - half_wavelength
     is_free = 0 <= sample_x <= wave.length and not wave.covered(sample_x)
-    several = "sources" in record.electrical
+    several = record.electrical.sources is not None
     if several or scene.stator.ends != "absorbing" or not is_free or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
-    return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
+    return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave.frequency_Hz)
 
 
 def _electrode_mass(record: Record) -> Effects:
     constant, wave = amplitude_per_power(record), record.wave
     if constant is None:
         return
-    omega = 2 * math.pi * wave["frequency_Hz"]
+    omega = 2 * math.pi * wave.frequency_Hz
     # |u|^2 per power and width
-    motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
-    slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
+    motion = constant**2 / wave.frequency_Hz * (1 + wave.surface_ratio**2)
+    slower = -wave.phase_velocity_m_per_s / 4 * ALUMINIUM * FILM * omega**2 * motion
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
     how = "first-order perturbation of the velocity under the fingers, over half of the row"
@@ -260,17 +260,17 @@ def large_strain(record: Record, level: float) -> Effects:
 
 def heating(record: Record) -> Effects:
     """Yield the highest rise of a continuous drive's temperature, or the power where no temperature is known."""
-    if "highest_rise_K" in record.heat:
+    if record.heat.highest_rise_K is not None:
         block = record.heat
-        where = f"at x = {1e3 * block['hottest_x_m']:.3g} mm"
+        where = f"at x = {1e3 * block.hottest_x_m:.3g} mm"
         drive = "continuous drive" if block.duty is None else f"duty of {100 * block.duty:.3g} %"
-        how = f"{drive} at {block['voltage_V']:g} V, highest {where}, its effect on the wave left out"
-        yield "heating of the stator", how, block["highest_rise_K"], "temperature", "K"
+        how = f"{drive} at {block.voltage_V:g} V, highest {where}, its effect on the wave left out"
+        yield "heating of the stator", how, block.highest_rise_K, "temperature", "K"
         return
-    if "burst_rise_K" in record.heat:
+    if record.heat.burst_rise_K is not None:
         how = f"mean rise by one burst at {record.heat.voltage_V:g} V, its effect on the wave left out"
         yield "heating of the stator", how, record.heat.burst_rise_K, "temperature", "K"
         return
     highest = max(record.scene.levels, default=0.0)
-    power = record.electrical["power_W_per_V2"] * highest**2
+    power = record.electrical.power_W_per_V2 * highest**2
     yield "heating of the stator", f"the whole power taken in at {highest:g} V", power, "admittance", "W"
