@@ -227,4 +227,4 @@ def figure(record: Panel, ax):
         ax.plot(x, stated, style[0], color=colour, markerfacecolor="none", markersize=6)
     ax.plot([], [], "o", color="black", markerfacecolor="none", label="as stated with the answer")
     title = f"{record.title}\n{table['machine']}"
-    return finished(ax, f"{quantity('cpu_time_s').axis}, warm", "relative error (1)", title)
+    return finished(ax, f"{quantity.cpu_time_s.axis}, warm", "relative error (1)", title)

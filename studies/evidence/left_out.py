@@ -101,7 +101,7 @@ def figure(record: Panel, ax):
     data = record.data
     ax.invert_yaxis()
     if record.name == "blocks":
-        time, y, upper = quantity("cpu_time_s").axis, range(len(data["scene"])), upper_half(ax)
+        time, y, upper = quantity.cpu_time_s.axis, range(len(data["scene"])), upper_half(ax)
         upper.invert_yaxis()
         memory = [size / 1e6 for size in data["bytes"]]
         for each, values, colour in ((upper, data["seconds"], "#0072B2"), (ax, memory, "#E69F00")):

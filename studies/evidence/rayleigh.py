@@ -117,12 +117,12 @@ def figure(record: Panel, ax):
             exact, meshed = (exact.imag, meshed.imag) if axis == 0 else (exact.real, meshed.real)
             curve(ax, depth, exact, "-", colour, f"{name}, half-space")
             curve(ax, depth, meshed, "o", colour, f"{name}, finite elements")
-        return finished(ax, quantity("depth_wavelengths").axis, quantity("relative_displacement").axis, record.title)
+        return finished(ax, quantity.depth_wavelengths.axis, quantity.relative_displacement.axis, record.title)
     true = [max(error, 1e-16) for error in table["relative_error"]]
     curve(ax, table["seconds"], true, "o-", "slip", "true", size=4.0)
     ax.plot(table["seconds"], table["stated"], "o", color=COLOURS["slip"], markerfacecolor="none", label="stated")
     for x, y, unknowns in zip(table["seconds"], true, table["unknowns"], strict=True):
         ax.annotate(str(unknowns), (x, y), fontsize="x-small")
     ax.set(xscale="log", yscale="log")
-    across = f"{quantity('cpu_time_s').axis}; beside the points: unknowns (1)"
+    across = f"{quantity.cpu_time_s.axis}; beside the points: unknowns (1)"
     return finished(ax, across, "relative error of the velocity (1)", record.title)

@@ -255,6 +255,6 @@ def _draw(scan: Scan, ax):
     from studies.record.plots import curve, finished
 
     along = quantity({"frequency": "frequency_Hz", "y": "y_m"}.get(scan.kind, "x_m"))
-    up, sizes = quantity("amplitude_m_per_V"), np.abs(scan.values)
+    up, sizes = quantity.amplitude_m_per_V, np.abs(scan.values)
     curve(ax, scan.coordinate * along.scale, sizes * up.scale, ".", "slip", "virtual vibrometer", size=2.5)
     return finished(ax, along.axis, up.axis, f"What a vibrometer would record of {scan.component}", columns=1)

@@ -117,4 +117,4 @@ def draw(mask: Mask, ax) -> None:
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
     ax.set_aspect("equal")
-    finished(ax, quantity("x_m").axis, quantity("y_m").axis, f"{mask.title}\nmask", columns=3, grid=False)
+    finished(ax, quantity.x_m.axis, quantity.y_m.axis, f"{mask.title}\nmask", columns=3, grid=False)

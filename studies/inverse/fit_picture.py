@@ -27,7 +27,7 @@ def draw_fit(fit: Fit, path: Path) -> None:
 
 def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     """Draw one measurement with band and curve into Axes, its residuals into others below."""
-    scan, data, along = measurement.scan, measurement.network or measurement.scan, quantity("time_s")
+    scan, data, along = measurement.scan, measurement.network or measurement.scan, quantity.time_s
     if data is not None:
         by_frequency = scan is None or scan.kind == "frequency"
         along = quantity("frequency_Hz" if by_frequency else "beam_position_m")
@@ -70,4 +70,4 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
     residual_x = np.array(measurement.coordinate) * scale
     lower.plot(residual_x, residuals, "o", color=COLOURS["line"], markersize=size)
-    finished(lower, along.axis, quantity("residual").axis, "", columns=0)
+    finished(lower, along.axis, quantity.residual.axis, "", columns=0)

@@ -25,14 +25,14 @@ from studies.scene.toml import document
 
 # of a measurement, by its ``quantity``
 QUANTITIES = {
-    "velocity": quantity("velocity_m_per_s"),
-    "mean velocity": quantity("mean_velocity_m_per_s"),
-    "burst": quantity("velocity_m_per_s"),
-    "amplitude": quantity("normal_amplitude_m"),
-    "ring-down frequency": quantity("ring_down_frequency_Hz"),
-    "position": quantity("travelled_m"),
-    "scan": quantity("surface_motion_m_per_V"),
-    "network": quantity("scattering"),
+    "velocity": quantity.velocity_m_per_s,
+    "mean velocity": quantity.mean_velocity_m_per_s,
+    "burst": quantity.velocity_m_per_s,
+    "amplitude": quantity.normal_amplitude_m,
+    "ring-down frequency": quantity.ring_down_frequency_Hz,
+    "position": quantity.travelled_m,
+    "scan": quantity.surface_motion_m_per_V,
+    "network": quantity.scattering,
 }
 SHOWN_CANDIDATES = 6
 INFORMED = 2.0  # how many times a measurement must narrow a number to be said to inform about it

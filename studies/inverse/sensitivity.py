@@ -222,4 +222,4 @@ def figure(record: Panel, ax):
     ax.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize="small")
     ax.invert_yaxis()
     ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)
-    return finished(ax, f"change of the {record.data['outcome']} ({quantity('change').shown})", "", record.title)
+    return finished(ax, f"change of the {record.data['outcome']} ({quantity.change.shown})", "", record.title)

@@ -244,7 +244,7 @@ def figure(record: Panel, ax):
     """Draw the remaining distance to the target for both moves, or the steps of short bursts."""
     data = record.data
     if record.name == "single_steps":
-        across, up = quantity("drive_cycles"), quantity("burst_step_m")
+        across, up = quantity.drive_cycles, quantity.burst_step_m
         for key, style, colour, label, size in (
             ("exact_m", "-", "line", "stays, followed through every cycle", 3.0),
             ("averaged_m", "o", "slip", "stays, averaged motor", 4.0),
@@ -255,7 +255,7 @@ def figure(record: Panel, ax):
         ax.axhspan(-elastic, elastic, color=COLOURS["stick"], alpha=0.2, linewidth=0, label=label)
         symmetric_logarithmic(ax.yaxis, 1.0)
         return finished(ax, across.axis, up.axis, record.title, columns=2)
-    across, up = quantity("time_s"), quantity("target_offset_m")
+    across, up = quantity.time_s, quantity.target_offset_m
     for name, colour in (("there", "slip"), ("back", "stick")):
         if f"{name}_time_s" in data:
             target, position = data[f"{name}_target_m"], data[f"{name}_position_m"]

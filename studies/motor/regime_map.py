@@ -139,7 +139,7 @@ def _largest_difference(sliders, per_metre, amplitudes, states, checked: int) ->
 def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     data, kind = record.data, np.array(record.data["kind"])
-    across, up = quantity("normal_amplitude_m"), quantity("preload_N")
+    across, up = quantity.normal_amplitude_m, quantity.preload_N
     A, preload = np.asarray(data["amplitude_m"]) * across.scale, np.asarray(data["preload_N"]) * up.scale
     for name, mark, colour in zip(KINDS, "so^d", ("stick", "slip", "intermittent", "second"), strict=True):
         i, j = np.nonzero(kind == name)

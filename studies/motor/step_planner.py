@@ -159,7 +159,7 @@ def _travelled(bursts: Steps, level: float, step) -> float:
 def figure(record: Panel, ax):
     """Draw distance against cycles; crosses are planned steps, hollow marks are steps against the motor's direction."""
     data, planned = record.data, record.name == "step_planner"
-    scale, hollow = quantity("burst_step_m").scale, False
+    scale, hollow = quantity.burst_step_m.scale, False
     for name, distance, colour in family(data["distance_m"]):
         reached = np.array([data["planned_cycles"][name], data["planned_distance_m"][name]])
         all_points = np.hstack(([data["cycles"], distance], reached))
@@ -177,4 +177,4 @@ def figure(record: Panel, ax):
         curve(ax, [], [], "x", "line", f"planned for {steps} nm", size=6.0)
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, quantity("drive_cycles").axis, data["axis"], record.title, columns=3)
+    return finished(ax, quantity.drive_cycles.axis, data["axis"], record.title, columns=3)

@@ -197,11 +197,11 @@ def _path(driven, along: WaveAlong, level: float, duration: float) -> tuple[np.n
 @of_record
 def figure(record: Panel, ax):
     """Draw velocity or amplitude against the position on the stator."""
-    data, across, up = record.data, quantity("position_m"), quantity("velocity_m_per_s")
+    data, across, up = record.data, quantity.position_m, quantity.velocity_m_per_s
     x = data["position_m"] * across.scale
     band, label = {"alpha": 0.25, "linewidth": 0}, "range over half a wavelength"
     if "amplitude_m_per_V" in data:
-        scale = quantity("normal_m_per_V").scale
+        scale = quantity.normal_m_per_V.scale
         ends = (data[key] * scale for key in ("smallest_m_per_V", "largest_m_per_V"))
         ax.fill_between(x, *ends, color=COLOURS["slip"], label=label, **band)
         ax.set_ylim(0, 1.05 * scale * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))

@@ -43,7 +43,7 @@ def figure_6a(seed: Seed):
         judged("Fig. 6(a): constant contact at 3 nm.", "smallest P over the preload",
                force.min() / seed.slider.preload, expected="positive", holds=force.min() > 0),
     ]  # fmt: skip
-    panel = _contact_panel("fig_6a", "Fig. 6(a): constant contact, 3 nm", history, quantity("cycle_time_s"))
+    panel = _contact_panel("fig_6a", "Fig. 6(a): constant contact, 3 nm", history, quantity.cycle_time_s)
     return [panel], findings
 
 
@@ -56,7 +56,7 @@ def figure_6b(seed: Seed):
                        "share of a cycle without contact, 10 nm", separated,
                        expected="between 0 and 1, with stick and slip in the rest",
                        holds=0 < separated < 1 and {"stick", "slip"} <= set(regimes))  # fmt: skip
-    panel = _contact_panel("fig_6b", "Fig. 6(b): intermittent contact, 10 nm", history, quantity("cycle_time_s"))
+    panel = _contact_panel("fig_6b", "Fig. 6(b): intermittent contact, 10 nm", history, quantity.cycle_time_s)
     return [panel], [switching]
 
 
@@ -102,8 +102,8 @@ def figure_7(seed: Seed):
                "which the paper leaves out, or a damper that would stop the motor"),
     ]  # fmt: skip
     panels = [
-        _contact_panel("fig_7a", "Fig. 7(a): after the burst, slip", whole, quantity("time_s")),
-        _contact_panel("fig_7b", "Fig. 7(b): after the burst, stick", ring, quantity("time_s")),
+        _contact_panel("fig_7a", "Fig. 7(a): after the burst, slip", whole, quantity.time_s),
+        _contact_panel("fig_7b", "Fig. 7(b): after the burst, stick", ring, quantity.time_s),
     ]  # fmt: skip
     return panels, findings
 

@@ -42,7 +42,7 @@ def figure_2(seed: Seed):
 
 def figure_5a(seed: Seed):
     """Fig. 5(a): step response to a burst."""
-    across, speed = quantity("time_s"), quantity("velocity_m_per_s")
+    across, speed = quantity.time_s, quantity.velocity_m_per_s
     x, curves = {}, {}
     for amplitude in seed.steps or STEPS:
         LOGGER.info(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
@@ -100,7 +100,7 @@ def figure_5b(seed: Seed):
                release * 1e9, expected="4.17258, closed form",
                holds=regimes == ["slip", "intermittent"] and abs(release / 4.17258e-9 - 1) < 1e-4),
     ]  # fmt: skip
-    across, up = quantity("normal_amplitude_m"), quantity("velocity_m_per_s")
+    across, up = quantity.normal_amplitude_m, quantity.velocity_m_per_s
     data = {
         "x": np.array(seed.levels) * across.scale, "left": {"steady velocity": speeds * up.scale},
         "x_axis": across.axis, "left_axis": up.axis,

@@ -23,7 +23,7 @@ def _at_last_level(record: "Record") -> str:
 
 def slider_wave(record: "Record", ax):
     """Draw amplitude and phase of the waves along the slider, the phase on an axis of its own."""
-    table, across, up = record.slider_wave, quantity("offset_m"), quantity("normal_amplitude_m")
+    table, across, up = record.slider_wave, quantity.offset_m, quantity.normal_amplitude_m
     x = np.asarray(table["x_m"]) * across.scale
     ahead = np.abs(table["forward_m"]).max() >= np.abs(table["backward_m"]).max()
     names = ("forward_m", "backward_m") if ahead else ("backward_m", "forward_m")
@@ -38,7 +38,7 @@ def slider_wave(record: "Record", ax):
     right = ax.twinx()
     phase = np.unwrap(np.angle(main))
     right.plot(x, phase - phase[0 if ahead else -1], dashes=(8, 3), color=COLOURS["intermittent"], label="phase")
-    right.set_ylabel(quantity("phase_rad").axis)
+    right.set_ylabel(quantity.phase_rad.axis)
     legend_below(ax, [each for axis in (ax, right) for each in axis.get_lines()], columns=3)
     title = f"{record.scene.title}: wave under the slider{_at_last_level(record)}"
     return finished(ax, across.axis, up.axis, title, columns=0)
@@ -48,7 +48,7 @@ def pressure(record: "Record", ax):
     """Draw the mean force on each pillar as a dot at its position."""
     table = record.pillars
     step = -(-len(table["x_m"]) // MAX_DOTS)
-    shown = {"x_m": quantity("offset_m"), "y_m": quantity("y_m"), "normal_force_N": quantity("normal_force_N")}
+    shown = {"x_m": quantity.offset_m, "y_m": quantity.y_m, "normal_force_N": quantity.normal_force_N}
     x, y, force = (np.asarray(table[name])[::step] * each.scale for name, each in shown.items())
     size = float(np.clip(6e4 / x.size, 2.0, 200.0))
     dots = ax.scatter(x, y, c=force, s=size, marker="s", cmap="viridis", linewidths=0.6)

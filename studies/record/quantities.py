@@ -137,12 +137,35 @@ def _by_column() -> dict[str, Quantity]:
     return columns
 
 
-def quantity(key: str) -> Quantity:
-    """Return a quantity by its path or, of one that is printed or drawn, by its column's name."""
-    entry = quantities().get(key) or _by_column().get(key)
-    if entry is None:
-        raise SceneError(key, f"is no quantity of a record{nearest(key, _by_column())}")
-    return entry
+class _Named:
+    """The quantities by name: ``quantity.thrust_N``, and ``quantity(key)`` of a path or a name in a variable.
+
+    Only a quantity that is printed or drawn has a name of its own, the last part of its path.
+
+    Raises
+    ------
+    SceneError
+        If the table does not hold it.
+
+    Examples
+    --------
+    >>> quantity.thrust_N.axis, quantity("panel.motor_efficiency").shown
+    ('blocked thrust (mN)', '1e-6')
+    """
+
+    def __call__(self, key: str) -> Quantity:
+        entry = quantities().get(key) or _by_column().get(key)
+        if entry is None:
+            raise SceneError(key, f"is no quantity of a record{nearest(key, _by_column())}")
+        return entry
+
+    def __getattr__(self, name: str) -> Quantity:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return self(name)
+
+
+quantity = _Named()
 
 
 def unit_of(key: str) -> str | None:

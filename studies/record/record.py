@@ -352,9 +352,9 @@ class Record:
                               for key in (self.level, "velocity_m_per_s"))  # fmt: skip
             parts.append(f"{len(levels)} points, {quantity(self.level).interval(min(levels), max(levels))}")
             if speeds:
-                parts.append(f"velocity {quantity('velocity_m_per_s').interval(min(speeds), max(speeds))}")
+                parts.append(f"velocity {quantity.velocity_m_per_s.interval(min(speeds), max(speeds))}")
         elif self.wave.phase_velocity_m_per_s is not None:
-            parts.append(f"free wave, {quantity('phase_velocity_m_per_s').with_unit(self.wave.phase_velocity_m_per_s)}")
+            parts.append(f"free wave, {quantity.phase_velocity_m_per_s.with_unit(self.wave.phase_velocity_m_per_s)}")
         if self.error:
             parts.append(f"relative error {self.error.relative:.1e}")
         return [*parts, self.shortfall] if self.shortfall else parts

@@ -62,7 +62,7 @@ def draw_scan(block: dict, ax):
     where = ""
     if key == "x_m" and line is not None and np.ptp(points["y_m"]) > 0.0:  # of an area its row
         order = order[points["y_m"][order] == line["y_m"][0]]
-        where = f", y = {quantity('y_m').with_unit(line['y_m'][0])}"
+        where = f", y = {quantity.y_m.with_unit(line['y_m'][0])}"
     x, measured = points[key][order], np.abs(points["measured_m_per_V"])[order]
     if line is None:
         computed, style = (x, np.abs(points["predicted_m_per_V"])[order]), "-" if np.ptp(points["y_m"]) == 0.0 else "x"
@@ -124,7 +124,7 @@ def velocity(record: "Record", ax):
     alone = len(regimes) == len(ax.get_legend_handles_labels()[0]) == 1  # nothing for a legend to tell apart
     if alone:
         title = f"{title}\nevery point: {regimes.pop()}"
-    return finished(ax, unit, quantity("velocity_m_per_s").axis, title, columns=0 if alone else 3)
+    return finished(ax, unit, quantity.velocity_m_per_s.axis, title, columns=0 if alone else 3)
 
 
 def _values(ax, record: "Record", axes: tuple[str, str]) -> None:
@@ -177,7 +177,7 @@ def _power_axis(record: "Record", ax) -> None:
     )
     upper = ax.secondary_xaxis("top", functions=functions)
     upper.xaxis.set_major_locator(MaxNLocator(6))
-    upper.set_xlabel(quantity("available_power_W").axis)
+    upper.set_xlabel(quantity.available_power_W.axis)
 
 
 def _measured(record: "Record", ax, scale: float) -> None:
@@ -185,7 +185,7 @@ def _measured(record: "Record", ax, scale: float) -> None:
     points = record.measured["points"]
     predicted = {p.level: p.velocity_m_per_s for p in record.points if p.velocity_m_per_s is not None}
     predicted |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
-    speed, threshold = quantity("velocity_m_per_s").scale, record.limit("threshold")
+    speed, threshold = quantity.velocity_m_per_s.scale, record.limit("threshold")
     if threshold is not None and min(predicted) < threshold < max(predicted):
         predicted[threshold] = 0.0  # where the curve leaves zero
     at, speeds = zip(*sorted(predicted.items()), strict=True)
@@ -201,8 +201,8 @@ def trajectories(record: "Record", ax):
     import matplotlib
     from scipy.integrate import cumulative_trapezoid
 
-    shown, across, up = quantity(record.level), quantity("time_s"), quantity("velocity_m_per_s")
-    along, upper = quantity("travelled_m"), None if ax.get_subplotspec() is None else upper_half(ax, share=True)
+    shown, across, up = quantity(record.level), quantity.time_s, quantity.velocity_m_per_s
+    along, upper = quantity.travelled_m, None if ax.get_subplotspec() is None else upper_half(ax, share=True)
     colours = matplotlib.colormaps["cividis"]
     count = max(len(record.trajectories) - 1, 1)
     for index, (level, motion) in enumerate(record.trajectories):
@@ -232,7 +232,7 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
     length, for an axis that the caller limits.
     """
     columns, scene = record.surface, record.scene
-    label, scale, up = quantity("x_m").axis, quantity("x_m").scale, quantity("amplitude_m_per_V")
+    label, scale, up = quantity.x_m.axis, quantity.x_m.scale, quantity.amplitude_m_per_V
     x = columns["x_m"] * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
     wavelength = scale * (record.wave.phase_velocity_m_per_s or math.inf) / record.wave.frequency_Hz
@@ -261,7 +261,7 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
             curve(ax, position, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
     ax.set_ylim(bottom=0)
     finished(ax, label, up.axis, "", columns=3, grid=False)
-    titled(top, f"{scene.title}: {quantity('frequency_Hz').with_unit(record.wave.frequency_Hz)}")
+    titled(top, f"{scene.title}: {quantity.frequency_Hz.with_unit(record.wave.frequency_Hz)}")
     return ax
 
 
@@ -280,7 +280,7 @@ def _window(record: "Record", ax, x, values, wavelength: float):
     """
     from scipy.interpolate import CubicSpline
 
-    scale, slider = quantity("x_m").scale, record.scene.slider
+    scale, slider = quantity.x_m.scale, record.scene.slider
     middle = 0.5 * (x[0] + x[-1]) if slider is None else slider.center[0] * scale
     near = np.flatnonzero(abs(x - middle) <= 0.5 * WINDOW * wavelength)
     dense = np.linspace(x[near[0]], x[near[-1]], WINDOW_DENSITY * len(near))
@@ -302,16 +302,16 @@ def _window(record: "Record", ax, x, values, wavelength: float):
 
 def profile(record: "Record", ax):
     """Draw the free wave's displacements against depth."""
-    columns, across = record.surface, quantity("depth_m")
+    columns, across = record.surface, quantity.depth_m
     depth = -columns["z_m"] * across.scale
     for name, colour in (("u_z", "slip"), ("u_x", "intermittent"), ("u_y", "second")):
         values = columns[f"{name}_per_m_of_u_z"]
         if abs(values).max() > 1e-9:
             part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
             curve(ax, depth, part, ".-", colour, label)
-    velocity = quantity("phase_velocity_m_per_s").with_unit(record.wave.phase_velocity_m_per_s)
+    velocity = quantity.phase_velocity_m_per_s.with_unit(record.wave.phase_velocity_m_per_s)
     title = f"{record.scene.title}: {velocity}"
-    return finished(ax, across.axis, quantity("relative_displacement").axis, title)
+    return finished(ax, across.axis, quantity.relative_displacement.axis, title)
 
 
 def errors(record: "Record", ax):
@@ -321,4 +321,4 @@ def errors(record: "Record", ax):
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="tolerance")
     ax.set_yscale("log")
-    return finished(ax, quantity(record.level).axis, quantity("relative_error").axis, record.scene.title)
+    return finished(ax, quantity(record.level).axis, quantity.relative_error.axis, record.scene.title)

@@ -142,7 +142,7 @@ def scan_comparison(block: dict):
     phase = block.get("phase_of_measured_rad")
     turned = "" if phase is None else f", phase {np.degrees(phase):+.3g} deg"
     yield "", f"measured / predicted {block['measured_over_predicted']:.4g}{turned}"
-    share = quantity("rms_deviation_relative")
+    share = quantity.rms_deviation_relative
     whole, shape = (share.with_unit(block[f"rms_deviation_{kind}"]) for kind in ("relative", "of_shape"))
     yield "", f"deviation {whole} rms; {shape} after a fit of size and phase"
     if "predicted_relative_error" in block:
@@ -150,18 +150,16 @@ def scan_comparison(block: dict):
         yield "", f"numerical error of the prediction {error} rms"
     if "measured_standing_wave_ratio" in block:
         ratios = (block[f"{name}_standing_wave_ratio"] for name in ("measured", "predicted"))
-        where = quantity("x_m").with_unit(block["standing_wave_ratio_at_m"])
+        where = quantity.x_m.with_unit(block["standing_wave_ratio_at_m"])
         yield "", "standing-wave ratio {:.4g} measured, {:.4g} predicted".format(*ratios) + f", about x = {where}"
     if "measured_wave_velocity_over_predicted" in block:
         away = block["measured_wave_velocity_over_predicted"] - 1.0
         yield "", f"wave velocity {100 * away:+.3g} % of the predicted, by the phase along x"
     if "beam_center_measured_m" in block:
-        centers = (quantity("y_m").with_unit(block[f"beam_center_{name}_m"]) for name in ("measured", "predicted"))
+        centers = (quantity.y_m.with_unit(block[f"beam_center_{name}_m"]) for name in ("measured", "predicted"))
         yield "", "middle of the beam at y = {} measured, {} predicted".format(*centers)
     if "measured_maximum_at_Hz" in block:
-        maxima = (
-            quantity("frequency_Hz").with_unit(block[f"{name}_maximum_at_Hz"]) for name in ("measured", "predicted")
-        )
+        maxima = (quantity.frequency_Hz.with_unit(block[f"{name}_maximum_at_Hz"]) for name in ("measured", "predicted"))
         yield "", "largest at {} measured, {} predicted".format(*maxima)
     if "chi_square_per_point" in block:
         yield "", f"chi^2 per number {block['chi_square_per_point']:.3g}"

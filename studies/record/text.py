@@ -146,7 +146,7 @@ def _wave(record: "Record"):
     if not electrical:
         return
     size = abs(wave.normal_m_per_V)
-    amplitude = f"{quantity('normal_m_per_V').with_unit(size)} at the slider's position"
+    amplitude = f"{quantity.normal_m_per_V.with_unit(size)} at the slider's position"
     ratio = f"standing-wave ratio {wave.standing_wave_ratio:.3g}"
     yield "wave", f"{amplitude}, {_stated(wave, 'phase_velocity_m_per_s')}, {ratio}"
     if wave.section_normal_m_per_V is not None:
@@ -201,8 +201,8 @@ def _ripple(record: "Record"):
     summary = record.summary
     if summary.velocity_ripple is None:
         return
-    where = quantity("ripple_to_m").interval(summary.ripple_from_m, summary.ripple_to_m)
-    size = quantity("velocity_ripple").with_unit(summary.velocity_ripple)
+    where = quantity.ripple_to_m.interval(summary.ripple_from_m, summary.ripple_to_m)
+    size = quantity.velocity_ripple.with_unit(summary.velocity_ripple)
     errors = [point.mean_velocity_relative_error for point in record.points if point.mean_velocity_m_per_s is not None]
     if not errors:
         if record.at_rest:
@@ -224,14 +224,14 @@ def _source(electrical: ElectricalBlock, drive):
         yield "match", ", ".join(parts) + " (from the source to the transducer)"
     available = electrical.power_available_W_per_V2
     if available is not None:
-        share = quantity("power_share")
+        share = quantity.power_share
         shares = (f"{name} {share.with_unit(electrical[f'power_{key}'] / available)}" for name, key in SHARES.items())
         yield "power", f"of the available: {', '.join(shares)}"
         yield "electrodes", f"{abs(electrical.comb_voltage_per_volt):.4g} V per V of the source"
     ratio = electrical.recovery_ratio
     if ratio is not None:
         load = complex(drive.recovery.load)
-        recovered = f"{quantity('power_share').with_unit(ratio)} of the power into the transducers"
+        recovered = f"{quantity.power_share.with_unit(ratio)} of the power into the transducers"
         yield "recovered", f"{recovered}, in {load.real:.4g} {load.imag:+.4g}i ohm"
     if electrical.power_net_W_per_V2 is not None:
         less = electrical.power_W_per_V2 / electrical.power_net_W_per_V2
@@ -252,7 +252,7 @@ def _uncertainty(block: dict):
         nonlinear = f"the answer is nonlinear within the tolerance of {key}{at}"
         yield "", f"{nonlinear}: the band includes its middle and its ends;"
         yield "", 'uncertain.method = "sampled" is more accurate'
-    widths, velocity = block.get("velocity_half_width_m_per_s", {}), quantity("velocity_m_per_s")
+    widths, velocity = block.get("velocity_half_width_m_per_s", {}), quantity.velocity_m_per_s
     for key, size in block["tolerances"].items():
         effect = f": +- {velocity.with_unit(widths[key])} at the highest level" if key in widths else ""
         yield "", f"{key} +- {size:.4g}{effect}"
@@ -300,7 +300,7 @@ def comparison(block: dict):
             yield "", "no motion is predicted"
             return
         yield "", f"deviation {_stated(block, 'rms_deviation_relative')} rms of the largest predicted"
-        start = quantity("time_s").with_unit(block["time_offset_s"])
+        start = quantity.time_s.with_unit(block["time_offset_s"])
         yield "", f"measured / predicted {block['measured_over_predicted']:.4g}, begins at {start}"
         return
     of = f", with the prediction {block['of']}" if "of" in block else ""

@@ -259,7 +259,7 @@ def _over_stroke(record: Record, driven: Contact, rated: float) -> StrokeSpeed |
 
 def _stroke_rows(point: Point, travel: StrokeSpeed, model: float | None) -> Iterator[Row]:
     """Yield the rows on the speed over the stroke, its range about the slider's position, and the stroke."""
-    over, shown, place = travel.ripple, quantity("velocity_m_per_s"), quantity("position_m")
+    over, shown, place = travel.ripple, quantity.velocity_m_per_s, quantity.position_m
     condition = f"no load, steady; mean over place along the stroke ({shown.interval(over.lowest, over.highest)})"
     if over.mean_over_time is not None:
         condition += f"; {shown.with_unit(abs(over.mean_over_time))} in the mean over the time of a slow slider"
@@ -312,7 +312,7 @@ def _speeds(
         mean, low, high = point.mean_velocity_m_per_s, point.lowest_velocity_m_per_s, point.highest_velocity_m_per_s
         surface_speed = 2.0 * np.pi * float(record.scene.frequency) * point.tangential_amplitude_m
         mean_error = point.mean_velocity_relative_error * contact.speed_scale(mean, surface_speed) / abs(mean)
-        within = f"within half a wavelength ({quantity('velocity_m_per_s').interval(low, high)})"
+        within = f"within half a wavelength ({quantity.velocity_m_per_s.interval(low, high)})"
         yield Row("speed", "speed", abs(mean), "m/s", mean_error, f"no load, steady; mean over place {within}", model)
     rippled = travel is not None or point.mean_velocity_m_per_s is not None
     name, where = ("speed at the position", ", as all that follows") if rippled else ("speed", "")

@@ -42,7 +42,7 @@ def speed(sheet: Datasheet, ax):
 
 def load_lines(sheet: Datasheet, ax):
     """Draw speed against load at some levels of the drive."""
-    up = quantity("velocity_m_per_s")
+    up = quantity.velocity_m_per_s
     factor, label = key_axis("slider.load", max(sheet.balls * line.load[-1] for line in sheet.lines.values()))
     for name, line, colour in family(sheet.lines):
         curve(ax, sheet.balls * line.load * factor, line.velocity * up.scale, ".-", colour, name)
@@ -53,7 +53,7 @@ def load_lines(sheet: Datasheet, ax):
 
 def start_and_stop(sheet: Datasheet, ax):
     """Draw the velocity of the slider during start and stop."""
-    motion, time, up = sheet.start_stop, quantity("time_s"), quantity("velocity_m_per_s")
+    motion, time, up = sheet.start_stop, quantity.time_s, quantity.velocity_m_per_s
     curve(ax, motion.time * time.scale, motion.velocity * up.scale, "-", "slip", "slider")
     settled_velocity = SETTLED * motion.velocity_at_burst_end * up.scale
     ax.axvline(motion.duration * time.scale, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")

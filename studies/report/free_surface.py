@@ -88,7 +88,7 @@ def half_space_answer(answer: dict) -> str:
         lines.append(("coupling K2", f"{100 * answer['coupling_K2']:.4g} %"))
     lines.append(("surface ratio", f"{answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})"))
     profile = answer["depth_profile"]
-    rows = [[quantity("depth_wavelengths").axis, "|u_x|", "|u_y|", "|u_z|"]]
+    rows = [[quantity.depth_wavelengths.axis, "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):
         sizes = [f"{abs(complex(*profile[f'u_{axis}'][row])):.5f}" for axis in "xyz"]
         rows.append([f"{profile['depth_wavelengths'][row]:g}", *sizes])

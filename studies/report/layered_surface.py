@@ -148,7 +148,7 @@ def layered_answer(answer: dict) -> str:
     for each in answer["waves"]:
         lines.append((each["name"], f"{each['velocity_m_per_s']:.8g} m/s, |u_x/u_z| {each['surface_ratio']:.4g}"))
     profile = answer["depth_profile"]
-    depths = [[quantity("depth_wavelengths").axis, "|u_x|", "|u_y|", "|u_z|"]]
+    depths = [[quantity.depth_wavelengths.axis, "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):
         sizes = [f"{abs(complex(*profile[f'u_{axis}'][row])):.5f}" for axis in "xyz"]
         depths.append([f"{profile['depth_wavelengths'][row]:g}", *sizes])

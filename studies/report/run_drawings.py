@@ -41,7 +41,7 @@ def layout(record: Record, ax):
     """Draw the surface from above: transducers, driven ones filled, meshed pieces, contacts, absorbing ends."""
     from matplotlib.patches import Polygon, Rectangle
 
-    scene, along, across = record.scene, quantity("x_m"), quantity("y_m")
+    scene, along, across = record.scene, quantity.x_m, quantity.y_m
     length, width = scene.stator.length * along.scale, scene.stator.width * across.scale
     ax.add_patch(Rectangle((0.0, -width / 2), length, width, facecolor="#F2EEE6", edgecolor=COLOURS["line"]))
     for each in fem_objects.transducers(scene):
@@ -68,7 +68,7 @@ def section_field(record: Record, ax):
     middle = record.surface_motion.in_section(scene.slider.center) if scene.slider is not None else 0.5 * wave.length
     span = tuple(np.clip(middle + 0.5 * SHOWN_WAVELENGTHS * wavelength * np.array([-1.0, 1.0]), 0.0, wave.length))
     drawn = fem.wave_field(wave, span=span, per_wavelength=PER_WAVELENGTH)
-    across, up, shade = quantity("x_m"), quantity("z_m"), quantity("normal_m_per_V")
+    across, up, shade = quantity.x_m, quantity.z_m, quantity.normal_m_per_V
     size = drawn.displacement[..., 2].real * shade.scale
     largest = float(np.nanmax(abs(size)))
     deep = drawn.z * up.scale
@@ -84,7 +84,7 @@ def section_field(record: Record, ax):
 
 def load_line(record: Record, ax):
     """Draw the speed at the largest level of the drive against the load of the whole slider."""
-    driven, up, scene = contact_of_run(record), quantity("velocity_m_per_s"), record.scene
+    driven, up, scene = contact_of_run(record), quantity.velocity_m_per_s, record.scene
     orbits = driven.at(max(scene.levels))
     try:
         line = contact.load_line(driven.slider, orbits, points=LOADS, tolerance=LOAD_LINE_TOLERANCE)

@@ -14,7 +14,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     from matplotlib.patches import Polygon, Rectangle
 
     orange = COLOURS["intermittent"]
-    across, up, shade = quantity("x_m"), quantity("y_m"), quantity("normal_m_per_V")
+    across, up, shade = quantity.x_m, quantity.y_m, quantity.normal_m_per_V
     x, y, motion = surface_map(beam, scene.stator)
     options = {"cmap": "viridis", "shading": "gouraud", "rasterized": True}
     colours = ax.pcolormesh(x * across.scale, y * up.scale, abs(motion[2]).T * shade.scale, **options)

@@ -43,7 +43,7 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
     length, half = scene.stator.length, scene.stator.width / 2
     for name, values, low, high in (("x", complete.x, 0.0, length), ("y", complete.y, -half, half)):
         if np.min(values) < low or np.max(values) > high:
-            here = quantity("x_m")
+            here = quantity.x_m
             rule = f"{scan.name!r}: {name} must lie on the stator, {here.with_unit(low)} to {here.with_unit(high)}"
             found = f"{here.with_unit(np.min(values))} to {here.with_unit(np.max(values))}"
             raise SceneError(option, "; ".join((f"{rule}, got {found}", *scan.remarks)))

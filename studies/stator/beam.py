@@ -115,7 +115,7 @@ def _slowness(beam, wave) -> fem.Slowness:
 @of_record
 def figure(record: Panel, ax):
     """Draw the beam as points, the angular spectrum as a line, and the section dashed."""
-    data, up = record.data, quantity("normal_m_per_V")
+    data, up = record.data, quantity.normal_m_per_V
     if "scan" in data:
         return draw_scan(data, ax)
     for name, style, colour, label in (

@@ -99,7 +99,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
 @of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
-    data, across, decay = record.data, quantity("frequency_Hz"), ax.twinx()
+    data, across, decay = record.data, quantity.frequency_Hz, ax.twinx()
     at = data["frequency_Hz"] * across.scale
     for name, colour in (("shorted", "slip"), ("open", "intermittent")):
         curve(ax, at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")
@@ -108,8 +108,8 @@ def figure(record: Panel, ax):
         shaded(ax, low, high, f"{name}: stop band", colour=colour)
         height, label = data[f"{name}_reflectivity"], f"{name}: |r| of a finger"
         decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
-    decay.set_ylabel(quantity("finger_decay").axis)
+    decay.set_ylabel(quantity.finger_decay.axis)
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    finished(ax, across.axis, quantity("finger_phase_rad").axis, record.title)
+    finished(ax, across.axis, quantity.finger_phase_rad.axis, record.title)
     legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

@@ -63,7 +63,7 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
 @of_record
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points, the half-space's wave as a line."""
-    data, across, up = record.data, quantity("frequency_Hz"), quantity("wavenumber_rad_per_m")
+    data, across, up = record.data, quantity.frequency_Hz, quantity.wavenumber_rad_per_m
     at, wavenumbers = data["frequency_Hz"] * across.scale, data["wavenumber_rad_per_m"] * up.scale
     near = data["surface_share"] > 0.25
     curve(ax, at, wavenumbers, ".", "stick", "modes of the section")

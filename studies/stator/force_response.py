@@ -252,10 +252,10 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
 def figure(record: Panel, ax):
     """Draw u_z along the stator, or the currents over frequency."""
     if "x_m" in record.data:
-        x, along = record.data["x_m"], quantity("x_m")
+        x, along = record.data["x_m"], quantity.x_m
         gap = int(np.argmax(np.diff(x))) + 1  # one wavelength either side of the force
         for (component, name), colour in zip(FORCES.items(), PALETTE, strict=False):
-            motion = abs(record.data[f"{name}_m_per_N"]) * quantity("normal_m_per_N").scale
+            motion = abs(record.data[f"{name}_m_per_N"]) * quantity.normal_m_per_N.scale
             for part, label in ((slice(0, gap), f"force along {component}"), (slice(gap, None), None)):
                 curve(ax, x[part] * along.scale, motion[part], "-", colour, label)
         return lines(ax, record, "x_m", (), "normal_m_per_N")

@@ -114,7 +114,7 @@ def figure(record: Panel, ax):
     if "scan" in data:
         return draw_scan(data, ax)
     if "group_delay_s" in data:
-        theory = data["way_s"] * quantity("group_delay_s").scale
+        theory = data["way_s"] * quantity.group_delay_s.scale
         ax.axhline(theory, color="black", linewidth=1, label="distance over velocity (theory)")
         delay = (("group_delay_s", "o", "slip", "surface mode"),)
         return lines(ax, record, "frequency_Hz", delay, "group_delay_s")
@@ -123,7 +123,7 @@ def figure(record: Panel, ax):
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
         ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
     )
-    across, up = quantity("frequency_Hz"), quantity("normal_m_per_V")
+    across, up = quantity.frequency_Hz, quantity.normal_m_per_V
     low, high = data["half_power_Hz"] * across.scale
     shaded(ax, low, high, "half of the power")
     sizes = [abs(data[key]).max() for key, *_ in curves]

@@ -156,18 +156,18 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    data, across = record.data, quantity("frequency_Hz")
+    data, across = record.data, quantity.frequency_Hz
     if record.name == "smith":
         return _smith(record, ax)
     if "group_delay_s" in data:
         if "measured_group_delay_s" in data:
             at, delay = data["measured_frequency_Hz"] * across.scale, data["measured_group_delay_s"]
-            curve(ax, at, delay * quantity("group_delay_s").scale, "o", "stick", "measured", size=2.5)
+            curve(ax, at, delay * quantity.group_delay_s.scale, "o", "stick", "measured", size=2.5)
         title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
         record = Panel(name=record.name, title=title, data=data)
         return lines(ax, record, "frequency_Hz", (("group_delay_s", "-", "slip", None),), "group_delay_s")
     if "spice" in data:
-        up = quantity("admittance_S")
+        up = quantity.admittance_S
         for key, part, style in (
             ("admittance_S", "field", "o"),
             ("one_branch_S", "circuit of one branch", "--"),
@@ -182,7 +182,7 @@ def figure(record: Panel, ax):
 
 def _magnitudes(record: Panel, ax):
     """Draw transmissions in dB, above them the reflections, which are small losses on a scale of their own."""
-    data, across = record.data, quantity("frequency_Hz")
+    data, across = record.data, quantity.frequency_Hz
     upper = upper_half(ax, share=True) if len(data["ports"]) > 1 and ax.get_subplotspec() is not None else ax
     for prefix, style, at, remark in _sources(data):
         for i, j in zip(*np.tril_indices(len(data["ports"])), strict=True):  # one half of a reciprocal network
@@ -192,11 +192,11 @@ def _magnitudes(record: Panel, ax):
             options = {"color": f"C{i * len(data['ports']) + j}", "markersize": 3, "label": f"S{i + 1}{j + 1}{remark}"}
             (upper if i == j else ax).plot(at, size, style, **options | (_overlaid(prefix, int(i)) if i == j else {}))
     if upper is ax:
-        return finished(ax, across.axis, quantity("magnitude").axis, record.title)
+        return finished(ax, across.axis, quantity.magnitude.axis, record.title)
     titled(upper, record.title)
-    upper.set_ylabel(quantity("magnitude").axis)
+    upper.set_ylabel(quantity.magnitude.axis)
     upper.grid(alpha=0.3)
-    finished(ax, across.axis, quantity("magnitude").axis, "", columns=0)
+    finished(ax, across.axis, quantity.magnitude.axis, "", columns=0)
     legend_below(ax, [*upper.lines, *ax.lines])
     return ax
 
@@ -235,7 +235,7 @@ def _smith(record: Panel, ax):
 
 def _sources(data: dict):
     """Yield prefix, line style, frequencies in the axis's unit and remark of the prediction and of a measurement."""
-    scale = quantity("frequency_Hz").scale
+    scale = quantity.frequency_Hz.scale
     yield "", "-", data["frequency_Hz"] * scale, ""
     if "measured_frequency_Hz" in data:
         yield "measured_", ".", data["measured_frequency_Hz"] * scale, f" ({data['measured_file']})"

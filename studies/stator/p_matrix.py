@@ -119,14 +119,14 @@ def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, cascade and stator, or what a piece sends back."""
-    data, at = record.data, record.data["frequency_Hz"] * quantity("frequency_Hz").scale
+    data, at = record.data, record.data["frequency_Hz"] * quantity.frequency_Hz.scale
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
         return lines(ax, record, "frequency_Hz", rows, "admittance_S")
     if "transmission" in data:
         rows = (("reflection", "-", "line", "|P11|"), ("transmission", "--", "slip", "|P21|"))
         return lines(ax, record, "frequency_Hz", rows, "reflection")
-    up = quantity("admittance_S")
+    up = quantity.admittance_S
     curve(ax, at, data["admittance_S"].real * up.scale, "o", "slip", f"Re P33 ({up.shown})")
     sent = data["excitation_squared_S"] * up.scale
     curve(ax, at, sent, "-", "slip", f"|P13|\u00b2 + |P23|\u00b2 ({up.shown}): the surface wave's part")
@@ -138,6 +138,6 @@ def figure(record: Panel, ax):
         curve(reflection, at, data[key], style, "intermittent", name)
         ax.plot([], [], style, color=COLOURS["intermittent"], label=name)  # its line in the legend of both axes
     reflection.set_ylim(0, 1)
-    reflection.set_ylabel(quantity("reflection").axis, color=COLOURS["intermittent"])
+    reflection.set_ylabel(quantity.reflection.axis, color=COLOURS["intermittent"])
     ax.set_ylim(bottom=0)
     return lines(ax, record, "frequency_Hz", (), "conductance_S", columns=2)

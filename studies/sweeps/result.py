@@ -111,7 +111,7 @@ class Sweep:
         parts = [" x ".join(axes) or "one point", ", ".join(f"{number} {kind}" for kind, number in self.counts.items())]
         if "velocity_m_per_s" in self.summary["ranges"]:
             low, high = self.summary["ranges"]["velocity_m_per_s"]
-            parts.append(f"velocity {quantity('velocity_m_per_s').interval(low, high)}")
+            parts.append(f"velocity {quantity.velocity_m_per_s.interval(low, high)}")
         return f"Sweep({'; '.join(parts)})"
 
     def to_dataframe(self) -> "pd.DataFrame":

@@ -53,10 +53,10 @@ def draw_all(gallery, folder: Path) -> None:
         ("depth", _depth(run)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
-        ("power", bars(powers(record.electrical), quantity("transducer_power_W_per_V2"),
+        ("power", bars(powers(record.electrical), quantity.transducer_power_W_per_V2,
                        f"{title}\npower of the driven transducer")),
         ("power_flow", power_along(run.field.x, passing, covered=run.spans, fed=power, title=title)),
-        ("ledger", bars(ledger, quantity("cycle_energy_J"),
+        ("ledger", bars(ledger, quantity.cycle_energy_J,
                         f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}",
                         remark="; blue: from the wave, orange: taken up")),
     ):  # fmt: skip
@@ -81,7 +81,7 @@ def orbits(positions, tangential, normal, *, title: str):
     size, shared = ((1.35 * columns + 0.6, 1.55 * rows + 0.7), {"sharex": True, "sharey": True, "squeeze": False})
     figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
     is_anticlockwise = anticlockwise(tangential, normal)
-    across, up, along = quantity("field.u_x"), quantity("field.u_z"), quantity("x_m")
+    across, up, along = quantity("field.u_x"), quantity("field.u_z"), quantity.x_m
     components = up.scale * np.array([tangential, normal])
     limit = 1.15 * abs(components).max()
     for number, ax in enumerate(axes.flat):
@@ -130,7 +130,7 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
-    near.set_xlim(*((middle + np.array([-4, 4]) * wavelength) * quantity("x_m").scale))
+    near.set_xlim(*((middle + np.array([-4, 4]) * wavelength) * quantity.x_m.scale))
     ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
     titled(near, f"within 4 wavelengths of the {name}: {ripple}")
     return figure
@@ -146,7 +146,7 @@ def depth_profile(line_depth, analytic, computed, *, title: str):
             curve(ax, depth, values, mark, "stick" if number else colour, f"{name}, {what}", size=3.5)
             ax.lines[-1].set_zorder(2 - number)
     ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
-    finished(ax, quantity("depth_wavelengths").axis, quantity("relative_displacement").axis, title, columns=2)
+    finished(ax, quantity.depth_wavelengths.axis, quantity.relative_displacement.axis, title, columns=2)
     return figure
 
 
@@ -221,7 +221,7 @@ def power_along(x, power, *, covered, fed: float, title: str):
     bidirectional transducer radiates equally to both. ``covered``: spans in m of the transducers along x.
     """
     figure, ax = new_figure(7.2, 3.4)
-    along, up = quantity("x_m"), quantity("power_flow_W_per_V2")
+    along, up = quantity.x_m, quantity.power_flow_W_per_V2
     curve(ax, x * along.scale, power * up.scale, "-", "slip", "through the section, mean of a cycle")
     for share, label in ((0.5, "half of what the source gives"), (-0.5, None)):
         ax.axhline(share * fed * up.scale, color=COLOURS["line"], linestyle=":", linewidth=1, label=label)

@@ -302,10 +302,10 @@ class Picture:
         ticks = [_ticks(start, stop, 8), _ticks(bottom, top, min((high - low) / 40, 5))[::-1]]
         if high - low > 80:
             middle = 26, (low + high) / 2 - 20
-            self.plotter.add_text(quantity("z_m").heading, position=middle, font_size=LETTERS / 2, orientation=90)
+            self.plotter.add_text(quantity.z_m.heading, position=middle, font_size=LETTERS / 2, orientation=90)
         else:
             ticks[1] = np.array([0.0, ends[1, 0]])
-        for axis, (title, values) in enumerate(zip((quantity("x_m").heading, ""), ticks, strict=True)):
+        for axis, (title, values) in enumerate(zip((quantity.x_m.heading, ""), ticks, strict=True)):
             # the same number of decimals for all labels: the axis reserves the width of the last one
             decimals = int(np.ceil(-np.log10(abs(np.diff(values)).max(initial=1e-6))))
             label_format = f"%.{max(decimals, 0)}f" if axis == 0 or high - low > 80 else "%.3g"

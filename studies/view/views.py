@@ -9,7 +9,7 @@ from studies.refusal import SceneError
 from studies.view import overlays
 from studies.view.run_field import RunField
 
-MM = quantity("x_m").scale  # from m to the unit of lengths in pictures
+MM = quantity.x_m.scale  # from m to the unit of lengths in pictures
 HALF_SPAN = 7.0  # half-length of an enlarged view, in wavelengths
 MIN_SPAN = 0.05  # smallest length of a view, in wavelengths
 LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # margins of a view in pixels, for labels and colour bar
