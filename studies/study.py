@@ -7,7 +7,7 @@ time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or
 import logging
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps
 from importlib import import_module
@@ -20,6 +20,7 @@ from studies.model.resolve import resolved
 from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.text import labelled
+from studies.record.values import Columns
 from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.runs import run as run_chain
@@ -103,10 +104,13 @@ class Panel:
 
     name: str  # of its file
     title: str
-    data: dict = field(repr=False)  # arrays and numbers in SI units, named with their unit
+    data: Columns | Any = field(repr=False)  # arrays and numbers in SI units, named with their unit; from a dict
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "data", Columns(self.data))
 
     @classmethod
-    def of_rows(cls, name: str, title: str, rows: list[dict]) -> "Panel":
+    def of_rows(cls, name: str, title: str, rows: Sequence[dict]) -> "Panel":
         """Return a panel of rows with the same keys."""
         return cls(name=name, title=title, data={key: [row[key] for row in rows] for key in rows[0]})
 

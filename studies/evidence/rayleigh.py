@@ -17,6 +17,7 @@ import numpy as np
 import fem
 from studies.record.plots import COLOURS, curve, finished
 from studies.record.quantities import quantity
+from studies.record.values import Columns
 from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
@@ -57,10 +58,10 @@ def run(
         for tolerance in tolerances:
             LOGGER.info(f"{title}: tolerance {tolerance:g}")
             wave, seconds = _timed(plate, tolerance, repeats)
-            rows.append({
-                "tolerance": tolerance, "order": wave.order, "unknowns": wave.unknowns, "seconds": seconds,
-                "relative_error": abs(wave.velocity / exact.velocity - 1), "stated": wave.relative_error,
-            })  # fmt: skip
+            rows.append(Columns(
+                tolerance=tolerance, order=wave.order, unknowns=wave.unknowns, seconds=seconds,
+                relative_error=abs(wave.velocity / exact.velocity - 1), stated=wave.relative_error,
+            ))  # fmt: skip
         name = material.split()[0].replace("-", "_")
         panels.append(Panel.of_rows(f"convergence_{name}", title, rows))
         depth = -wave.depth * FREQUENCY / exact.velocity
@@ -82,18 +83,18 @@ def _timed(plate, tolerance: float, repeats: int):
     return wave, min(times)
 
 
-def _findings(title: str, rows: list[dict], wave, exact, apart: float) -> list[Finding]:
+def _findings(title: str, rows: list[Columns], wave, exact, apart: float) -> list[Finding]:
     ratio = abs(wave.surface_ratio / exact.surface_ratio - 1)
     return [
         judged(
             f"The true error is at most twice the stated one ({title}).",
             "true error of the velocity over the stated one, worst",
-            max(max(row["relative_error"] - FLOOR, 0.0) / row["stated"] for row in rows), high=2.0,
+            max(max(row.relative_error - FLOOR, 0.0) / row.stated for row in rows), high=2.0,
         ),
         judged(
             f"500 unknowns give the velocity to nine digits ({title}).",
             "smallest relative error of the velocity within 500 unknowns",
-            min(row["relative_error"] for row in rows if row["unknowns"] <= 500), high=1e-9,
+            min(row.relative_error for row in rows if row.unknowns <= 500), high=1e-9,
         ),
         judged(
             f"The profile with depth is that of the half-space ({title}).",
@@ -118,7 +119,7 @@ def figure(record: Panel, ax):
             curve(ax, depth, exact, "-", colour, f"{name}, half-space")
             curve(ax, depth, meshed, "o", colour, f"{name}, finite elements")
         return finished(ax, quantity.depth_wavelengths.axis, quantity.relative_displacement.axis, record.title)
-    true = [max(error, 1e-16) for error in table["relative_error"]]
+    true = [max(error, 1e-16) for error in table.relative_error]
     curve(ax, table["seconds"], true, "o-", "slip", "true", size=4.0)
     ax.plot(table["seconds"], table["stated"], "o", color=COLOURS["slip"], markerfacecolor="none", label="stated")
     for x, y, unknowns in zip(table["seconds"], true, table["unknowns"], strict=True):

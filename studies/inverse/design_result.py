@@ -54,9 +54,9 @@ class Design:
             rows.append([each.key, best, _change_in_words(each), left, constraints])
         notes: list[tuple[str, str | list[str]]] = [("at the best", [
             f"{quantity(name).heading} {quantity(name).text(value)}" for name, value in self.optimum.items()
-            if isinstance(value, float) and "." not in name and not name.endswith("relative_error")
+            if isinstance(value, float) and "." not in name and not name.endswith(quantity.relative_error.column)
         ])]  # fmt: skip
-        if {"velocity_m_per_s", "conductance_S"} <= set(self.optimum):  # on a stator
+        if {quantity.velocity_m_per_s.column, quantity.conductance_S.column} <= set(self.optimum):  # on a stator
             notes.append(
                 ("velocity", "that of the slider's position; mean_velocity is over half a wavelength about it")
             )

@@ -19,6 +19,7 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.model import fem_objects
 from studies.model.resolve import resolved
 from studies.progress import counted
+from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
 from studies.scene.keys import coordinate
 from studies.scene.override import walk
@@ -30,10 +31,10 @@ LOGGER = logging.getLogger(__name__)
 # solved to 1e-5 and to 1e-6 differ by up to 8e-6; those of four balls at different places cost 100 times more at 1e-6.
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
             "start-up time": 1e-5}  # fmt: skip
-# columns of the answers
 ANSWERS = {
-    "velocity": "velocity_m_per_s", "threshold": "threshold_factor", "release": "release_factor", "thrust": "thrust_N",
-    "efficiency": "contact_efficiency", "start-up time": "start_up_time_s",
+    "velocity": quantity.velocity_m_per_s, "threshold": quantity.threshold_factor,
+    "release": quantity.release_factor, "thrust": quantity.thrust_N, "efficiency": quantity.contact_efficiency,
+    "start-up time": quantity.start_up_time_s,
 }  # fmt: skip
 STATOR_ACCURACY = 1e-9  # of a stator's answers against each other on the same mesh
 STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
@@ -61,7 +62,7 @@ def numbers(predictor: MeasurementPredictor) -> list[str]:
 def answers_of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
     """Return the names of the answers that the slider has."""
     pillars = predictor.one_by_one
-    return tuple(name for name, column in ANSWERS.items() if not pillars or {*keywords([column])} <= {*OF_PILLARS})
+    return tuple(name for name, each in ANSWERS.items() if not pillars or {*keywords([each.column])} <= {*OF_PILLARS})
 
 
 def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
@@ -163,7 +164,7 @@ def answers_at(
     the scene refuses a value; an averaged state has no numerical error.  A stator that cannot be solved raises
     RunError, so that no number is left out unnoticed.
     """
-    columns = [ANSWERS[name] for name in names]
+    columns = [ANSWERS[name].column for name in names]
     level_key = predictor.scene({}).level_key
     changes = [
         {key: _moved(predictor, key, move) for key, move in moves.items() if key != "level"}

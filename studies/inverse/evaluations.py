@@ -12,6 +12,7 @@ from pathlib import Path
 from studies.inverse.parameters import Parameter
 from studies.model.stator_alone import POSITION_KEYS
 from studies.progress import Countdown
+from studies.record.values import Columns
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at
 from studies.sweeps.axes import Axis, level_key
@@ -58,7 +59,7 @@ class Evaluations:
         self.question = replace(plan.question, coarse=coarse)
         self.expected = 0  # largest number of points that the search requests; 0: unknown
         self._countdown: Countdown | None = None
-        self.points: list[dict] = []  # keys and outcomes of each point, in the order of the requests
+        self.points: list[Columns] = []  # keys and outcomes of each point, in the order of the requests
         self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
         axis = Axis(self.question.keys, tuple([] for _ in self.question.keys))  # grows with each request
@@ -75,7 +76,7 @@ class Evaluations:
         self.workers.close()
         self.store.close()
 
-    def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:
+    def __call__(self, values: list[tuple[float, ...]]) -> list[Columns]:
         """Return the points, with keys and outcomes, at some values of the keys; no point is computed twice."""
         first = len(self.requested)
         for own in values:

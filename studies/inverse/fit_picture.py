@@ -30,9 +30,9 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     scan, data, along = measurement.scan, measurement.network or measurement.scan, quantity.time_s
     if data is not None:
         by_frequency = scan is None or scan.kind == "frequency"
-        along = quantity("frequency_Hz" if by_frequency else "beam_position_m")
+        along = quantity.frequency_Hz if by_frequency else quantity.beam_position_m
     elif not measurement.time:
-        along = quantity(measurement.level_key or "normal_amplitude_m")
+        along = quantity(measurement.level_key) if measurement.level_key else quantity.normal_amplitude_m
     drawn = QUANTITIES[measurement.quantity]
     scale, factor = along.scale, drawn.scale
     x, best, low, high = fit.band(measurement)

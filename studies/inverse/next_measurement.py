@@ -14,6 +14,7 @@ from studies.inverse.least_squares import Problem, standard_deviations
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.lab.measurement import FIELD, Measurement
 from studies.progress import counted
+from studies.record.quantities import quantity
 from studies.report.intermediate import si
 
 LOGGER = logging.getLogger(__name__)
@@ -73,7 +74,7 @@ def candidates(problem: Problem) -> list[Measurement]:
     sizes = (AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT)
     if any(p.key in sizes or problem.needs_stator(p) for p in problem.parameters):
         add("surface amplitude under the slider (vibrometer)", "amplitude", deviations=(AMPLITUDE_ERROR,),
-            level_key="voltage_V")  # fmt: skip
+            level_key=quantity.voltage_V.column)  # fmt: skip
     return planned
 
 

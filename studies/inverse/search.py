@@ -14,6 +14,7 @@ from scipy.optimize import differential_evolution, minimize
 from studies.inverse.evaluations import Evaluations
 from studies.inverse.goals import Constraint, Goal
 from studies.inverse.parameters import Parameter
+from studies.record.values import Columns
 
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
 GLOBAL_SHARE, CROWD = 0.7, 8  # evaluations by differential evolution; members of a generation per variable
@@ -49,13 +50,13 @@ class Search:
                 self._run([1.0 - weight, weight], budget)
 
     @property
-    def feasible(self) -> list[dict]:
+    def feasible(self) -> list[Columns]:
         """The points, evaluated at the tolerance, that satisfy all constraints."""
         return [point for point in self.evaluate.points if self.violation(point) == 0.0]
 
-    def violation(self, point: dict) -> float:
+    def violation(self, point: Columns) -> float:
         """Return the sum of the relative excesses over the constraints, and `UNKNOWN` where a point has no answer."""
-        if point["relative_error"] is None:
+        if point.relative_error is None:
             return UNKNOWN
         return sum(max(0.0, each.excess(point)) for each in self.constraints)
 
@@ -85,11 +86,11 @@ class Search:
             self._local(start, free, weights, left)
         return self.goals[int(np.argmax(weights))].merit(min(self.evaluate.points, key=value))
 
-    def _points(self, shares, evaluate: Evaluations) -> list[dict]:
+    def _points(self, shares, evaluate: Evaluations) -> list[Columns]:
         """Return the evaluated points at shares of the ranges, (m, n)."""
         return evaluate([tuple(each.at(x) for each, x in zip(self.variables, own, strict=True)) for own in shares])
 
-    def _merit(self, point: dict, weights) -> float:
+    def _merit(self, point: Columns, weights) -> float:
         """Return the goal of largest weight, or 1 less the largest weighted shortfall from the best of each goal."""
         merits = [goal.merit(point) for goal in self.goals]
         if self.best_of_each is None:
@@ -97,7 +98,7 @@ class Search:
         shortfalls = [1.0 - merit / (best or 1.0) for merit, best in zip(merits, self.best_of_each, strict=True)]
         return 1.0 - max(weight * shortfall for weight, shortfall in zip(weights, shortfalls, strict=True))
 
-    def _value(self, point: dict, weights) -> float:
+    def _value(self, point: Columns, weights) -> float:
         """Return the value that the search minimises."""
         violation = self.violation(point)
         return INFEASIBLE + violation if violation > 0.0 else -self._merit(point, weights)

@@ -22,6 +22,7 @@ from studies.model.resolve import resolved
 from studies.motor.regime_map import finite_lists
 from studies.record.plots import finished, logarithmic, own
 from studies.record.quantities import quantity
+from studies.record.values import Columns
 from studies.refusal import RunError, SceneError
 from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
@@ -35,11 +36,10 @@ LOGGER = logging.getLogger(__name__)
 
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # ratio of the largest value of a map to the smallest value with a separate colour
-# for each panel: column of the sweep and name of the quantity
+# column of the sweep on each panel
 PANELS = {
-    "velocity": ("velocity_m_per_s", "velocity_m_per_s"), "thrust": ("thrust_N", "thrust_N"),
-    "contact_efficiency": ("contact_efficiency", "contact_efficiency"),
-    "motor_efficiency": ("motor_efficiency", "panel.motor_efficiency"),
+    "velocity": quantity.velocity_m_per_s, "thrust": quantity.thrust_N,
+    "contact_efficiency": quantity.contact_efficiency, "motor_efficiency": quantity("panel.motor_efficiency"),
 }  # fmt: skip
 
 
@@ -80,44 +80,44 @@ def run(
     points = sweep(table, {y_key: y, x_key: x}, tolerance=tolerance, also=also, progress=report)
     failed = f"{points.failed} of {points.points} points have no answer"
     columns, shape = points.columns(), (len(y), len(x))
-    grid = {
-        name: np.array(column, float).reshape(shape)
+    grid = Columns(
+        (name, np.array(column, float).reshape(shape))
         for name, column in columns.items()
         if name.endswith(("_factor", "_efficiency", "_m_per_s", "_N"))
-    }
-    known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: there is no threshold
+    )
+    known = np.isfinite(grid.velocity_m_per_s) & (grid.threshold_factor > 0.0)  # 0: there is no threshold
     if not known.any():
-        raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
+        raise RunError(f"the map is empty: {failed}, {columns.status[0]}")
     shared = {
         "x_key": x_key, "x": x, "y_key": y_key, "y": y, "own_x": _own(table, x_key), "own_y": _own(table, y_key),
         **{key: finite_lists(grid[key]) for key in ("threshold_factor", "release_factor")},
     }  # fmt: skip
     panels = [
         Panel(name=name, title=title, data=shared | {
-            "value": finite_lists(grid[key]), "label": quantity(drawn).axis, "scale": quantity(drawn).scale,
+            "value": finite_lists(grid[drawn.column]), "label": drawn.axis, "scale": drawn.scale,
         })
-        for name, (key, drawn) in PANELS.items() if key in grid
+        for name, drawn in PANELS.items() if drawn.column in grid
     ]  # fmt: skip
     return panels, _findings(resolved_scene.slider, columns, grid, known, failed)
 
 
-def _findings(slider: Any, columns: dict, grid: dict, known: np.ndarray, failed: str) -> Iterator[Finding]:
+def _findings(slider: Any, columns: Columns, grid: Columns, known: np.ndarray, failed: str) -> Iterator[Finding]:
     """Yield the findings on regimes, efficiency and thrust at the points with a known answer, an array of bool."""
-    moves, leaves = grid["velocity_m_per_s"] != 0.0, np.reshape(columns["regime"], known.shape) == "intermittent"
+    moves, leaves = grid.velocity_m_per_s != 0.0, np.reshape(columns.regime, known.shape) == "intermittent"
     agreement = {
-        "threshold": moves == (grid["threshold_factor"] < 1.0), "release": leaves == (grid["release_factor"] < 1.0)
+        "threshold": moves == (grid.threshold_factor < 1.0), "release": leaves == (grid.release_factor < 1.0)
     }  # fmt: skip
     for name, agrees in agreement.items():
         yield judged(f"The closed form of the {name} separates the regimes.", "fraction of points on the expected side",
                      np.mean(agrees[known]), holds=np.all(agrees[known]), expected="1", remark=failed)  # fmt: skip
     yield judged("The load receives less power than the wave delivers.", "largest efficiency of the contact",
-                 np.nanmax(grid["contact_efficiency"][known]), low=0, high=1)  # fmt: skip
+                 np.nanmax(grid.contact_efficiency[known]), low=0, high=1)  # fmt: skip
     preload, mu = (
         np.reshape(columns.get(f"slider.{key}", [value] * known.size), known.shape).astype(float)
         for key, value in (("preload", slider.preload_force), ("friction_coefficient", slider.static_coefficient))
     )
     yield judged("The blocked thrust is at most mu times the preload.", "largest blocked thrust over mu times preload",
-                 np.nanmax((grid["thrust_N"] / (mu * preload))[known]), low=0, high=1 + 1e-9,
+                 np.nanmax((grid.thrust_N / (mu * preload))[known]), low=0, high=1 + 1e-9,
                  expected="above 0, up to 1")  # fmt: skip
 
 
@@ -179,7 +179,7 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
         scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     table = replaced(scene.to_table(), level, [max(scene.levels)])
     columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
-    factors = columns["threshold_factor"][0], columns["release_factor"][0]
+    factors = columns.threshold_factor[0], columns.release_factor[0]
     if None in factors:
         raise SceneError("over", "must be used twice: this scene has no threshold or release to derive axes from")
     low, high = (max(scene.levels) * factor for factor in factors)

@@ -78,12 +78,12 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
         Panel(name=file, title=f"{resolved_scene.title}: {title}", data={
             "load_N": {key: balls * line.load for key, line in lines.items()},
             "value": {key: np.abs(getattr(line, value)) for key, line in lines.items()}, 
-            "axis": quantity(key).axis, "factor": quantity(key).scale,
+            "axis": shown.axis, "factor": shown.scale,
             "blocked_thrust_N": stalls,
         })
-        for file, title, value, key in (
-            ("load_line", "load line", "velocity", "velocity_m_per_s"),
-            ("efficiency", "efficiency of the contact", "efficiency", "efficiency"),
+        for file, title, value, shown in (
+            ("load_line", "load line", "velocity", quantity.velocity_m_per_s),
+            ("efficiency", "efficiency of the contact", "efficiency", quantity.efficiency),
         )
     ]  # fmt: skip
     return panels, findings, answer

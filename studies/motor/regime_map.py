@@ -95,12 +95,12 @@ def run(
                f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
                _largest_difference(sliders, per_metre, at, states, checked), high=1e-6),
     )  # fmt: skip
-    panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data={
-        "amplitude_m": at, "preload_N": share * loads, "kind": kind.tolist(),
-        "velocity_m_per_s": finite_lists(states.velocity),
-        "lines_m": lines, "operating_amplitude_m": operating, "operating_preload_N": share * operating_preload,
-        "contacts": len(per_metre),
-    })  # fmt: skip
+    panel = Panel(name="regime_map", title=f"{resolved_scene.title}: regimes", data=dict(
+        amplitude_m=at, preload_N=share * loads, kind=kind.tolist(),
+        velocity_m_per_s=finite_lists(states.velocity),
+        lines_m=lines, operating_amplitude_m=operating, operating_preload_N=share * operating_preload,
+        contacts=len(per_metre),
+    ))  # fmt: skip
     return (panel,), findings
 
 

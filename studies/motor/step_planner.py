@@ -95,14 +95,14 @@ def run(
         return {key: np.array([getattr(each, value) for each in line]) for key, line in steps.items()}
 
     panels = [
-        Panel(name=file, title=f"{driven.scene.title}: {title}", data={
-            "cycles": np.array(cycles),
-            "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
-            "velocity_m_per_s": table("velocity"), "ring_m": table("ring"), "stopping_time_s": table("stopping_time"),
-            "planned_cycles": counts, "wanted_m": np.array(wanted), "axis": quantity(key).axis,
-            "planned_distance_m": {key: np.sign(steady) * np.array([getattr(each, value) for _, each in plans])
+        Panel(name=file, title=f"{driven.scene.title}: {title}", data=dict(
+            cycles=np.array(cycles),
+            distance_m={key: np.sign(steady) * values for key, values in table(value).items()},
+            velocity_m_per_s=table("velocity"), ring_m=table("ring"), stopping_time_s=table("stopping_time"),
+            planned_cycles=counts, wanted_m=np.array(wanted), axis=quantity(key).axis,
+            planned_distance_m={key: np.sign(steady) * np.array([getattr(each, value) for _, each in plans])
                                    for key, plans in planned.items()},
-        })
+        ))
         for file, title, value, key in (
             ("step_planner", "step", "displacement", "burst_step_m"),
             ("stopping", "slide after the burst", "stopping", "slide_m"),

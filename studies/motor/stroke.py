@@ -71,16 +71,16 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     section = places.statistics(lambda shifts: np.abs(motion.wave.motion(balls + shifts)[1]).mean(axis=0))
     by_speed = {key: (each.slowest, each.fastest) for key, each in velocities.items()}
     panels = (
-        Panel(name="velocity", title=f"{resolved_scene.title}: velocity along the stator", data={
-            "position_m": places.positions,
-            "velocity_m_per_s": {key: each.mean for key, each in velocities.items()},
-            "lowest_m_per_s": {key: each.lowest for key, each in velocities.items()},
-            "highest_m_per_s": {key: each.highest for key, each in velocities.items()},
-            "slowest_m_per_s": {key: each for key, (each, _) in by_speed.items()},
-            "fastest_m_per_s": {key: each for key, (_, each) in by_speed.items()},
-            "path_m": {key: center + each for key, each in paths.items()}, "path_velocity_m_per_s": speeds,
-            "start_m": center, "places_in_half_a_wavelength": {k: each.within for k, each in velocities.items()},
-        }),
+        Panel(name="velocity", title=f"{resolved_scene.title}: velocity along the stator", data=dict(
+            position_m=places.positions,
+            velocity_m_per_s={key: each.mean for key, each in velocities.items()},
+            lowest_m_per_s={key: each.lowest for key, each in velocities.items()},
+            highest_m_per_s={key: each.highest for key, each in velocities.items()},
+            slowest_m_per_s={key: each for key, (each, _) in by_speed.items()},
+            fastest_m_per_s={key: each for key, (_, each) in by_speed.items()},
+            path_m={key: center + each for key, each in paths.items()}, path_velocity_m_per_s=speeds,
+            start_m=center, places_in_half_a_wavelength={k: each.within for k, each in velocities.items()},
+        )),
         Panel(name="amplitude", title=f"{resolved_scene.title}: amplitude along the stator", data={
             "position_m": places.positions, "amplitude_m_per_V": size.mean,
             "smallest_m_per_V": size.lowest, "largest_m_per_V": size.highest,
@@ -207,8 +207,8 @@ def figure(record: Panel, ax):
         ax.set_ylim(0, 1.05 * scale * max(data[key].max() for key in ("largest_m_per_V", "section_m_per_V")))
         name = "finite aperture" if data["finite_aperture"] else "under the balls"
         curves = (("section_m_per_V", "--", "stick", "plane section"), ("amplitude_m_per_V", "-", "slip", name))
-        return lines(ax, record, "position_m", curves, "normal_m_per_V")
-    for name, velocity, colour in family(data["velocity_m_per_s"]):
+        return lines(ax, record, quantity.position_m, curves, quantity.normal_m_per_V)
+    for name, velocity, colour in family(data.velocity_m_per_s):
         curve(ax, x, velocity * up.scale, "-", colour, f"{name}, steady")
         ends = (data[key][name] * up.scale for key in ("lowest_m_per_s", "highest_m_per_s"))
         ax.fill_between(x, *ends, color=COLOURS[colour], **band)

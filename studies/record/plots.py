@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from studies.record.quantities import quantity
+from studies.record.quantities import Quantity
 from studies.refusal import RunError
 
 # Palette of Okabe and Ito, which can be distinguished with colour blindness and in grey
@@ -149,16 +149,16 @@ def shaded(ax, start: float, stop: float, label: str | None = None, *, colour: s
     ax.axvspan(start, stop, color=COLOURS[colour], alpha=0.25, linewidth=0, label=label)
 
 
-def lines(ax, panel, across: str, curves, up: str, *, columns: int = 4):
+def lines(ax, panel, across: Quantity, curves, up: Quantity, *, columns: int = 4):
     """Draw columns of a study's panel over a quantity, complex ones by their size, and finish the Axes.
 
-    ``curves`` hold key, style, colour and label of each; ``across`` and ``up`` are keys of the table of quantities.
+    ``curves`` hold key, style, colour and label of each.
     """
-    along, height = quantity(across), quantity(up)
     for key, style, colour, name in curves:
-        y = np.asarray(panel.data[key]) * height.scale
-        curve(ax, panel.data[across] * along.scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
-    return finished(ax, along.axis, height.axis, panel.title, columns=columns)
+        y = np.asarray(panel.data[key]) * up.scale
+        x = panel.data[across.column] * across.scale
+        curve(ax, x, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
+    return finished(ax, across.axis, up.axis, panel.title, columns=columns)
 
 
 def symmetric_logarithmic(axis, linear: float) -> None:

@@ -4,6 +4,7 @@ The modules that draw and write are imported when they are needed.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -33,7 +34,6 @@ BLOCKS = (
 VALUES: dict[str, type[Values]] = {
     "wave": WaveBlock, "electrical": ElectricalBlock, "summary": SummaryBlock, "heat": HeatBlock, "error": ErrorBlock,
 }  # fmt: skip
-USUAL = ("voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -173,37 +173,37 @@ class Record:
     @property
     def voltage(self) -> np.ndarray:
         """Peak voltage of the source at each point, V; NaN with a prescribed wave."""
-        return self.column("voltage_V")
+        return _numbers(point.voltage_V for point in self.points)
 
     @property
     def normal_amplitude(self) -> np.ndarray:
         """Normal amplitude of the surface under the slider (without one: at mid-stator) at each point, m."""
-        return self.column("normal_amplitude_m")
+        return _numbers(point.normal_amplitude_m for point in self.points)
 
     @property
     def tangential_amplitude(self) -> np.ndarray:
         """Tangential amplitude of the surface at the same position, m."""
-        return self.column("tangential_amplitude_m")
+        return _numbers(point.tangential_amplitude_m for point in self.points)
 
     @property
     def velocity(self) -> np.ndarray:
         """Steady velocity of the slider at each point, m/s; NaN where a point has no answer."""
-        return self.column("velocity_m_per_s")
+        return _numbers(point.velocity_m_per_s for point in self.points)
 
     @property
     def relative_error(self) -> np.ndarray:
         """Estimated error of each point in the sense of the tolerance; NaN where a point has no answer."""
-        return self.column("relative_error")
+        return _numbers(point.relative_error for point in self.points)
 
     @property
     def regime(self) -> np.ndarray:
         """``stick``, ``slip`` or ``intermittent`` at each point; empty where a point has no answer."""
-        return self._texts("regime")
+        return np.array([point.regime or "" for point in self.points], dtype=str)
 
     @property
     def status(self) -> np.ndarray:
         """``ok`` at each point, or why it has no answer within the tolerance."""
-        return self._texts("status")
+        return np.array([point.status or "" for point in self.points], dtype=str)
 
     def column(self, key: str) -> np.ndarray:
         """Return a number of every point, NaN where a point has none.
@@ -220,14 +220,10 @@ class Record:
         """
         words = (str, list, tuple)
         known = {name for point in self.points for name, value in point.items() if not isinstance(value, words)}
-        known |= {*USUAL}
+        known |= {"voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error"}
         if key not in known:
             raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
-        values = [point.get(key, math.nan) for point in self.points]
-        return np.array(values, dtype=complex if any(isinstance(value, complex) for value in values) else float)
-
-    def _texts(self, key: str) -> np.ndarray:
-        return np.array([point.get(key, "") for point in self.points], dtype=str)
+        return _numbers(point.get(key) for point in self.points)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the points as a pandas table, a row each; columns are the keys of ``points`` in run.json.
@@ -348,8 +344,8 @@ class Record:
     def _in_short(self) -> list[str]:
         parts = []
         if self.points:
-            levels, speeds = ([point[key] for point in self.points if key in point]
-                              for key in (self.level, "velocity_m_per_s"))  # fmt: skip
+            levels = [point.level for point in self.points]
+            speeds = [point.velocity_m_per_s for point in self.points if point.velocity_m_per_s is not None]
             parts.append(f"{len(levels)} points, {quantity(self.level).interval(min(levels), max(levels))}")
             if speeds:
                 parts.append(f"velocity {quantity.velocity_m_per_s.interval(min(speeds), max(speeds))}")
@@ -364,3 +360,9 @@ class Record:
         from studies.record.text import notebook_table
 
         return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))
+
+
+def _numbers(values: Iterable[Any]) -> np.ndarray:
+    """Return values of points as an array, NaN for those that are absent."""
+    present = [math.nan if value is None else value for value in values]
+    return np.array(present, dtype=complex if any(isinstance(value, complex) for value in present) else float)

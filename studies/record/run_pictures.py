@@ -13,7 +13,8 @@ import numpy as np
 
 from studies.record.pillar_pictures import power, pressure, slider_wave
 from studies.record.plots import COLOURS, curve, finished, saved, shaded, titled, upper_half
-from studies.record.quantities import quantity
+from studies.record.quantities import Quantity, quantity
+from studies.record.values import Columns
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -48,32 +49,37 @@ def measured_picture(record: "Record", ax):
     if "scan" in block:
         return draw_scan(block, ax)
     trace = block["trace"]
-    unit, up = ("m", "travelled_m") if "measured_m" in trace else ("m_per_s", "velocity_m_per_s")
-    computed, measured = ((trace["time_s"], trace[f"{name}_{unit}"]) for name in COMPARED)
-    return _over_computed(ax, block, ("time_s", up), computed, measured)
+    unit, up = ("m", quantity.travelled_m) if "measured_m" in trace else ("m_per_s", quantity.velocity_m_per_s)
+    computed, measured = ((trace[quantity.time_s.column], trace[f"{name}_{unit}"]) for name in COMPARED)
+    return _over_computed(ax, block, (quantity.time_s, up), computed, measured)
 
 
 def draw_scan(block: dict, ax):
     """Draw a scan over its prediction: magnitudes over the position or the frequency."""
-    points = block["scan"]
-    by_frequency = "frequency_Hz" in points and np.ptp(points["frequency_Hz"]) > 0.0
-    key = "frequency_Hz" if by_frequency else "y_m" if np.ptp(points["x_m"]) == 0.0 else "x_m"
-    order, line = np.argsort(points[key], kind="stable"), block.get("line")
+    points, line = (Columns(block.get(name, {})) for name in ("scan", "line"))
+    by_frequency = "frequency_Hz" in points and np.ptp(points.frequency_Hz) > 0.0
+    along = quantity.frequency_Hz if by_frequency else quantity.y_m if np.ptp(points.x_m) == 0.0 else quantity.x_m
+    order = np.argsort(points[along.column], kind="stable")
     where = ""
-    if key == "x_m" and line is not None and np.ptp(points["y_m"]) > 0.0:  # of an area its row
-        order = order[points["y_m"][order] == line["y_m"][0]]
-        where = f", y = {quantity.y_m.with_unit(line['y_m'][0])}"
-    x, measured = points[key][order], np.abs(points["measured_m_per_V"])[order]
-    if line is None:
-        computed, style = (x, np.abs(points["predicted_m_per_V"])[order]), "-" if np.ptp(points["y_m"]) == 0.0 else "x"
+    if along == quantity.x_m and line and np.ptp(points.y_m) > 0.0:  # of an area its row
+        order = order[points.y_m[order] == line.y_m[0]]
+        where = f", y = {quantity.y_m.with_unit(line.y_m[0])}"
+    x, measured = points[along.column][order], np.abs(points["measured_m_per_V"])[order]
+    if not line:
+        computed, style = (x, np.abs(points["predicted_m_per_V"])[order]), "-" if np.ptp(points.y_m) == 0.0 else "x"
     else:
-        computed, style = (line[key], np.abs(line["predicted_m_per_V"])), "-"
-    return _over_computed(ax, block, (key, "amplitude_m_per_V"), computed, (x, measured), style, where)
+        computed, style = (line[along.column], np.abs(line["predicted_m_per_V"])), "-"
+    return _over_computed(ax, block, (along, quantity.amplitude_m_per_V), computed, (x, measured), style, where)
 
 
-def _over_computed(ax, block: dict, axes: tuple[str, str], computed: tuple, measured: tuple, style="-", where=""):
-    """Draw measured values over a computed curve; each x and y in SI units, ``where`` ends the title."""
-    along, height = (quantity(each) for each in axes)
+def _over_computed(
+    ax, block: dict, axes: tuple[Quantity, Quantity], computed: tuple, measured: tuple, style="-", where=""
+):
+    """Draw measured values over a computed curve; each x and y in SI units, ``where`` ends the title.
+
+    ``axes``: the quantities along both.
+    """
+    along, height = axes
     curve(ax, computed[0] * along.scale, computed[1] * height.scale, style, "slip", "computed")
     label = f"measured, {block['file']}"
     curve(ax, measured[0] * along.scale, measured[1] * height.scale, "o", "line", label, size=2.5)
@@ -90,7 +96,7 @@ def draw_run(record: "Record", folder: Path, names: Sequence[str] | None = None)
 def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
-    axes = record.level, "velocity_m_per_s"
+    axes = quantity(record.level), quantity.velocity_m_per_s
     where = ", at the position" if any(point.mean_velocity_m_per_s is not None for point in record.points) else ""
     for regime, mark in MARKS.items():
         points = [point for point in record.points if point.regime == regime]
@@ -106,7 +112,7 @@ def velocity(record: "Record", ax):
     banded = sorted((p for p in record.points if p.velocity_low_m_per_s is not None), key=lambda point: point.level)
     if banded:
         label = f"95 % of the tolerances ({record.uncertainty['method']})"
-        band = _shown(banded, record.level, "velocity_low_m_per_s", "velocity_high_m_per_s")
+        band = _shown(banded, axes[0], quantity.velocity_low_m_per_s, quantity.velocity_high_m_per_s)
         ax.fill_between(*band, color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label)
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.limit(name)
@@ -127,14 +133,14 @@ def velocity(record: "Record", ax):
     return finished(ax, unit, quantity.velocity_m_per_s.axis, title, columns=0 if alone else 3)
 
 
-def _values(ax, record: "Record", axes: tuple[str, str]) -> None:
+def _values(ax, record: "Record", axes: tuple[Quantity, Quantity]) -> None:
     """Write the velocity beside each of a few points, on axes that begin at zero: so few show no curve."""
-    points = [point for point in record.points if axes[1] in point]
-    largest = max(record.scene.levels) * quantity(axes[0]).scale
+    points = [point for point in record.points if axes[1].column in point]
+    largest = max(record.scene.levels) * axes[0].scale
     for point, x, y in zip(points, *_shown(points, *axes), strict=True):
         left = x > 0.5 * largest
         place = {"xytext": (-6 if left else 6, 0), "ha": "right" if left else "left", "va": "center"}
-        text = quantity(axes[1]).with_unit(point[axes[1]])
+        text = axes[1].with_unit(point[axes[1].column])
         ax.annotate(text, (x, y), textcoords="offset points", fontsize="small", **place)
     ax.set_xlim(0.0, 1.15 * largest or None)
     ax.plot([0.0], [0.0], linestyle="none")  # the origin lies within the axes
@@ -146,8 +152,9 @@ def _ripple(record: "Record", ax) -> None:
     if not points:
         return
     at, low, mean, high = _shown(
-        points, record.level, *(f"{n}_velocity_m_per_s" for n in ("lowest", "mean", "highest"))
-    )
+        points, quantity(record.level), quantity.lowest_velocity_m_per_s, quantity.mean_velocity_m_per_s,
+        quantity.highest_velocity_m_per_s,
+    )  # fmt: skip
     style = {"color": COLOURS["stick"], "linewidth": 0}
     if len(points) == 1:
         ax.vlines(
@@ -159,9 +166,9 @@ def _ripple(record: "Record", ax) -> None:
     curve(ax, at, mean, "-.", "line", "mean over place")
 
 
-def _shown(points, *keys: str) -> list[Any]:
+def _shown(points, *columns: Quantity) -> list[Any]:
     """Return columns of points in the units in which they are drawn."""
-    return [[point[key] * quantity(key).scale for point in points] for key in keys]
+    return [[point[each.column] * each.scale for point in points] for each in columns]
 
 
 def _power_axis(record: "Record", ax) -> None:
@@ -191,7 +198,7 @@ def _measured(record: "Record", ax, scale: float) -> None:
     at, speeds = zip(*sorted(predicted.items()), strict=True)
     curve(ax, [x * scale for x in at], [v * speed for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * speed for point in points] if "error_m_per_s" in points[0] else None
-    at, speeds = _shown(points, record.level, "velocity_m_per_s")
+    at, speeds = _shown(points, quantity(record.level), quantity.velocity_m_per_s)
     style = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
     ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **style)
 
@@ -317,7 +324,7 @@ def profile(record: "Record", ax):
 def errors(record: "Record", ax):
     """Draw the estimated error of each point, with the tolerance."""
     points = [point for point in record.points if point.relative_error]
-    at, sizes = _shown(points, record.level, "relative_error")
+    at, sizes = _shown(points, quantity(record.level), quantity.relative_error)
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="tolerance")
     ax.set_yscale("log")

@@ -37,11 +37,9 @@ def compared_scan(
     own = predicted if scan.is_complex else np.abs(predicted)
     weight = float(np.sum(np.abs(own) ** 2)) or 1e-300
     factor = complex(np.sum(np.conj(own) * values)) / weight
-    points = {
-        "x_m": scan.x, "y_m": scan.y, "measured_m_per_V": values, "predicted_m_per_V": predicted,
-    }  # fmt: skip
+    points = dict(x_m=scan.x, y_m=scan.y, measured_m_per_V=values, predicted_m_per_V=predicted)
     if scan.frequency is not None:
-        points["frequency_Hz"] = scan.frequency
+        points |= dict(frequency_Hz=scan.frequency)
     block = {
         "file": scan.name, "quantity": f"scan of {scan.component} over {scan.kind}", "compared": len(values),
         "scan": points,

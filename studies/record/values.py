@@ -91,3 +91,18 @@ class Values(Mapping[str, Any]):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in self.__dict__.items())})"
+
+
+class Columns(dict):
+    """Columns of a table by name, which also are attributes: ``columns.frequency_Hz``.
+
+    Examples
+    --------
+    >>> Columns(frequency_Hz=[1e6]).frequency_Hz
+    [1000000.0]
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in self:
+            raise AttributeError(f"no column {name!r}")
+        return self[name]

@@ -113,7 +113,7 @@ class Comparison:
 
     def _velocities(self) -> list[str]:
         """Return the table of velocities: the first run's, then every other one's with its change."""
-        speed, level = quantity(VELOCITY), quantity(self.level)
+        speed, level = quantity.velocity_m_per_s, quantity(self.level)
         heads = [level.heading, *(f"{name} ({speed.shown})" for name in self.names)]
         heads += [f"change of {name}" for name in self.names[1:]]
         rows, beyond = [heads], False
@@ -141,7 +141,7 @@ class Comparison:
             from matplotlib import pyplot
 
             ax = pyplot.subplots(layout="constrained")[1]
-        across, up = quantity(self.level), quantity(VELOCITY)
+        across, up = quantity(self.level), quantity.velocity_m_per_s
         for k, (name, record) in enumerate(self._named()):
             x, v = record.column(record.level), record.velocity
             colour = COLOURS[PALETTE[k % len(PALETTE)]]
@@ -150,9 +150,6 @@ class Comparison:
                 color=colour, markersize=3.5, linewidth=1, capsize=2, label=name,
             )  # fmt: skip
         return finished(ax, across.axis, up.axis, "Velocity of the slider in each run, with its stated error")
-
-
-VELOCITY = "velocity_m_per_s"
 
 
 def compare(*runs: Record | str | Path) -> Comparison:

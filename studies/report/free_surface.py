@@ -14,6 +14,7 @@ from studies.model.scene_errors import as_run_errors
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
+from studies.record.values import Columns
 from studies.refusal import SceneError
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
@@ -25,7 +26,7 @@ NOISE = 1e-9  # relative to the largest entry of a tensor; smaller entries are p
 MIN_COMPONENT = 0.05  # smallest component of a unit vector that is drawn or written
 
 
-def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") -> dict:
+def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") -> Columns:
     """Return the Rayleigh wave of a half-space as JSON-compatible data.
 
     Parameters
@@ -60,33 +61,33 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     profile |= {f"u_{axis}": displacement[:, k] for k, axis in enumerate("xyz")}
     if coupled:
         profile["potential_V_per_m"] = potential
-    answer = {
-        "material": {"name": solid.name, "orientation": solid.frame, "source": solid.source},
-        "surface": surface,
-        "velocity_m_per_s": wave.velocity,
+    answer = dict(
+        material={"name": solid.name, "orientation": solid.frame, "source": solid.source},
+        surface=surface,
+        velocity_m_per_s=wave.velocity,
         **coupling,
-        "surface_ratio": wave.surface_ratio,
-        "retrograde": wave.displacement[0].imag > 0,
-        "depth_profile": profile,
-        "crystal": {
+        surface_ratio=wave.surface_ratio,
+        retrograde=wave.displacement[0].imag > 0,
+        depth_profile=profile,
+        crystal={
             "stiffness_Pa": solid.stiffness,
             "coupling_C_per_m2": solid.coupling,
             "permittivity_relative": solid.permittivity / VACUUM_PERMITTIVITY,
             "density_kg_per_m3": solid.density,
             "axes_in_crystal": dict(zip("xyz", rotation_matrix(orientation), strict=True)),
         },
-    }
-    return {key: plain(key, value) for key, value in answer.items()}
+    )
+    return Columns((key, plain(key, value)) for key, value in answer.items())
 
 
-def half_space_answer(answer: dict) -> str:
+def half_space_answer(answer: Columns) -> str:
     """Return the wave of `half_space_wave` as text."""
     material, sense = answer["material"], "retrograde" if answer["retrograde"] else "prograde"
     title = f"{material['name']}, {material['orientation']}, surface {answer['surface']} ({material['source']})"
-    lines = [("velocity", f"{answer['velocity_m_per_s']:.8g} m/s")]
+    lines = [("velocity", f"{answer.velocity_m_per_s:.8g} m/s")]
     if "coupling_K2" in answer:
         lines.append(("coupling K2", f"{100 * answer['coupling_K2']:.4g} %"))
-    lines.append(("surface ratio", f"{answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})"))
+    lines.append(("surface ratio", f"{answer.surface_ratio:.6g} (|u_x/u_z|, {sense})"))
     profile = answer["depth_profile"]
     rows = [[quantity.depth_wavelengths.axis, "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):
@@ -116,7 +117,7 @@ def axes(crystal: dict) -> dict:
     return {name: tuple(row[k] for row in rows) for k, name in enumerate("XYZ")}
 
 
-def axes_figure(answer: dict, ax):
+def axes_figure(answer: Columns, ax):
     """Draw the crystal axes of a result of `half_space_wave` in the section."""
     colours = {"X": COLOURS["slip"], "Y": COLOURS["second"], "Z": COLOURS["intermittent"]}
     ax.axhspan(-1.5, 0, color=COLOURS["stick"], alpha=0.25, linewidth=0)
@@ -133,7 +134,7 @@ def axes_figure(answer: dict, ax):
     ax.plot([0], [0], "o", color=COLOURS["line"], markersize=4)
     ax.text(-1.4, 0.05, "surface", fontsize="small")
     material = answer["material"]
-    speed = f"{answer['velocity_m_per_s']:.5g} m/s"
+    speed = f"{answer.velocity_m_per_s:.5g} m/s"
     ax.set_title(f"{material['name']}, {material['orientation']}: {speed}", fontsize="medium")
     ax.set_xlim(-1.5, 1.5)
     ax.set_ylim(-1.5, 1.5)
@@ -143,7 +144,7 @@ def axes_figure(answer: dict, ax):
     return ax
 
 
-def save_axes(answer: dict, file: str | Path) -> None:
+def save_axes(answer: Columns, file: str | Path) -> None:
     """Draw the crystal axes into a file; raise an error for an unknown format or an unwritable file."""
     if Path(file).suffix.lower() not in FORMATS:
         raise SceneError("--plot", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")

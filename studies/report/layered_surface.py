@@ -7,6 +7,7 @@ from studies.model.materials import named_solid
 from studies.model.scene_errors import as_run_errors
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
+from studies.record.values import Columns
 from studies.refusal import SceneError
 from studies.report.free_surface import DEPTHS
 from studies.report.intermediate import si
@@ -55,7 +56,7 @@ def _solid(text: str) -> fem.Solid:
 
 def layered_surface_wave(
     material: str, layers: list[str], *, orientation="Z", surface: str = "vacuum", frequency: float | None = None
-) -> dict:
+) -> Columns:
     """Return the bound waves of layers on a half-space as JSON-compatible data.
 
     Parameters
@@ -104,30 +105,30 @@ def layered_surface_wave(
     profile |= {f"u_{axis}": displacement[:, k] for k, axis in enumerate("xyz")}
     if wave.impedance.electric:
         profile["potential_V_per_m"] = potential
-    answer = {
-        "material": {"name": solid.name, "orientation": solid.frame, "source": solid.source},
-        "layers": [
+    answer = dict(
+        material={"name": solid.name, "orientation": solid.frame, "source": solid.source},
+        layers=[
             {"name": each.solid.name, "orientation": each.solid.frame, "thickness_wavelengths": float(thick),
              "thickness_m": each.thickness if frequency is None else float(thick) * wave.velocity / frequency}
             for each, thick in zip(stack, thicknesses, strict=True)
         ],
-        "surface": wave.surface,
-        "velocity_m_per_s": wave.velocity,
-        "limiting_velocity_m_per_s": wave.limiting_velocity,
-        "surface_ratio": wave.surface_ratio,
-        "retrograde": wave.displacement[0].imag > 0,
-        "shorted_velocity_m_per_s": shorted,
-        "coupling_K2": coupling,
-        "waves": [
-            {"name": each.name, "velocity_m_per_s": each.velocity, "surface_ratio": each.surface_ratio}
+        surface=wave.surface,
+        velocity_m_per_s=wave.velocity,
+        limiting_velocity_m_per_s=wave.limiting_velocity,
+        surface_ratio=wave.surface_ratio,
+        retrograde=wave.displacement[0].imag > 0,
+        shorted_velocity_m_per_s=shorted,
+        coupling_K2=coupling,
+        waves=[
+            Columns(name=each.name, velocity_m_per_s=each.velocity, surface_ratio=each.surface_ratio)
             for each in waves
         ],
-        "depth_profile": profile,
-    }  # fmt: skip
-    return {key: plain(key, value) for key, value in answer.items()}
+        depth_profile=profile,
+    )  # fmt: skip
+    return Columns((key, plain(key, value)) for key, value in answer.items())
 
 
-def layered_answer(answer: dict) -> str:
+def layered_answer(answer: Columns) -> str:
     """Return the waves of `layered_surface_wave` as text."""
     material, sense = answer["material"], "retrograde" if answer["retrograde"] else "prograde"
     title = f"layers on {material['name']}, {material['orientation']}, surface {answer['surface']}"
@@ -137,8 +138,8 @@ def layered_answer(answer: dict) -> str:
         absolute = each["thickness_m"]
         rows.append([each["name"], each["orientation"], size if absolute is None else f"{si(absolute, 'm')}, {size}"])
     lines = [
-        ("velocity", f"{answer['velocity_m_per_s']:.8g} m/s"),
-        ("surface ratio", f"{answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})"),
+        ("velocity", f"{answer.velocity_m_per_s:.8g} m/s"),
+        ("surface ratio", f"{answer.surface_ratio:.6g} (|u_x/u_z|, {sense})"),
         ("limit", f"{answer['limiting_velocity_m_per_s']:.6g} m/s: the half-space's slowest bulk wave"),
     ]
     for plane, velocity in answer["shorted_velocity_m_per_s"].items():
@@ -146,7 +147,7 @@ def layered_answer(answer: dict) -> str:
         coupling = 100.0 * answer["coupling_K2"][plane]
         lines.append(("electrode", f"{where}: {velocity:.8g} m/s, K2 {coupling:.4g} %"))
     for each in answer["waves"]:
-        lines.append((each["name"], f"{each['velocity_m_per_s']:.8g} m/s, |u_x/u_z| {each['surface_ratio']:.4g}"))
+        lines.append((each["name"], f"{each.velocity_m_per_s:.8g} m/s, |u_x/u_z| {each.surface_ratio:.4g}"))
     profile = answer["depth_profile"]
     depths = [[quantity.depth_wavelengths.axis, "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):

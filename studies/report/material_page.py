@@ -11,6 +11,7 @@ from studies.model.materials import named_solid
 from studies.model.scene_errors import stator_keys
 from studies.record.quantities import quantity
 from studies.record.text import labelled
+from studies.record.values import Columns
 from studies.refusal import SceneError, shown
 from studies.results.content import plain
 
@@ -65,7 +66,7 @@ def _wave(solid, cut: str) -> dict:
     try:
         wave = fem.rayleigh(lossless, "vacuum")
         coupled = "phi" in fem.fields(lossless)
-        return {"velocity_m_per_s": wave.velocity} | ({"coupling_K2": fem.coupling(lossless)} if coupled else {})
+        return Columns(velocity_m_per_s=wave.velocity) | ({"coupling_K2": fem.coupling(lossless)} if coupled else {})
     except (fem.ConvergenceError, ValueError) as error:
         return {"refused": " ".join(str(error).split())}
 
@@ -84,7 +85,7 @@ def material_text(answer: dict) -> str:
             lines.append((cut, wave["refused"]))
             continue
         coupling = f", K2 {100 * wave['coupling_K2']:.3g} %" if "coupling_K2" in wave else ""
-        lines.append((cut, f"surface wave {wave['velocity_m_per_s']:.6g} m/s{coupling}"))
+        lines.append((cut, f"surface wave {wave.velocity_m_per_s:.6g} m/s{coupling}"))
     keys = [("stiffness_Pa", "at constant E"), ("coupling_C_per_m2", ""), ("permittivity_relative", "")]
     tables = [
         (f"{shown.axis} {condition}".rstrip(), np.array(answer[key]) * shown.scale)

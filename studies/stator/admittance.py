@@ -12,6 +12,7 @@ import numpy as np
 import fem
 from studies.model import fem_objects
 from studies.record.plots import lines
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.spectrum import driving_point, port_admittances
@@ -50,11 +51,11 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
                "estimated error of the admittances over the largest", ports.relative_error, high=1.000001 * tolerance,
                expected=f"at most {tolerance:g}"),
     )  # fmt: skip
-    data = {
-        "frequency_Hz": at, "conductance_S": admittance.real, "susceptance_S": admittance.imag,
-        "estimated_conductance_S": conductance, "capacitive_susceptance_S": susceptance,
-        "relative_error": ports.relative_error,
-    }  # fmt: skip
+    data = dict(
+        frequency_Hz=at, conductance_S=admittance.real, susceptance_S=admittance.imag,
+        estimated_conductance_S=conductance, capacitive_susceptance_S=susceptance,
+        relative_error=ports.relative_error,
+    )  # fmt: skip
     panel = Panel(name="admittance", title=f"{resolved.title}: {resolved.drive.transducer!r}", data=data)
     model = fem.motional_model(at, admittance, 1)
     series, inductance, _ = model.branches[0]
@@ -77,4 +78,4 @@ def figure(record: Panel, ax):
         ("susceptance_S", ".-", "intermittent", "Im Y"),
         ("capacitive_susceptance_S", "--", "intermittent", "static capacitance (estimate)"),
     )
-    return lines(ax, record, "frequency_Hz", curves, "admittance_S", columns=2)
+    return lines(ax, record, quantity.frequency_Hz, curves, quantity.admittance_S, columns=2)

@@ -54,7 +54,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
     bands, edges = {"shorted": cell.shorted, "open": cell.open}, (cell.shorted.lower, cell.open.upper)
     width = edges[1] - edges[0]
     at = np.linspace(edges[0] - REACH * width, edges[1] + REACH * width, count)
-    data = {"frequency_Hz": at}
+    data = dict(frequency_Hz=at)
     for name in bands:
         factors = np.array([cells.surface_factor(float(f), open_fingers=name == "open") for f in at])
         data |= {f"{name}_phase_rad": abs(np.angle(factors)), f"{name}_decay": -np.log(abs(factors))}
@@ -65,11 +65,11 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
     }
     mapped_capacitance = fem.surface_permittivity(solid, "open" if above == "none" else "vacuum")
     mapped_capacitance *= ellipk(np.sin(np.pi * m / 2) ** 2) / ellipk(np.cos(np.pi * m / 2) ** 2)
-    data |= {
-        "free_velocity_m_per_s": cell.free_velocity, "metallised_velocity_m_per_s": cell.metallised_velocity,
-        "coupling_K2": cell.coupling, "grating_coupling_K2": cell.grating_coupling,
-        "capacitance_F_per_m": cell.capacitance, "relative_error": cell.relative_error,
-    }  # fmt: skip
+    data |= dict(
+        free_velocity_m_per_s=cell.free_velocity, metallised_velocity_m_per_s=cell.metallised_velocity,
+        coupling_K2=cell.coupling, grating_coupling_K2=cell.grating_coupling,
+        capacitance_F_per_m=cell.capacitance, relative_error=cell.relative_error,
+    )  # fmt: skip
     for name, band in bands.items():
         data |= {f"{name}_lower_Hz": band.lower, f"{name}_upper_Hz": band.upper,
                  f"{name}_velocity_m_per_s": band.velocity, f"{name}_reflectivity": band.reflectivity}  # fmt: skip
@@ -100,7 +100,7 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
     data, across, decay = record.data, quantity.frequency_Hz, ax.twinx()
-    at = data["frequency_Hz"] * across.scale
+    at = data.frequency_Hz * across.scale
     for name, colour in (("shorted", "slip"), ("open", "intermittent")):
         curve(ax, at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")
         curve(decay, at, data[f"{name}_decay"], "-", colour, f"{name}: decay")

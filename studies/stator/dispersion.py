@@ -53,10 +53,10 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
         holds=True if stator.absorbs_below or thickness > THICK else None,
         expected=f"below 1e-4 from {THICK:g} wavelengths on",
     )  # fmt: skip
-    panel = Panel(name="section", title=f"{scene.title}: {len(at)} propagating modes", data={
-        "frequency_Hz": at, "wavenumber_rad_per_m": wavenumbers, "surface_share": near,
-        "line_Hz": frequencies, "line_rad_per_m": 2 * np.pi * frequencies / half_space,
-    })  # fmt: skip
+    panel = Panel(name="section", title=f"{scene.title}: {len(at)} propagating modes", data=dict(
+        frequency_Hz=at, wavenumber_rad_per_m=wavenumbers, surface_share=near,
+        line_Hz=frequencies, line_rad_per_m=2 * np.pi * frequencies / half_space,
+    ))  # fmt: skip
     return (panel,), (finding,)
 
 
@@ -64,7 +64,7 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points, the half-space's wave as a line."""
     data, across, up = record.data, quantity.frequency_Hz, quantity.wavenumber_rad_per_m
-    at, wavenumbers = data["frequency_Hz"] * across.scale, data["wavenumber_rad_per_m"] * up.scale
+    at, wavenumbers = data.frequency_Hz * across.scale, data["wavenumber_rad_per_m"] * up.scale
     near = data["surface_share"] > 0.25
     curve(ax, at, wavenumbers, ".", "stick", "modes of the section")
     curve(ax, at[near], wavenumbers[near], ".", "slip", "near the surface", size=5.0)

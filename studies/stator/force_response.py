@@ -60,7 +60,7 @@ def run(
     answers = {component: problem.response(component, resolved.frequency) for component in FORCES}
     x = np.linspace(0.0, resolved.stator.length, count)
     x = x[abs(x - problem.position[0]) > problem.wavelength]
-    data, worst, worst_x = {"x_m": x}, 0.0, 0.0
+    data, worst, worst_x = dict(x_m=x), 0.0, 0.0
     for component, name in FORCES.items():
         motion, error = problem.motion_and_error(answers[component], x)
         data[f"{name}_m_per_N"] = motion
@@ -194,7 +194,7 @@ class _ForceProblem:
 
 def _over_the_band(problem: _ForceProblem, at: np.ndarray) -> list[Panel]:
     """Return currents and voltages of all transducers per newton at frequencies in Hz; open ones have no current."""
-    sizes: dict[str, dict] = {"A": {"frequency_Hz": at}, "V": {"frequency_Hz": at}}
+    sizes: dict[str, dict] = {"A": dict(frequency_Hz=at), "V": dict(frequency_Hz=at)}
     prepared = None if problem.spreads else _band(problem, at)
     for component, name in FORCES.items():
         if prepared is None:
@@ -252,13 +252,13 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
 def figure(record: Panel, ax):
     """Draw u_z along the stator, or the currents over frequency."""
     if "x_m" in record.data:
-        x, along = record.data["x_m"], quantity.x_m
+        x, along = record.data.x_m, quantity.x_m
         gap = int(np.argmax(np.diff(x))) + 1  # one wavelength either side of the force
         for (component, name), colour in zip(FORCES.items(), PALETTE, strict=False):
             motion = abs(record.data[f"{name}_m_per_N"]) * quantity.normal_m_per_N.scale
             for part, label in ((slice(0, gap), f"force along {component}"), (slice(gap, None), None)):
                 curve(ax, x[part] * along.scale, motion[part], "-", colour, label)
-        return lines(ax, record, "x_m", (), "normal_m_per_N")
+        return lines(ax, record, quantity.x_m, (), quantity.normal_m_per_N)
     (unit,) = {key.split("_")[-3] for key in record.data if key.endswith("_per_N")}
     keys = [key for key in record.data if key.endswith("_per_N")]
     rows = [
@@ -266,4 +266,6 @@ def figure(record: Panel, ax):
          key.removesuffix(f"_{unit}_per_N").replace("_", ", "))
         for number, key in enumerate(keys)
     ]  # fmt: skip
-    return lines(ax, record, "frequency_Hz", rows, {"A": "current_A_per_N", "V": "voltage_V_per_N"}[unit])
+    return lines(
+        ax, record, quantity.frequency_Hz, rows, quantity.current_A_per_N if unit == "A" else quantity.voltage_V_per_N
+    )

@@ -77,13 +77,13 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     title = f"{resolved.title}: x = {x * 1e3:g} mm, plane section"
     error = max(each.relative_error for each in waves)
     panels = [
-        Panel(name="amplitude", title=title, data={
-            "frequency_Hz": at, "normal_m_per_V": normal, "surface_mode_m_per_V": surface, "estimate_m_per_V": theory,
-            "half_power_Hz": band, "relative_error": error,
-        } | aperture),
-        Panel(name="group_delay", title=title, data={
-            "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": travel_time,
-        }),
+        Panel(name="amplitude", title=title, data=dict(
+            frequency_Hz=at, normal_m_per_V=normal, surface_mode_m_per_V=surface, estimate_m_per_V=theory,
+            half_power_Hz=band, relative_error=error,
+        ) | aperture),
+        Panel(name="group_delay", title=title, data=dict(
+            frequency_Hz=at[inside], group_delay_s=delay[inside], way_s=travel_time,
+        )),
     ]  # fmt: skip
     if scan is not None:
         panels.append(scan_panel(resolved, scan, tolerance=tolerance))
@@ -117,7 +117,7 @@ def figure(record: Panel, ax):
         theory = data["way_s"] * quantity.group_delay_s.scale
         ax.axhline(theory, color="black", linewidth=1, label="distance over velocity (theory)")
         delay = (("group_delay_s", "o", "slip", "surface mode"),)
-        return lines(ax, record, "frequency_Hz", delay, "group_delay_s")
+        return lines(ax, record, quantity.frequency_Hz, delay, quantity.group_delay_s)
     curves = (
         ("normal_m_per_V", "-", "stick", "all modes"),
         ("surface_mode_m_per_V", "o", "slip", "surface mode"),
@@ -132,7 +132,7 @@ def figure(record: Panel, ax):
         at, label = data["drive_frequency_Hz"] * across.scale, "finite aperture, at the drive's frequency"
         curve(ax, [at], [sizes[-1] * up.scale], "D", "intermittent", label, size=6.0)
     ax.set_ylim(0, 1.05 * up.scale * max(sizes))
-    return lines(ax, record, "frequency_Hz", curves, "normal_m_per_V", columns=2)
+    return lines(ax, record, quantity.frequency_Hz, curves, quantity.normal_m_per_V, columns=2)
 
 
 def half_power_band(at, size) -> tuple[float, float]:

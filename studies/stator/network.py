@@ -20,6 +20,7 @@ from studies.lab.network_file import read_network
 from studies.model import fem_objects
 from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
+from studies.record.values import Columns
 from studies.refusal import SceneError
 from studies.report.explanation import band_seconds
 from studies.scene import Scene
@@ -79,7 +80,7 @@ def run(
     names, ports, scattering, failures = converged_scattering(resolved, at, reference, tolerance)
     at = ports.frequency
     answer = [("no answer", failure) for failure in failures]
-    shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
+    shared = dict(frequency_Hz=at, ports=names, reference_ohm=reference, scattering=scattering)
     if lab_file is not None:
         shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
                    "measured_file": lab_file.name, "measured_elements": lab_file.elements}  # fmt: skip
@@ -92,7 +93,7 @@ def run(
         velocity = fem_objects.surface_velocity(resolved.stator)
         travel_time = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], travel_time)
-        data, title = ({"frequency_Hz": at, "group_delay_s": delay}, f"{resolved.title}: {names[0]} to {names[1]}")
+        data, title = (dict(frequency_Hz=at, group_delay_s=delay), f"{resolved.title}: {names[0]} to {names[1]}")
         if lab_file is not None:
             data |= _measured_delay(lab_file, travel_time)
         panels.append(Panel(name="group_delay", title=title, data=data))
@@ -148,7 +149,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
     """Return the Touchstone file and the SPICE subcircuits, by file name."""
     data = record.panel("magnitude").data
     remarks = (record.panel("magnitude").title, "ports: " + ", ".join(data["ports"]))
-    texts = fem.touchstone(data["frequency_Hz"], data["scattering"], data["reference_ohm"], remarks)
+    texts = fem.touchstone(data.frequency_Hz, data["scattering"], data["reference_ohm"], remarks)
     circuits = {f"{panel.name}.cir": panel.data["spice"] for panel in record.panels if "spice" in panel.data}
     return {f"network.s{len(data['ports'])}p": texts} | circuits
 
@@ -165,7 +166,7 @@ def figure(record: Panel, ax):
             curve(ax, at, delay * quantity.group_delay_s.scale, "o", "stick", "measured", size=2.5)
         title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
         record = Panel(name=record.name, title=title, data=data)
-        return lines(ax, record, "frequency_Hz", (("group_delay_s", "-", "slip", None),), "group_delay_s")
+        return lines(ax, record, quantity.frequency_Hz, (("group_delay_s", "-", "slip", None),), quantity.group_delay_s)
     if "spice" in data:
         up = quantity.admittance_S
         for key, part, style in (
@@ -173,7 +174,7 @@ def figure(record: Panel, ax):
             ("one_branch_S", "circuit of one branch", "--"),
             ("several_branches_S", f"circuit of {BRANCHES}", "-"),
         ):
-            at, values = data["frequency_Hz"] * across.scale, data[key] * up.scale
+            at, values = data.frequency_Hz * across.scale, data[key] * up.scale
             curve(ax, at, values.real, style, "slip", f"conductance, {part}", size=2.5)
             curve(ax, at, values.imag, style, "intermittent", f"susceptance, {part}", size=2.5)
         return finished(ax, across.axis, up.axis, record.title, columns=3)
@@ -233,10 +234,10 @@ def _smith(record: Panel, ax):
     return finished(ax, across, "Im S", record.title, columns=2, grid=False)
 
 
-def _sources(data: dict):
+def _sources(data: Columns):
     """Yield prefix, line style, frequencies in the axis's unit and remark of the prediction and of a measurement."""
     scale = quantity.frequency_Hz.scale
-    yield "", "-", data["frequency_Hz"] * scale, ""
+    yield "", "-", data.frequency_Hz * scale, ""
     if "measured_frequency_Hz" in data:
         yield "measured_", ".", data["measured_frequency_Hz"] * scale, f" ({data['measured_file']})"
 
@@ -249,10 +250,10 @@ def _circuit_panel(name: str, at, admittance, models) -> Panel:
         f"Transducer {name!r}: admittance and its equivalent circuits\none branch is {models[0].error:.1%} off, "
         f"{BRANCHES} branches are {models[1].error:.1%} off"
     )
-    return Panel(name=f"circuit_{safe}", title=title, data={
-        "frequency_Hz": at, "admittance_S": admittance, "one_branch_S": one, "several_branches_S": several,
-        "spice": "".join(texts),
-    })  # fmt: skip
+    return Panel(name=f"circuit_{safe}", title=title, data=dict(
+        frequency_Hz=at, admittance_S=admittance, one_branch_S=one, several_branches_S=several,
+        spice="".join(texts),
+    ))  # fmt: skip
 
 
 def _measured(file: Path, scene: Scene, reference: float, port: str | int | None) -> NetworkData:

@@ -89,14 +89,14 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
                remark="the ends reflect, and the cascade has no ends" if reflects else ""),
     )  # fmt: skip
     panels = (
-        Panel(name="p_matrix", title=f"{resolved.title}: transducer {row[ports[0]].name!r} alone", data={
-            "frequency_Hz": at, "reflection_shorted": np.array([abs(part.scattering[0, 0]) for part in first]),
-            "reflection_open": np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
-            "excitation_squared_S": sent, "admittance_S": admittance,
-        }),
-        Panel(name="cascade", title=f"{resolved.title}: {name}", data={
-            "frequency_Hz": at, "cascade_S": joined, "stator_S": whole,
-        }),
+        Panel(name="p_matrix", title=f"{resolved.title}: transducer {row[ports[0]].name!r} alone", data=dict(
+            frequency_Hz=at, reflection_shorted=np.array([abs(part.scattering[0, 0]) for part in first]),
+            reflection_open=np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
+            excitation_squared_S=sent, admittance_S=admittance,
+        )),
+        Panel(name="cascade", title=f"{resolved.title}: {name}", data=dict(
+            frequency_Hz=at, cascade_S=joined, stator_S=whole,
+        )),
     )  # fmt: skip
     return panels + _of_pieces(resolved.title, at, pieces), findings
 
@@ -119,15 +119,15 @@ def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, cascade and stator, or what a piece sends back."""
-    data, at = record.data, record.data["frequency_Hz"] * quantity.frequency_Hz.scale
+    data, at = record.data, record.data.frequency_Hz * quantity.frequency_Hz.scale
     if "cascade_S" in data:
         rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
-        return lines(ax, record, "frequency_Hz", rows, "admittance_S")
+        return lines(ax, record, quantity.frequency_Hz, rows, quantity.admittance_S)
     if "transmission" in data:
         rows = (("reflection", "-", "line", "|P11|"), ("transmission", "--", "slip", "|P21|"))
-        return lines(ax, record, "frequency_Hz", rows, "reflection")
+        return lines(ax, record, quantity.frequency_Hz, rows, quantity.reflection)
     up = quantity.admittance_S
-    curve(ax, at, data["admittance_S"].real * up.scale, "o", "slip", f"Re P33 ({up.shown})")
+    curve(ax, at, data.admittance_S.real * up.scale, "o", "slip", f"Re P33 ({up.shown})")
     sent = data["excitation_squared_S"] * up.scale
     curve(ax, at, sent, "-", "slip", f"|P13|\u00b2 + |P23|\u00b2 ({up.shown}): the surface wave's part")
     reflection = ax.twinx()
@@ -140,4 +140,4 @@ def figure(record: Panel, ax):
     reflection.set_ylim(0, 1)
     reflection.set_ylabel(quantity.reflection.axis, color=COLOURS["intermittent"])
     ax.set_ylim(bottom=0)
-    return lines(ax, record, "frequency_Hz", (), "conductance_S", columns=2)
+    return lines(ax, record, quantity.frequency_Hz, (), quantity.conductance_S, columns=2)

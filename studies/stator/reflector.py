@@ -14,6 +14,7 @@ import fem
 from studies.model import fem_objects, resolve
 from studies.model.scene_errors import as_run_errors
 from studies.record.plots import lines
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve import passband
 from studies.study import Answered, Panel, judged, of_record, study
@@ -52,12 +53,12 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
     center = answers[len(answers) // 2]
     panels, answer, matrices = [], [], [each.scattering for each in answers if each.scattering is not None]
     if matrices:
-        data = {
-            "frequency_Hz": at,
-            "reflection": np.array([each.reflection for each in answers]),
-            "transmission": np.array([each.transmission for each in answers]),
-            "scattered_share": np.array([each.scattered for each in answers]),
-        }
+        data = dict(
+            frequency_Hz=at,
+            reflection=np.array([each.reflection for each in answers]),
+            transmission=np.array([each.transmission for each in answers]),
+            scattered_share=np.array([each.scattered for each in answers]),
+        )
         panels.append(Panel(name="row", title=f"{resolved.title}: all pieces together", data=data))
         where = f"at {center.frequency / 1e6:.5g} MHz"
         answer += [
@@ -76,7 +77,7 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
             answer.append((f"{name} alone", f"reflection {abs(own[len(own) // 2][0, 0]):.4f}"))
     for index, (name, reflection) in enumerate(center.ends):
         sent = np.array([each.ends[index][1] for each in answers])
-        data = {"frequency_Hz": at, "reflection": sent}
+        data = dict(frequency_Hz=at, reflection=sent)
         panels.append(Panel(name=f"end_{index}", title=f"{resolved.title}: {name}", data=data))
         answer.append((name, f"reflection {abs(reflection):.4f}"))
     findings = []
@@ -104,7 +105,7 @@ def from_the_left(at: np.ndarray, matrices: Sequence[np.ndarray]) -> dict[str, n
     """Return what scattering matrices over frequencies (Hz) make of the surface wave from the left, for a panel."""
     half = len(matrices[0]) // 2
     reflection, transmission = (np.array([each[row, 0] for each in matrices]) for row in (0, half))
-    return {"frequency_Hz": at, "reflection": reflection, "transmission": transmission}
+    return dict(frequency_Hz=at, reflection=reflection, transmission=transmission)
 
 
 @of_record
@@ -113,4 +114,6 @@ def figure(record: Panel, ax):
     rows = [("reflection", "o-", "slip", "reflection")]
     if "transmission" in record.data:
         rows.append(("transmission", "-", "line", "transmission"))
-    return lines(ax, record, "frequency_Hz", tuple(rows), "reflection" if len(rows) == 1 else "wave_ratio")
+    return lines(
+        ax, record, quantity.frequency_Hz, tuple(rows), quantity.reflection if len(rows) == 1 else quantity.wave_ratio
+    )

@@ -12,6 +12,7 @@ from studies.record.files import labelled_column
 from studies.record.quantities import quantity
 from studies.record.status import Status
 from studies.record.text import labelled, table
+from studies.record.values import Columns
 from studies.refusal import needed
 from studies.scene.keys import rule_at, unit_of
 from studies.sweeps.axes import Axis
@@ -22,13 +23,9 @@ if TYPE_CHECKING:
 
 REASONS = 5  # shown; all are in the rows
 SHOWN = (
-    "velocity_m_per_s",
-    "mean_velocity_m_per_s",
-    "normal_amplitude_m",
-    "thrust_N",
-    "contact_efficiency",
-    "motor_efficiency",
-)
+    quantity.velocity_m_per_s, quantity.mean_velocity_m_per_s, quantity.normal_amplitude_m, quantity.thrust_N,
+    quantity.contact_efficiency, quantity.motor_efficiency,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -58,7 +55,7 @@ class Sweep:
     counts: dict[str, int]
     cost: float
     seconds: float
-    columns: Callable[[], dict[str, list]]
+    columns: Callable[[], Columns]
     axes: tuple[Axis, ...] = ()
 
     @property
@@ -70,12 +67,13 @@ class Sweep:
     def summary(self) -> dict[str, Any]:
         """What `sawmotor sweep --json` prints: counts, ranges of the outcomes, reasons of the failures, cost."""
         columns = self.columns()
-        values = {name: [each for each in columns.get(name, ()) if each is not None] for name in SHOWN}
-        errors, statuses = columns["relative_error"], columns["status"]
+        names = [each.column for each in SHOWN]
+        values = {name: [each for each in columns.get(name, ()) if each is not None] for name in names}
+        errors, statuses = columns.relative_error, columns.status
         failures = Counter(status for status in statuses if status != Status.OK).most_common(REASONS)
         return {
             "store": str(self.path), "points": self.points, "counts": self.counts,
-            "ranges": {name: [min(some), max(some)] for name, some in values.items() if some},
+            "ranges": Columns((name, [min(some), max(some)]) for name, some in values.items() if some),
             "largest_relative_error": max(
                 (error for error, status in zip(errors, statuses, strict=True) if status == Status.OK), default=None
             ),
@@ -98,8 +96,13 @@ class Sweep:
         ]
         if self.summary["largest_relative_error"] is not None:
             notes.insert(0, ("relative error", f"{self.summary['largest_relative_error']:.1e} at most, where ok"))
-        if {"velocity_m_per_s", "conductance_S"} <= set(self.columns()):  # on a stator
-            mean = "" if "mean_velocity_m_per_s" in self.columns() else "; --also ripple adds mean and range about it"
+        columns = self.columns()
+        if {quantity.velocity_m_per_s.column, quantity.conductance_S.column} <= set(columns):  # on a stator
+            mean = (
+                ""
+                if quantity.mean_velocity_m_per_s.column in columns
+                else "; --also ripple adds mean and range about it"
+            )
             notes.append(("velocity", f"that of the slider's position{mean}"))
         notes += [("seconds", f"{self.seconds:.2f}, {duration(self.cost)} of work"), ("results", f"{self.path}")]
         points = labelled([("points", f"{self.points}: {kinds}")])
@@ -109,9 +112,8 @@ class Sweep:
         """Return the axes with their sizes, the kinds of rows and the range of the velocity on one line."""
         axes = [f"{' and '.join(each.keys)} ({len(each)})" for each in self.axes]
         parts = [" x ".join(axes) or "one point", ", ".join(f"{number} {kind}" for kind, number in self.counts.items())]
-        if "velocity_m_per_s" in self.summary["ranges"]:
-            low, high = self.summary["ranges"]["velocity_m_per_s"]
-            parts.append(f"velocity {quantity.velocity_m_per_s.interval(low, high)}")
+        if ends := self.summary["ranges"].get(quantity.velocity_m_per_s.column):
+            parts.append(f"velocity {quantity.velocity_m_per_s.interval(*ends)}")
         return f"Sweep({'; '.join(parts)})"
 
     def to_dataframe(self) -> "pd.DataFrame":

@@ -23,6 +23,7 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from studies.record.status import Status
+from studies.record.values import Columns
 from studies.refusal import RunError, SceneError
 from studies.results.content import provenance
 from studies.sweeps.plan import Design
@@ -53,18 +54,18 @@ class Store:
             raise
         self._insert = f"insert or replace into points values ({', '.join('?' * len(self._names))})"
 
-    def columns(self) -> dict[str, list]:
+    def columns(self) -> Columns:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
         with closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection) as connection:
             rows = connection.execute("select * from points order by point")
-            return dict(zip(self._names, map(list, zip(*rows, strict=True)), strict=True))
+            return Columns(zip(self._names, map(list, zip(*rows, strict=True)), strict=True))
 
-    def rows(self, first: int, end: int) -> Iterator[dict]:
+    def rows(self, first: int, end: int) -> Iterator[Columns]:
         """Yield the rows of the points from ``first`` up to and without ``end``, as values by name."""
         rows = self.connection.execute(
             "select * from points where point >= ? and point < ? order by point", (first, end)
         )
-        yield from (dict(zip(self._names, row, strict=True)) for row in rows.fetchall())
+        yield from (Columns(zip(self._names, row, strict=True)) for row in rows.fetchall())
 
     def close(self) -> None:
         """Close the file and release the lock; a store in memory stays."""

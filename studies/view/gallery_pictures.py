@@ -153,7 +153,7 @@ def depth_profile(line_depth, analytic, computed, *, title: str):
 def start_and_stop(trajectories, *, acceleration: float, title: str):
     """Draw the velocity in bursts, an enlarged view of the stop, and the largest acceleration (m/s^2) by friction."""
     figure, (whole, end) = new_figure(7.6, 6.0, rows=2)
-    time, after_burst, up = (quantity(key) for key in ("time_s", "time_after_burst_s", "velocity_m_per_s"))
+    time, after_burst, up = quantity.time_s, quantity.time_after_burst_s, quantity.velocity_m_per_s
     colours = matplotlib.colormaps["cividis"](np.linspace(0.0, 0.85, len(trajectories)))
     for (name, motion), colour in zip(trajectories, colours, strict=True):
         after = motion.time >= motion.duration - 1e-12
