@@ -237,9 +237,10 @@ def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolera
 
     level = max(scene.levels)
     _, path = run(scene.at_level(level), tolerance=tolerance).trajectories[0]
-    columns = {scene.level_column: np.full(len(path.time), level), "time_s": path.time}
+    columns = {scene.level_column: np.full(len(path.time), level), quantity.time_s.column: path.time}
     for seed_offset, head, curve in (
-        (1, "position_m", travelled_distance(path.time, path.velocity)), (0, "velocity_m_per_s", path.velocity),
+        (1, quantity.position_m.column, travelled_distance(path.time, path.velocity)),
+        (0, quantity.velocity_m_per_s.column, path.velocity),
     ):  # fmt: skip
         columns[head] = recording.noisy(recorded(path.time, curve, path.time, **encoder), seed_offset)
     filters = tuple(f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items())
@@ -254,7 +255,7 @@ def _scan_answer(scan: Scan, remarks) -> tuple:
 def _draw(scan: Scan, ax):
     from studies.record.plots import curve, finished
 
-    along = quantity({"frequency": "frequency_Hz", "y": "y_m"}.get(scan.kind, "x_m"))
+    along = {"frequency": quantity.frequency_Hz, "y": quantity.y_m}.get(scan.kind, quantity.x_m)
     up, sizes = quantity.amplitude_m_per_V, np.abs(scan.values)
     curve(ax, scan.coordinate * along.scale, sizes * up.scale, ".", "slip", "virtual vibrometer", size=2.5)
     return finished(ax, along.axis, up.axis, f"What a vibrometer would record of {scan.component}", columns=1)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import fem
-from studies.record.quantities import described
+from studies.record.quantities import described, quantity
 from studies.record.surface_map import surface_map
 from studies.refusal import RunError
 from studies.results.content import write_json
@@ -44,14 +44,14 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
             for level, motion in record.trajectories
             for instant in zip(motion.time.tolist(), motion.velocity.tolist(), motion.position.tolist(), strict=True)
         ]
-        keys = [record.level, "time_s", "velocity_m_per_s", "normal_position_m"]
+        keys = [record.level, quantity.time_s.column, quantity.velocity_m_per_s.column, "normal_position_m"]
         write_table(folder / "trajectory.csv", keys, rows)
     if field and record.surface_wave is not None:
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
             x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator)
             fem.write_surface(x, y, motion, folder / "surface_map.vtu")
-            columns = {"x_m": x.repeat(y.size), "y_m": y[None].repeat(x.size, axis=0).ravel()}
+            columns = dict(x_m=x.repeat(y.size), y_m=y[None].repeat(x.size, axis=0).ravel())
             columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}
             write_columns(folder / "surface_map.csv", columns)
 

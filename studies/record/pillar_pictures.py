@@ -24,15 +24,14 @@ def _at_last_level(record: "Record") -> str:
 def slider_wave(record: "Record", ax):
     """Draw amplitude and phase of the waves along the slider, the phase on an axis of its own."""
     table, across, up = record.slider_wave, quantity.offset_m, quantity.normal_amplitude_m
-    x = np.asarray(table["x_m"]) * across.scale
-    ahead = np.abs(table["forward_m"]).max() >= np.abs(table["backward_m"]).max()
-    names = ("forward_m", "backward_m") if ahead else ("backward_m", "forward_m")
-    main, other = (np.asarray(table[name]) for name in names)
+    x = table.x_m * across.scale
+    ahead = np.abs(table.forward_m).max() >= np.abs(table.backward_m).max()
+    main, other = (table.forward_m, table.backward_m) if ahead else (table.backward_m, table.forward_m)
     ax.plot(x, np.abs(main) * up.scale, color=COLOURS["slip"], label="driving wave, amplitude")
     ax.plot(x, np.abs(other) * up.scale, color=COLOURS["stick"], label="opposing wave, amplitude")
     for style, n in zip(("--", "-.", ":"), (2, 3, 4), strict=True):
         if f"overtone_{n}_m" in table:
-            size = np.abs(np.asarray(table[f"overtone_{n}_m"])) * up.scale
+            size = np.abs(table[f"overtone_{n}_m"]) * up.scale
             ax.plot(x, size, style, color=COLOURS["second"], label=f"its overtone {n}, amplitude")
     ax.set_ylim(bottom=0.0)
     right = ax.twinx()
@@ -47,15 +46,19 @@ def slider_wave(record: "Record", ax):
 def pressure(record: "Record", ax):
     """Draw the mean force on each pillar as a dot at its position."""
     table = record.pillars
-    step = -(-len(table["x_m"]) // MAX_DOTS)
-    shown = {"x_m": quantity.offset_m, "y_m": quantity.y_m, "normal_force_N": quantity.normal_force_N}
-    x, y, force = (np.asarray(table[name])[::step] * each.scale for name, each in shown.items())
+    step = -(-len(table.x_m) // MAX_DOTS)
+    across, up, shade = quantity.offset_m, quantity.y_m, quantity.normal_force_N
+    x, y, force = (
+        table.x_m[::step] * across.scale,
+        table.y_m[::step] * up.scale,
+        table.normal_force_N[::step] * shade.scale,
+    )
     size = float(np.clip(6e4 / x.size, 2.0, 200.0))
     dots = ax.scatter(x, y, c=force, s=size, marker="s", cmap="viridis", linewidths=0.6)
     ax.set_aspect("equal", adjustable="box")
-    ax.figure.colorbar(dots, ax=ax, label=shown["normal_force_N"].axis)
+    ax.figure.colorbar(dots, ax=ax, label=shade.axis)
     title = f"Forces on the pillars{_at_last_level(record)}"
-    return finished(ax, shown["x_m"].axis, shown["y_m"].axis, title, columns=0, grid=False)
+    return finished(ax, across.axis, up.axis, title, columns=0, grid=False)
 
 
 def power(record: "Record", ax):

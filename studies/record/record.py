@@ -5,7 +5,7 @@ The modules that draw and write are imported when they are needed.
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,7 +14,7 @@ import numpy as np
 from studies.record.blocks import ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
 from studies.record.point import Point
 from studies.record.quantities import quantity
-from studies.record.values import Values
+from studies.record.values import Columns, Values
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
@@ -31,9 +31,6 @@ BLOCKS = (
     "tolerance", "wave", "electrical", "points", "summary", "heat", "uncertainty", "measured", "error", "model_error",
     "warnings", "seconds", "left_out", "shortfall",
 )  # fmt: skip
-VALUES: dict[str, type[Values]] = {
-    "wave": WaveBlock, "electrical": ElectricalBlock, "summary": SummaryBlock, "heat": HeatBlock, "error": ErrorBlock,
-}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -68,9 +65,9 @@ class Record:
     refused : bool
         True if the shortfall holds for the whole answer: a node of the wave, a field that the model does not resolve,
         or a neglected effect as large as the answer; False after `load`.
-    surface : dict of str to array
+    surface : studies.record.values.Columns
         Columns of surface.csv (driven stator) or of profile.csv (free wave).
-    pillars, slider_wave : dict of str to array
+    pillars, slider_wave : studies.record.values.Columns
         Columns of pillars.csv and slider_wave.csv at the last level (slider on pillars).
     trajectories : tuple of (level, contact.Trajectory or Motion)
         With a burst.
@@ -108,17 +105,18 @@ class Record:
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     refused: bool = field(default=False, repr=False, compare=False)
-    surface: dict = field(default_factory=dict, repr=False)
-    pillars: dict = field(default_factory=dict, repr=False)
-    slider_wave: dict = field(default_factory=dict, repr=False)
+    surface: Columns = field(default_factory=Columns, repr=False)
+    pillars: Columns = field(default_factory=Columns, repr=False)
+    slider_wave: Columns = field(default_factory=Columns, repr=False)
     trajectories: tuple = field(default=(), repr=False)
     surface_motion: Any = field(default=None, repr=False, compare=False)
     meshed_pieces: tuple[tuple[float, float], ...] = field(default=(), repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
-        for name, kind in VALUES.items():
-            object.__setattr__(self, name, kind.read(getattr(self, name)))
+        for each in fields(self):
+            if isinstance(each.type, type) and issubclass(each.type, (Values, Columns)):  # a dict is taken too
+                object.__setattr__(self, each.name, each.type.read(getattr(self, each.name)))
         object.__setattr__(self, "points", tuple(map(Point.read, self.points)))
 
     @property

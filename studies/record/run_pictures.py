@@ -240,7 +240,7 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
     """
     columns, scene = record.surface, record.scene
     label, scale, up = quantity.x_m.axis, quantity.x_m.scale, quantity.amplitude_m_per_V
-    x = columns["x_m"] * scale
+    x = columns.x_m * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
     wavelength = scale * (record.wave.phase_velocity_m_per_s or math.inf) / record.wave.frequency_Hz
     rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
@@ -310,11 +310,11 @@ def _window(record: "Record", ax, x, values, wavelength: float):
 def profile(record: "Record", ax):
     """Draw the free wave's displacements against depth."""
     columns, across = record.surface, quantity.depth_m
-    depth = -columns["z_m"] * across.scale
-    for name, colour in (("u_z", "slip"), ("u_x", "intermittent"), ("u_y", "second")):
-        values = columns[f"{name}_per_m_of_u_z"]
+    depth = -columns.z_m * across.scale
+    for axis, colour in (("z", "slip"), ("x", "intermittent"), ("y", "second")):
+        values = columns[f"u_{axis}_per_m_of_u_z"]
         if abs(values).max() > 1e-9:
-            part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
+            part, label = (values.imag, f"Im u_{axis}") if axis == "x" else (values.real, f"Re u_{axis}")
             curve(ax, depth, part, ".-", colour, label)
     velocity = quantity.phase_velocity_m_per_s.with_unit(record.wave.phase_velocity_m_per_s)
     title = f"{record.scene.title}: {velocity}"

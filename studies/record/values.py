@@ -102,6 +102,11 @@ class Columns(dict):
     [1000000.0]
     """
 
+    @classmethod
+    def read(cls, columns: Mapping[str, Any]) -> Self:
+        """Return the columns of a mapping."""
+        return columns if isinstance(columns, cls) else cls(columns)
+
     def __getattr__(self, name: str) -> Any:
         if name not in self:
             raise AttributeError(f"no column {name!r}")

@@ -96,7 +96,7 @@ def _drive(record: Record) -> Iterator[str]:
         return
     c = fem_objects.solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
-    u_x = highest * float(abs(record.surface["u_x_m_per_V"]).max())
+    u_x = highest * float(abs(record.surface.u_x_m_per_V).max())
     stress = stiffness * surface_strain(record, highest)
     if stress > limits.tensile_stress:
         yield (

@@ -43,6 +43,7 @@ USUAL_VELOCITY = 3000.0
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
 Effects = Iterator[tuple]  # fields of `Effect`
+AMPLITUDE = "u_z"  # the quantity that most effects change: the normal amplitude under the slider
 
 
 class Effect(NamedTuple):
@@ -246,7 +247,7 @@ def surface_strain(record: Record, level: float) -> float:
     if wave is not None:
         velocity = USUAL_VELOCITY if wave.wavelength is None else wave.wavelength * wave.frequency
         return 2 * math.pi * wave.frequency / velocity * level * max(1.0, wave.tangential_ratio)
-    return 2 * math.pi / wavelength(record) * level * float(abs(record.surface["u_x_m_per_V"]).max())
+    return 2 * math.pi / wavelength(record) * level * float(abs(record.surface.u_x_m_per_V).max())
 
 
 def large_strain(record: Record, level: float) -> Effects:

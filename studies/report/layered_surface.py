@@ -120,7 +120,7 @@ def layered_surface_wave(
         shorted_velocity_m_per_s=shorted,
         coupling_K2=coupling,
         waves=[
-            Columns(name=each.name, velocity_m_per_s=each.velocity, surface_ratio=each.surface_ratio)
+            dict(name=each.name, velocity_m_per_s=each.velocity, surface_ratio=each.surface_ratio)
             for each in waves
         ],
         depth_profile=profile,
@@ -146,7 +146,7 @@ def layered_answer(answer: Columns) -> str:
         where = "at the surface" if plane == "surface" else f"below {plane} layer{'s' * (plane != '1')}"
         coupling = 100.0 * answer["coupling_K2"][plane]
         lines.append(("electrode", f"{where}: {velocity:.8g} m/s, K2 {coupling:.4g} %"))
-    for each in answer["waves"]:
+    for each in map(Columns, answer["waves"]):
         lines.append((each["name"], f"{each.velocity_m_per_s:.8g} m/s, |u_x/u_z| {each.surface_ratio:.4g}"))
     profile = answer["depth_profile"]
     depths = [[quantity.depth_wavelengths.axis, "|u_x|", "|u_y|", "|u_z|"]]

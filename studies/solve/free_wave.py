@@ -7,6 +7,7 @@ from studies.model import fem_objects
 from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.blocks import ErrorBlock, WaveBlock
+from studies.record.values import Columns
 from studies.scene import Scene
 
 
@@ -15,7 +16,7 @@ def free_wave_record(scene: Scene, tolerance: float) -> Record:
     start_time = time.perf_counter()
     with as_run_errors():
         wave = fem.free_wave(fem_objects.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
-    names = [f"{name}_per_m_of_u_z" for name in ("u_x", "u_y", "u_z", "phi_V")]
+    u_x, u_y, u_z, phi = wave.profile.T
     block = WaveBlock(
         frequency_Hz=wave.frequency, phase_velocity_m_per_s=wave.velocity, surface_ratio=wave.surface_ratio,
         attenuation_per_m=wave.attenuation,
@@ -24,5 +25,7 @@ def free_wave_record(scene: Scene, tolerance: float) -> Record:
         scene=scene, tolerance=tolerance, wave=block,
         error=ErrorBlock(relative=wave.relative_error, parts={"stator": wave.relative_error}),
         seconds={"stator": time.perf_counter() - start_time},
-        surface={"z_m": wave.depth} | dict(zip(names, wave.profile.T, strict=True)),
+        surface=Columns(
+            z_m=wave.depth, u_x_per_m_of_u_z=u_x, u_y_per_m_of_u_z=u_y, u_z_per_m_of_u_z=u_z, phi_V_per_m_of_u_z=phi
+        ),
     )  # fmt: skip

@@ -126,7 +126,7 @@ def _wavelength(record: Record) -> float:
 
 def _along(record: Record):
     """Return the density of the loss along x: the mean square of u_z over half a wavelength."""
-    x, square = record.surface["x_m"], np.abs(record.surface["u_z_m_per_V"]) ** 2
+    x, square = record.surface.x_m, np.abs(record.surface.u_z_m_per_V) ** 2
     width = 0.5 * _wavelength(record)
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (square[1:] + square[:-1]) * np.diff(x))])
 

@@ -6,6 +6,7 @@ import fem
 from studies.record.blocks import ErrorBlock, WaveBlock
 from studies.record.point import Point
 from studies.record.status import Status
+from studies.record.values import Columns
 from studies.scene import Scene
 from studies.solve.surface_motion import SurfaceMotion
 
@@ -85,7 +86,7 @@ def amplitude_blocks(scene: Scene, motion: SurfaceMotion, position: tuple[float,
     return {"points": points, "error": block, "shortfall": short if error > tolerance else ""}
 
 
-def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
+def surface_columns(scene: Scene, motion: SurfaceMotion) -> Columns:
     """Return x and the motion per volt along the section, or along y = 0 if the section does not lie along x."""
     if scene.driven_obliquely:
         spacing = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
@@ -93,4 +94,4 @@ def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
         tangential, _, normal = motion.along(x, 0.0)
     else:
         x, (tangential, normal) = motion.wave.samples()
-    return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}
+    return Columns(x_m=x, u_x_m_per_V=tangential, u_z_m_per_V=normal)

@@ -67,8 +67,8 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     decay = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
     slowness, distance = _slowness(beam, wave), abs(slider_x - driven.center)
 
-    def panel(name, title, key, at, motion, line_at, line, lateral) -> Panel:
-        surface, away, along = np.exp(decay(line)), line - driven.center, quantity(key)
+    def panel(name, title, along, at, motion, line_at, line, lateral) -> Panel:
+        surface, away = np.exp(decay(line)), line - driven.center
         return Panel(name=name, title=title, data={
             "axis": along.axis, "at": at * along.scale, "beam_m_per_V": abs(motion[2]),
             "line_at": line_at * along.scale,
@@ -77,10 +77,10 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
         })  # fmt: skip
 
     panels = [
-        panel("along", f"On the axis of {driven.name!r}", "center_distance_m", x - driven.center, axis,
+        panel("along", f"On the axis of {driven.name!r}", quantity.center_distance_m, x - driven.center, axis,
               fine_x - driven.center, fine_x, np.zeros(FINE)),
-        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y_m", y, across,
-              fine_y, np.full(FINE, slider_x), fine_y),
+        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", quantity.y_m, y,
+              across, fine_y, np.full(FINE, slider_x), fine_y),
     ]  # fmt: skip
     section, mean = abs(wave.motion(slider_x)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
     # over half a wavelength, in which echoes, which spread more than the wave, add to it once and subtract once

@@ -71,7 +71,7 @@ def expected_size(field, file: Path, instants: int) -> float:
 
 def surface_columns(field) -> dict[str, np.ndarray]:
     """Return displacement and potential of the surface as columns, one row for each surface node."""
-    table = {"x_m": field.x}
+    table = dict(x_m=field.x)
     table |= {f"u_{axis}_m_per_V": field.displacement[:, -1, k] for k, axis in enumerate("xyz")}
     return table | {"potential_V_per_V": field.potential[:, -1]}
 
@@ -80,7 +80,7 @@ def columns(field) -> dict[str, np.ndarray]:
     """Return a field with densities as columns, one row for each node, ordered by x and then by z."""
     x, z = np.meshgrid(field.x, field.z, indexing="ij")
     densities = field.densities
-    table = {"x_m": x, "z_m": z}
+    table = dict(x_m=x, z_m=z)
     table |= {f"u_{axis}_m_per_V": field.displacement[..., k] for k, axis in enumerate("xyz")}
     table |= {
         "potential_V_per_V": field.potential,

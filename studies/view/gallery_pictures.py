@@ -21,6 +21,7 @@ from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
+from studies.view.options import NORMAL
 from studies.view.picture import Picture
 from studies.view.quantities import palette
 from studies.view.views import span_views, views
@@ -34,7 +35,7 @@ FRAMES = 16
 PALETTE_COLOURS = 128  # palette size of a diagram
 DPI = 110
 DEPTH = 3.0  # of the depth profile, in wavelengths
-FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
+FIELD = {"quantity": NORMAL, "phase": 0.0, "factor": None}
 SUPPLIED = ("wave_normal", "wave_tangential")
 
 
@@ -63,7 +64,7 @@ def draw_all(gallery, folder: Path) -> None:
         LOGGER.info(f"drawing {picture}")
         figure.savefig(folder / f"{picture}.png", dpi=DPI)
         _reduce(folder / f"{picture}.png")
-    for picture, name in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
+    for picture, name in (("wave", NORMAL), ("wave_power_flow", "power_flow")):
         LOGGER.info(f"drawing {picture}")
         still(Picture(run, views(run), size=STILL, **(FIELD | {"quantity": name})), folder / f"{picture}.png")
     others = {panel.name: partial(module.figure, panel) for module, panel in gallery.others}
@@ -125,7 +126,7 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     """Draw |u_x| and |u_z| along the surface, and within 4 wavelengths of ``focus`` = (name, position in m)."""
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, middle = focus
-    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - middle) <= wavelength])
+    size = abs(record.surface.u_z_m_per_V[abs(record.surface.x_m - middle) <= wavelength])
     surface(record, whole, window=False)
     surface(record, near, curves=True)
     whole.get_legend().remove()

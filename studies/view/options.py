@@ -20,6 +20,7 @@ FORMATS = {
     "html": (".html", ".htm"),
     "data": (".vtu", ".pvd", ".csv"),
 }
+NORMAL = "u_z"  # quantity that colours a field by default
 WORDS = ("whole", "slider", "wavelength")
 SPAN, SIZE = "whole, slider, wavelength or START:STOP in mm", "WIDTHxHEIGHT in pixels, 200x100 to 8000x8000"
 
@@ -34,7 +35,7 @@ class Wanted:
     data: str | None = None
     surface: bool = False  # write only the surface into the data file
     show: str | None = None  # key of `OFFERED`; None: the field, or the contact for a scene without a stator
-    quantity: str = "u_z"  # quantity that colours the field
+    quantity: str = NORMAL  # quantity that colours the field
     phase: float = 0.0  # omega t, rad
     span: str | tuple[float, float] | None = None  # "whole", "slider", "wavelength", or two positions in m
     factor: float | None = None  # magnification of the displacement

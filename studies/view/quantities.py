@@ -44,6 +44,7 @@ class Quantity(NamedTuple):
         return f"{'amplitude of ' * self.envelope}{self.entry(False).label}"
 
 
+MOTIONS = ("u_x", "u_y", "u_z")
 QUANTITIES = {
     each.name: each
     for each in (

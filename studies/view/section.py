@@ -15,14 +15,13 @@ from scipy.interpolate import RegularGridInterpolator
 from studies.model import fem_objects
 from studies.record.surface_map import surface_map
 from studies.refusal import SceneError
-from studies.view.quantities import QUANTITIES, Shade, shade_of
+from studies.view.quantities import MOTIONS, QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
 AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn
 MAX_SPACING_RATIO = 4.0  # largest distance of drawn points over the smallest
 PAIRED = 4, 8  # as below, where neighbours along x are averaged
 PER_WAVELENGTH = 12, 8  # lines on the surface under a beam: along x; along x and y where beams cross
-MOTIONS = ("u_x", "u_y", "u_z")
 
 
 def magnification(run: RunField) -> float:

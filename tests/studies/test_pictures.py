@@ -13,6 +13,7 @@ from matplotlib.text import Text
 from contact import Orbit, Slider, burst, contact_history, steady
 from studies.model import resolve
 from studies.record import Record
+from studies.record.blocks import WaveBlock
 from studies.record.plots import COLOURS, new_figure
 from studies.record.quantities import quantities, quantity
 from studies.record.run_pictures import pictures
@@ -256,11 +257,10 @@ def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
     scene = Scene.load("twente")
     wave = {"frequency_Hz": 2.2e6, "normal_m_per_V": 0.2e-9j, "tangential_m_per_V": 0.15e-9}
     columns = {"x_m": np.array([0.0, 0.16]), "u_z_m_per_V": np.full(2, 3e-10j), "u_x_m_per_V": np.full(2, 2e-10j)}
-    record = Record(scene=resolve.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
+    plane = Record(scene=resolve.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
     for spreads in (False, True):
         figure, ax = new_figure(7.0, 4.3)
-        if spreads:
-            wave["section_normal_m_per_V"] = 3e-10j
+        record = replace(plane, wave=plane.wave | WaveBlock(section_normal_m_per_V=3e-10j)) if spreads else plane
         pictures(record)["surface"](ax)
         assert_legible(figure)
         assert labelled(figure)
