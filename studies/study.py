@@ -114,9 +114,9 @@ class Panel:
         """Return a panel of rows with the same keys."""
         return cls(name=name, title=title, data={key: [row[key] for row in rows] for key in rows[0]})
 
-    def rows(self) -> list[dict]:
+    def rows(self) -> list[Columns]:
         """Return its columns as rows."""
-        return [dict(zip(self.data, values, strict=True)) for values in zip(*self.data.values(), strict=True)]
+        return [Columns(zip(self.data, values, strict=True)) for values in zip(*self.data.values(), strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,21 +11,22 @@ from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
-# by goal: columns of a point, of which the first that has a value is taken, and True if less is better
+# by goal: quantities of a point, of which the first that has a value is taken, and True if less is better
 GOALS = {
-    "velocity": (("velocity_m_per_s",), False),  # at the slider's position
-    "mean_velocity": (("mean_velocity_m_per_s",), False),  # over half a wavelength about it
-    "thrust": (("thrust_N",), False),
-    "efficiency": (("motor_efficiency", "contact_efficiency"), False),
-    "step_resolution": (("step_m",), True),
+    "velocity": ((quantity.velocity_m_per_s,), False),  # at the slider's position
+    "mean_velocity": ((quantity.mean_velocity_m_per_s,), False),  # over half a wavelength about it
+    "thrust": ((quantity.thrust_N,), False),
+    "efficiency": ((quantity.motor_efficiency, quantity.contact_efficiency), False),
+    "step_resolution": ((quantity.step_m,), True),
 }
-# columns of the outcomes that a constraint may name, beside keys of the scene
+# outcomes that a constraint may name, beside keys of the scene
 BOUNDED = {
-    "velocity": "velocity_m_per_s", "mean_velocity": "mean_velocity_m_per_s", "ripple": "velocity_ripple",
-    "thrust": "thrust_N", "contact_pressure": "contact_pressure_Pa",
-    "stick_margin": "stick_margin", "normal_amplitude": "normal_amplitude_m", "power_W": "power_W",
+    "velocity": quantity.velocity_m_per_s, "mean_velocity": quantity.mean_velocity_m_per_s,
+    "ripple": quantity.velocity_ripple, "thrust": quantity.thrust_N, "contact_pressure": quantity.contact_pressure_Pa,
+    "stick_margin": quantity.stick_margin, "normal_amplitude": quantity.normal_amplitude_m,
+    "power_W": quantity("sweep.power_W"),
 }  # fmt: skip
-SIGNED = (BOUNDED["velocity"], BOUNDED["mean_velocity"])  # their size is compared with the bound
+SIGNED = (BOUNDED["velocity"].column, BOUNDED["mean_velocity"].column)  # their size is compared with the bound
 MINIMISED = (
     "power_W",
     "ripple",
@@ -86,13 +87,13 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
     >>> [each.columns for each in read_goals(["velocity", "least power_W"], ())]
     [('velocity_m_per_s',), ('power_W',)]
     """
-    least = {name: BOUNDED[name] for name in MINIMISED} | {each.key: each.key for each in variables}
+    least = {name: BOUNDED[name].column for name in MINIMISED} | {each.key: each.key for each in variables}
     goals = []
     for text in texts:
         name = text.removeprefix(LEAST)
         if text in GOALS:
-            columns, less = GOALS[text]
-            goals.append(Goal(name=text, columns=columns, less=less))
+            shown, less = GOALS[text]
+            goals.append(Goal(name=text, columns=tuple(each.column for each in shown), less=less))
         elif text != name and name in least:
             goals.append(Goal(name=text, columns=(least[name],), less=True))
         elif text != name:
@@ -126,8 +127,7 @@ def read_constraint(text: str | Constraint) -> Constraint:
     name, sign, value = match.groups()
     bound: float | str | tuple
     if name in BOUNDED:
-        column = BOUNDED[name]
-        unit = quantity(column).unit.removeprefix("1")
+        column, unit = BOUNDED[name].column, BOUNDED[name].unit.removeprefix("1")
         bound = float(value) if is_number(value) else si_value(f"constraints {name}", value, unit)
     elif "." in name:
         column, bound = name, rule_at(name).read(name, float(value) if is_number(value) else value)

@@ -218,7 +218,11 @@ class Record:
         """
         words = (str, list, tuple)
         known = {name for point in self.points for name, value in point.items() if not isinstance(value, words)}
-        known |= {"voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error"}
+        usual = (
+            quantity.voltage_V, quantity.normal_amplitude_m, quantity.tangential_amplitude_m,
+            quantity.velocity_m_per_s, quantity.relative_error,
+        )  # fmt: skip
+        known |= {each.column for each in usual}
         if key not in known:
             raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
         return _numbers(point.get(key) for point in self.points)

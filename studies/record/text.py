@@ -5,7 +5,7 @@ import csv
 import io
 import json
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock
@@ -91,7 +91,7 @@ def markdown(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
     return [head, "|" + "---|" * (head.count(" | ") + 1), *body]
 
 
-def csv_text(rows: list[dict]) -> str:
+def csv_text(rows: Sequence[dict]) -> str:
     """Return rows as CSV, None as an empty cell.
 
     Examples

@@ -156,8 +156,11 @@ def _contact(record: Record):
     yield "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED
     yield "bounce and ring at rest", ", ".join(resonances), CLOSED
     stator = record.wave.relative_error or 0.0
-    for key, event in (("threshold", "slider begins to slip"), ("release", "contact is first lost")):
-        amplitude, voltage = (record.summary.get(f"{key}_{each}") for each in ("amplitude_m", "voltage_V"))
+    limits = record.summary
+    for amplitude, voltage, event in (
+        (limits.threshold_amplitude_m, limits.threshold_voltage_V, "slider begins to slip"),
+        (limits.release_amplitude_m, limits.release_voltage_V, "contact is first lost"),
+    ):
         if amplitude is not None:
             value = si(amplitude, "m") + ("" if voltage is None else f" at {si(voltage, 'V')}")
             error = CLOSED + (f", of the stator {_error(stator)}" if stator else "")

@@ -7,6 +7,8 @@ import pytest
 import fem
 from studies.evidence import calibration
 from studies.evidence.calibration import VARIED, Checked, compared, drawn
+from studies.record.blocks import ErrorBlock, WaveBlock
+from studies.record.point import Point
 from studies.refusal import RunError, SceneError
 from studies.runs import run
 from studies.scene import Scene
@@ -90,8 +92,9 @@ def test_an_estimate_of_nothing_is_broken_by_any_error():
 
 
 def answer(velocity, estimate):
-    point = {"velocity_m_per_s": velocity, "tangential_amplitude_m": 1e-9, "relative_error": estimate}
-    return SimpleNamespace(points=(point,), wave={"frequency_Hz": 1e6}, error={"relative": estimate}, shortfall="")
+    point = Point(velocity_m_per_s=velocity, tangential_amplitude_m=1e-9, relative_error=estimate)
+    wave, error = WaveBlock(frequency_Hz=1e6), ErrorBlock(relative=estimate)
+    return SimpleNamespace(points=(point,), wave=wave, error=error, shortfall="")
 
 
 @pytest.mark.parametrize(

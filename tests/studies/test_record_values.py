@@ -1,17 +1,21 @@
 """Points and blocks of a record: their fields are the table of quantities, and they read as mappings."""
 
+import ast
 import copy
 import dataclasses
 import json
 import pickle
 import re
+from pathlib import Path
 
 import pytest
 
+import studies
 from studies.record.blocks import ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
 from studies.record.point import Point
-from studies.record.quantities import quantities
+from studies.record.quantities import quantities, quantity
 from studies.record.values import Complex, Count, Flag, Number, Pair, Text
+from studies.refusal import SceneError
 
 BLOCKS = {
     WaveBlock: ("wave",), ElectricalBlock: ("electrical",), SummaryBlock: ("summary",), HeatBlock: ("heat",),
@@ -112,3 +116,20 @@ def test_a_run_of_an_older_version_is_loaded_and_written_again_as_it_was(tmp_pat
     assert loaded.points[0].stick_margin is None
     assert loaded.points[0]["margin_of_old"] == record.points[0].stick_margin
     assert json.dumps(loaded.to_dict()) == json.dumps(json.loads(older))
+
+
+def test_every_quantity_that_the_source_names_is_in_the_table():
+    """``quantity.NAME`` is looked up when it is reached; a wrong name is seen here without reaching it."""
+    named = set()
+    for file in Path(studies.__file__).parent.rglob("*.py"):
+        text = file.read_text(encoding="utf-8")
+        if re.search(r"^ *from studies\.record\.quantities import .*\bquantity\b", text, re.MULTILINE):
+            named |= {
+                node.attr
+                for node in ast.walk(ast.parse(text))
+                if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "quantity"
+            }
+    assert {"velocity_m_per_s", "time_s"} <= named
+    assert named - {each.column for each in quantities().values() if each.label} == set()
+    with pytest.raises(SceneError, match="is no quantity of a record"):
+        quantity.velocity_in_knots  # noqa: B018

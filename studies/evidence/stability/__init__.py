@@ -17,6 +17,7 @@ from importlib import import_module
 from studies.evidence.stability.verdict import VERDICTS, cases_of, judge
 from studies.record.plots import finished, saved
 from studies.record.text import csv_text, markdown
+from studies.record.values import Columns
 from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
@@ -55,7 +56,7 @@ def run(*, parts: tuple[str, ...] = tuple(PARTS), cases: int | None = None) -> A
         value = f"{case.value:g} {case.unit}".rstrip()
         LOGGER.info(f"stability: {number} of {len(selected)}, {case.part}, {case.varied} {value}")
         rows.append(case_row(case, judge(module, case)))
-    return [part_panel(part, [row for row in rows if row["part"] == part]) for part in parts], (
+    return [part_panel(part, [row for row in rows if row.part == part]) for part in parts], (
         atlas_findings(rows, whole=cases is None and {*parts} == {*PARTS})
     )
 
@@ -72,23 +73,23 @@ def tables(record: StudyRecord) -> dict[str, str]:
     return {"cases.csv": csv_text(rows), "summary.md": summary(rows)}
 
 
-def summary(rows: list[dict]) -> str:
+def summary(rows: list[Columns]) -> str:
     """Return a markdown table with one row for each varied quantity."""
     head = ["part", "varied", "from", "to", "cases", *VERDICTS, "worst error / estimate", "seconds", "guard"]
     table = []
-    for part, varied in dict.fromkeys((row["part"], row["varied"]) for row in rows):
-        selected = [row for row in rows if (row["part"], row["varied"]) == (part, varied)]
-        verdicts = Counter(row["verdict"] for row in selected)
-        guards = Counter(row["guard"] for row in selected if row["guard"])
+    for part, varied in dict.fromkeys((row.part, row.varied) for row in rows):
+        selected = [row for row in rows if (row.part, row.varied) == (part, varied)]
+        verdicts = Counter(row.verdict for row in selected)
+        guards = Counter(row.guard for row in selected if row.guard)
         ratios = [ratio for ratio in map(_ratio, selected) if ratio is not None]
         unit = f" {selected[0]['unit']}".rstrip()
         table.append([
             part, varied, f"{selected[0]['value']}{unit}", f"{selected[-1]['value']}{unit}", str(len(selected)),
             *(str(verdicts[verdict] or "") for verdict in VERDICTS), f"{max(ratios):.2g}" if ratios else "",
-            f"{sum(row['seconds'] for row in selected):.1f}",
+            f"{sum(row.seconds for row in selected):.1f}",
             guards.most_common(1)[0][0][:110].replace("|", "/") if guards else "",
         ])  # fmt: skip
-    total = Counter(row["verdict"] for row in rows)
+    total = Counter(row.verdict for row in rows)
     counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
     return "\n".join([*markdown(head, table), "", f"{len(rows)} cases: {counts}"]) + "\n"
 
@@ -97,18 +98,18 @@ def summary(rows: list[dict]) -> str:
 def figure(record: Panel, ax):
     """Draw the verdicts of a part: one line for each quantity, with its values in order."""
     rows = record.rows()
-    names = list(dict.fromkeys((row["varied"], row["unit"]) for row in rows))
+    names = list(dict.fromkeys((row.varied, row.unit) for row in rows))
     for line, (varied, unit) in enumerate(names):
-        selected = [row for row in rows if row["varied"] == varied]
+        selected = [row for row in rows if row.varied == varied]
         for index, row in enumerate(selected):
-            colour, mark, size = STYLES[row["verdict"]]
+            colour, mark, size = STYLES[row.verdict]
             x = index / max(len(selected) - 1, 1)
             ax.scatter(x, line, color=colour, marker=mark, s=size if len(selected) < 40 else size / 3, zorder=3)
         ax.plot([0, 1], [line, line], color="#dddddd", linewidth=0.8, zorder=1)
         for x, row, side in ((-0.02, selected[0], "right"), (1.02, selected[-1], "left"))[: len(selected)]:
-            ax.text(x, line, f"{row['value']} {unit}".rstrip(), ha=side, va="center", fontsize="x-small")
+            ax.text(x, line, f"{row.value} {unit}".rstrip(), ha=side, va="center", fontsize="x-small")
     for verdict, (colour, mark, size) in STYLES.items():
-        count = sum(row["verdict"] == verdict for row in rows)
+        count = sum(row.verdict == verdict for row in rows)
         ax.scatter([], [], color=colour, marker=mark, s=size, label=f"{verdict} ({count})")
     ax.set_yticks(range(len(names)), [varied for varied, _ in names], fontsize="small")
     ax.set_ylim(len(names) - 0.4, -0.6)
@@ -123,9 +124,9 @@ def against_estimate(panels: tuple[Panel, ...], ax):
     """Draw the true error of every answer against its stated error."""
     for panel in panels:
         pairs = [
-            (row["relative_estimate"], row["relative_error"])
+            (row.relative_estimate, row.relative_error)
             for row in panel.rows()
-            if row["relative_error"] is not None and row["relative_estimate"] is not None
+            if row.relative_error is not None and row.relative_estimate is not None
         ]
         drawn = [(max(estimate, 1e-16), max(error, 1e-16)) for estimate, error in pairs]
         style = {"color": COLOURS[panel.name], "markersize": 4, "alpha": 0.7}
@@ -146,36 +147,41 @@ def draw(record: StudyRecord, folder) -> None:
     saved(folder / "error_against_estimate.png", lambda ax: against_estimate(record.panels, ax), size=(6.5, 5.5))
 
 
-def case_row(case, outcome) -> dict:
+def case_row(case, outcome) -> Columns:
     """Return a case and its outcome as JSON-compatible data, with None instead of NaN."""
-    numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
-    finite = {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
-    row = {"part": case.part, "varied": case.varied, "value": f"{case.value:g}", "unit": case.unit}
-    return row | {"verdict": outcome.verdict, **finite, "seconds": float(outcome.seconds), "guard": outcome.guard}
+
+    def finite(number: float) -> float | None:
+        return float(number) if math.isfinite(number) else None
+
+    return Columns(
+        part=case.part, varied=case.varied, value=f"{case.value:g}", unit=case.unit, verdict=outcome.verdict,
+        relative_error=finite(outcome.relative_error), relative_estimate=finite(outcome.relative_estimate),
+        seconds=float(outcome.seconds), guard=outcome.guard,
+    )  # fmt: skip
 
 
-def part_panel(part: str, rows: list[dict]) -> Panel:
+def part_panel(part: str, rows: list[Columns]) -> Panel:
     """Return the rows of the cases of one part as columns of a panel."""
     return Panel.of_rows(part, f"{part}: {len(rows)} extreme cases", rows)
 
 
-def _ratio(row: dict) -> float | None:
+def _ratio(row: Columns) -> float | None:
     """Return the ratio of error to estimate, or None if one of them is missing."""
-    error, estimate = row["relative_error"], row["relative_estimate"]
+    error, estimate = row.relative_error, row.relative_estimate
     if error is None or estimate is None or not estimate > 1e-12:
         return None
     return error / estimate
 
 
-def atlas_findings(rows: list[dict], *, whole: bool = True) -> tuple[Finding, ...]:
+def atlas_findings(rows: list[Columns], *, whole: bool = True) -> tuple[Finding, ...]:
     """Return the findings on all rows: enough cases, and none of them wrong.
 
     ``whole``: False for a part of the study, whose number of cases is not judged.
     """
-    total = Counter(row["verdict"] for row in rows)
-    wrong = [row for row in rows if row["verdict"] == "WRONG"]
-    worst = "; ".join(f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5])
-    referenced = [row for row in rows if row["relative_error"] is not None]
+    total = Counter(row.verdict for row in rows)
+    wrong = [row for row in rows if row.verdict == "WRONG"]
+    worst = "; ".join(f"{row.part}, {row.varied} {row.value}: {row.guard[:80]}" for row in wrong[:5])
+    referenced = [row for row in rows if row.relative_error is not None]
     counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
     remark = f"{counts}; {len(referenced)} answers compared with a reference"
     return (
