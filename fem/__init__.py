@@ -13,6 +13,7 @@ from importlib import import_module
 # Public names by the module that defines them, in the order of the method.
 _PUBLIC = {
     "materials": "anisotropic catalogue fields isotropic material rotated Solid VACUUM_PERMITTIVITY",
+    "materials.solids": "IsotropicConstants",
     "materials.rotation": "CONVENTIONS euler_angles isotropic_about_normal named_cut rotation_matrix",
     "materials.tables": "catalogue_table catalogue_text material_names",
     "materials.temperature": "COEFFICIENT_ORDERS expansion_along expansions in_cold_lengths solid_at table_at",

@@ -8,24 +8,24 @@ is an open strip, whose potential is such that it carries no net charge.  Finger
 fingers "+" alone a shorted one.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from numbers import Integral
-from typing import Literal, get_args
+from typing import Annotated, Literal
 
 import numpy as np
 
-from fem.exceptions import InputError, refuse_unless_positive
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
 from fem.mesh.piece_warnings import arc_warnings, corner_warnings
 from fem.mesh.placement import Placement, placement
+from fem.parameters import ComplexNumber, Count, Number, Parameters, Signs, Words, shown
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
-SIGNS = "+-0o"
+MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
 # Finger edges of a mesh and of a transducer are equal if they differ by less than this fraction of the pitch.
 SAME_FINGER = 1e-3
 # Largest outer gap of a transducer, as a fraction of the bare surface up to its neighbour: both gaps together fit.
@@ -33,7 +33,7 @@ CLEARANCE = 0.45
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stator:
+class Stator(Parameters):
     """Body of the stator: its solid, its size and the boundary conditions on its sides.
 
     Attributes
@@ -50,23 +50,14 @@ class Stator:
         Parts of the section that the user describes by meshes.
     """
 
+    prefix = "stator"
     solid: Solid
-    length: float
-    thickness: float
+    length: Annotated[float, Number("m")]
+    thickness: Annotated[float, Number("m", infinite=True)]
     bottom: Bottom = "free"
     ends: Ends
     above: Above = "none"
     pieces: tuple[MeshPiece, ...] = ()
-
-    def __post_init__(self):
-        refuse_unless_positive("stator.length", self.length, "m")
-        if not self.thickness > 0:
-            raise InputError("stator.thickness", "must be positive", self.thickness, "m")
-        for name, allowed in (("bottom", Bottom), ("ends", Ends), ("above", Above)):
-            if getattr(self, name) not in get_args(allowed):
-                raise InputError(
-                    f"stator.{name}", f"must be one of {', '.join(get_args(allowed))}", getattr(self, name)
-                )
 
     @property
     def absorbs_below(self) -> bool:
@@ -104,7 +95,7 @@ class Stator:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Transducer:
+class Transducer(Parameters):
     """Two interleaved electrodes on the surface.
 
     Attributes
@@ -134,41 +125,29 @@ class Transducer:
         Rotation about the surface normal, from x towards y, in rad; it must be 0 in a section.
     """
 
+    prefix = "transducer"
+    owner = property(lambda self: self.name)
     name: str
-    center: float
-    finger_pairs: int
-    period: float
-    metallisation: float
-    aperture: float
-    termination: str | complex = "open"
-    pattern: str | None = None
+    center: Annotated[float, Number("m", negative=True)]
+    finger_pairs: Annotated[int, Count(most=100_000)]
+    period: Annotated[float, Number("m")]
+    metallisation: Annotated[float, Number(least=MIN_WIDTH, most=1 - MIN_WIDTH)]
+    aperture: Annotated[float, Number("m")]
+    termination: Annotated[str | complex, Words(("open", "short")) | ComplexNumber("ohm")] = "open"
+    pattern: Annotated[str | None, Signs("+-0o")] = None
     split: bool = False
-    center_y: float = 0.0
-    angle: float = 0.0
+    center_y: Annotated[float, Number("m", negative=True)] = 0.0
+    angle: Annotated[float, Number("rad", negative=True)] = 0.0
 
-    def __post_init__(self):
-        def refuse(name: str, rule: str, unit: str = ""):
-            raise InputError(f"transducer.{name}", rule, getattr(self, name), unit, owner=self.name)
-
-        for name in ("period", "aperture"):
-            refuse_unless_positive(f"transducer.{name}", getattr(self, name), "m", owner=self.name)
-        for name, unit in (("center", "m"), ("center_y", "m"), ("angle", "rad")):
-            if not np.isfinite(getattr(self, name)):
-                refuse(name, "must be finite", unit)
-        if not isinstance(self.finger_pairs, Integral) or self.finger_pairs < 1:
-            refuse("finger_pairs", "must be an integer of at least 1")
-        if not 0 < self.metallisation < 1:
-            refuse("metallisation", "must lie between 0 and 1")
-        count = self.finger_pairs * (4 if self.split else 2)
-        if self.pattern is not None and (len(self.pattern) != count or set(self.pattern) - set(SIGNS)):
-            refuse("pattern", f"must be {count} of the signs {' '.join(SIGNS)}, one per finger")
-        if set(self.signs) == {"0"}:
-            refuse("pattern", "must leave at least one finger")
-        if isinstance(self.termination, str):
-            if self.termination not in ("open", "short"):
-                refuse("termination", "must be open, short or an impedance in ohm")
-        elif not np.isfinite(self.termination):
-            refuse("termination", "must be a finite impedance", "ohm")
+    def check_pattern(self) -> Iterator[tuple[str, str]]:
+        """Require a pattern of one sign for each finger, which leaves at least one."""
+        count, pattern = self.finger_pairs * (4 if self.split else 2), self.pattern
+        if pattern is not None and len(pattern) != count:
+            each = "four" if self.split else "two"
+            rule = f"must have {count} signs, {each} for each of the {self.finger_pairs} finger_pairs"
+            yield "pattern", f"{rule}, got {len(pattern)}: {shown(pattern)}"
+        if pattern is not None and set(pattern) == {"0"}:
+            yield "pattern", f"must leave at least one finger, got {shown(pattern)}"
 
     @property
     def signs(self) -> str:

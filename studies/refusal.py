@@ -5,6 +5,8 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
+from fem.parameters import shown as shown
+
 # Exit codes of the command
 EXIT_INEXACT = 1  # an answer that misses its tolerance, or is refused for its model error
 EXIT_BAD_INPUT, EXIT_NO_ANSWER = 2, 3
@@ -126,14 +128,3 @@ def needed(module: str, what: str) -> Any:
     except ImportError:
         package = PACKAGES.get(module, module)
         raise RunError(f"{what} needs {package}, which is not installed: pip install {package}") from None
-
-
-def shown(value: Any) -> str:
-    """Return a value as an error quotes it: on one line and short."""
-    try:
-        # TOML's dates and times are the only values without a Python literal
-        text = repr(value) if type(value).__module__ != "datetime" else f"the date or time {value} (quotes are missing)"
-    except (ValueError, RecursionError):  # an integer of more digits than Python prints, or nesting without end
-        text = f"a {type(value).__name__} too large to print"
-    text = " ".join(text.split())
-    return text if len(text) <= 60 else text[:57] + "..."

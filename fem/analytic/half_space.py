@@ -15,9 +15,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
-from fem.exceptions import ConvergenceError, InputError, refuse_unless_positive
+from fem.exceptions import ConvergenceError
 from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
+from fem.parameters import InputError, non_negative, positive
 
 Surface = Literal["vacuum", "open", "metallised"]
 SURFACES: tuple[Surface, ...] = get_args(Surface)
@@ -81,8 +82,7 @@ class HalfSpaceWave:
         from scipy.linalg import expm
 
         depth = np.atleast_1d(np.asarray(depth, dtype=float))
-        if not np.all(depth >= 0):
-            raise InputError("depth", "must be 0 or positive", depth.min(), "wavelengths")
+        non_negative("depth", depth.min(initial=0.0), "wavelengths")
         amplitudes = expm(2j * np.pi * depth[:, None, None] * self._decay) @ self._amplitude
         return expanded(amplitudes, self.fields, self._potential_unit)
 
@@ -210,6 +210,6 @@ def automatic_period(solid: Solid, frequency: float, metallisation: float) -> fl
     It is the wavelength of the lossless half-space, part metallised, (metallisation v_metal + (1 - metallisation)
     v_vacuum) over the frequency; metallisation: finger width over finger width plus gap.
     """
-    refuse_unless_positive("frequency", frequency, "Hz")
+    positive("frequency", frequency, "Hz")
     metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
     return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

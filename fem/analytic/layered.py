@@ -16,36 +16,34 @@ Z <- Z (1 + S Z)^-1 with S = k stress_unit/K.
 Below the slowest bulk wave of the half-space Z is Hermitian and falls with v between its poles.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
 from fem.analytic.half_space import expanded
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
-from fem.exceptions import InputError, refuse_unless_positive
 from fem.materials import VACUUM_PERMITTIVITY, Solid, fields
 from fem.materials.medium import Medium, medium, units
+from fem.parameters import InputError, Number, Parameters, positive
 
 REAL = 1e-9  # |Im p| over the largest |p| below which a partial wave does not decay
 ORDER = ("ux", "uy", "uz", "phi")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bond:
+class Bond(Parameters):
     """An elastic joint below a layer: stiffness per area against motion along z and in the surface, N/m^3."""
 
-    normal: float
-    tangential: float
-
-    def __post_init__(self):
-        refuse_unless_positive("bond.normal", self.normal, "N/m^3")
-        refuse_unless_positive("bond.tangential", self.tangential, "N/m^3")
+    prefix = "bond"
+    normal: Annotated[float, Number("N/m^3")]
+    tangential: Annotated[float, Number("N/m^3")]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layer:
+class Layer(Parameters):
     """A layer of a solid in the stator's frame (x along the propagation, z out of the surface).
 
     Attributes
@@ -60,16 +58,16 @@ class Layer:
         Joint to what lies below; None for a perfect one.
     """
 
+    prefix = "layer"
     solid: Solid
-    thickness: float | None = None
-    wavelengths: float | None = None
+    thickness: Annotated[float | None, Number("m")] = None
+    wavelengths: Annotated[float | None, Number("wavelengths")] = None
     bond: Bond | None = None
 
-    def __post_init__(self):
+    def check_size(self) -> Iterator[tuple[str, str]]:
+        """Require one of thickness and wavelengths."""
         if (self.thickness is None) == (self.wavelengths is None):
-            raise InputError("layer", "must have either a thickness or a number of wavelengths")
-        key = "thickness" if self.wavelengths is None else "wavelengths"
-        refuse_unless_positive(f"layer.{key}", getattr(self, key), "m" if key == "thickness" else "wavelengths")
+            yield "", "must have either a thickness or a number of wavelengths"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,7 +115,7 @@ class LayeredImpedance:
         if absolute and frequency is None:
             raise InputError("frequency", "is missing: a thickness in m or a bond needs it")
         if frequency is not None:
-            refuse_unless_positive("frequency", frequency, "Hz")
+            positive("frequency", frequency, "Hz")
         self.layers, self.omega = tuple(layers), None if frequency is None else 2.0 * np.pi * frequency
         self.absolute = absolute  # the impedance over k depends on the frequency, beside v
         solids = (substrate, *(each.solid for each in layers))

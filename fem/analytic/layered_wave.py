@@ -14,8 +14,9 @@ import numpy as np
 
 from fem.analytic.half_space import BELOW_LIMIT, surface_named
 from fem.analytic.layered import Layer, LayeredImpedance, Stack
-from fem.exceptions import ConvergenceError, InputError
+from fem.exceptions import ConvergenceError
 from fem.materials import Solid
+from fem.parameters import InputError, non_negative
 
 # velocities of the first search: in all, and of layers; 16 a wavelength missed the second wave of three of gold on Si
 GRID, GRID_PER_WAVELENGTH, MAX_GRID = 48, 128, 8000
@@ -78,8 +79,7 @@ class LayeredWave:
     def profile(self, depth) -> tuple[np.ndarray, np.ndarray]:
         """Return displacement (n, 3) and potential (n,) in V/m at depths (n,) below the top, in wavelengths."""
         depth = np.atleast_1d(np.asarray(depth, dtype=float))
-        if not np.all(depth >= 0.0):
-            raise InputError("depth", "must be 0 or positive", depth.min(), "wavelengths")
+        non_negative("depth", depth.min(initial=0.0), "wavelengths")
         impedance, top = self.impedance, self.amplitude
         remaining = 2.0 * np.pi * depth  # k times the depth below the top of the layer at hand
         values, inside = np.zeros((len(depth), len(top)), dtype=complex), np.ones(len(depth), dtype=bool)

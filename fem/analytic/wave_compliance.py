@@ -14,8 +14,8 @@ Compare Auld, *Acoustic Fields and Waves in Solids* II (1973), sections 10 and 1
 import numpy as np
 
 from fem.analytic.half_space import BELOW_LIMIT, falling_root, rayleigh, surface_impedance
-from fem.exceptions import InputError, refuse_unless_positive
 from fem.materials import Solid
+from fem.parameters import InputError, positive
 
 # Step of the angle in the five-point derivative, which is accurate to 1e-11: steps of half and twice the size agree.
 STEP = 1e-4
@@ -89,7 +89,7 @@ def spring_shift(
     >>> print(f"{fem.spring_shift(cut, 1e13, 0.844e13, 9.61e6):.4e}")
     -2.7419e-03
     """
-    refuse_unless_positive("frequency", frequency, "Hz")
+    positive("frequency", frequency, "Hz")
     for name, stiffness in (("normal", normal), ("tangential", tangential)):
         if not np.isfinite(stiffness):
             raise InputError(name, "must be a finite stiffness", stiffness, "Pa/m")

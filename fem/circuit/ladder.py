@@ -7,16 +7,17 @@ electrodes to the source, element by element, with the power lost in each (Pozar
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.parameters import InputError, Number, Parameters, Words
 
 EQUAL = 1e-9  # relative difference of stored energies that is rounding
 
 
 @dataclass(frozen=True, kw_only=True)
-class Element:
+class Element(Parameters):
     """A lumped element of a ladder.
 
     Attributes
@@ -31,16 +32,11 @@ class Element:
         Reactance over series resistance of L or C, at the frequency of evaluation.
     """
 
-    place: str
-    kind: str
-    value: float
-    quality: float = np.inf
-
-    def __post_init__(self):
-        if self.place not in ("series", "shunt") or self.kind not in ("L", "C", "R"):
-            raise InputError("element", f"must be a series or shunt L, C or R, got {self.place}_{self.kind}")
-        if not (np.isfinite(self.value) and self.value > 0 and self.quality > 0):
-            raise InputError("element", "must have a positive value and quality", self)
+    prefix = "element"
+    place: Annotated[str, Words(("series", "shunt"))]
+    kind: Annotated[str, Words(("L", "C", "R"))]
+    value: Annotated[float, Number()]
+    quality: Annotated[float, Number(infinite=True)] = np.inf
 
     def impedance(self, omega: float) -> complex:
         """Impedance in ohm at an angular frequency in rad/s."""

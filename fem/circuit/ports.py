@@ -8,15 +8,16 @@ everything below it solves for unit voltage at every port.  The open strips of a
 ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Annotated
 
 import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
 from fem.condense.electrodes import terminated
-from fem.exceptions import InputError
 from fem.geometry import Transducer
+from fem.parameters import ComplexNumber, InputError, Parameters, finite_complex, shown
 
 # Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
 MATCHING_ROUNDS = 200
@@ -24,7 +25,7 @@ MATCHING_TOLERANCE = 1e-13  # relative change of the source's impedance
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drive:
+class Drive(Parameters):
     """Sources at one or several transducers.
 
     Attributes
@@ -42,20 +43,20 @@ class Drive:
     0.5j
     """
 
+    prefix = "drive"
     sources: Mapping[str, complex]
-    impedance: complex = 0.0
+    impedance: Annotated[complex, ComplexNumber("ohm")] = 0.0
     match: Ladder = ()
 
-    def __post_init__(self):
-        if not self.sources:
-            raise InputError("sources", "must name at least one transducer, got none")
-        for name, amplitude in self.sources.items():
-            if not np.isfinite(amplitude):
-                raise InputError(f"sources.{name}", "must be finite", amplitude)
-        if not any(self.sources.values()):
-            raise InputError("sources", "must have at least one amplitude that is not 0")
-        if not np.isfinite(self.impedance):
-            raise InputError("source_impedance", "must be finite", self.impedance, "ohm")
+    def check_sources(self) -> Iterator[tuple[str, str]]:
+        """Require at least one source that is not 0."""
+        if self.sources is None:
+            return
+        sources = dict(self.sources)
+        for name, amplitude in sources.items():
+            finite_complex(f"drive.sources.{name}", amplitude)
+        if not any(sources.values()):
+            yield "sources", f"must have at least one amplitude that is not 0, got {shown(sources)}"
 
 
 def as_drive(drive: "str | Drive") -> Drive:

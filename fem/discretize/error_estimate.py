@@ -15,8 +15,9 @@ import numpy as np
 
 from fem.discretize.absorber import absorber_kind, backwardness
 from fem.discretize.grading import Resolution
-from fem.exceptions import ActivePortError, ConvergenceError, InputError
+from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator
+from fem.parameters import InputError, positive
 
 # From coarse to fine, measured on Feenstra and Breedveld's stator: both errors, admittance and motion, fall together.
 LEVELS = (
@@ -134,8 +135,7 @@ def refine(
     >>> refined.level, bool(refined.errors[0] < 1e-3), bool(abs(refined.answer - np.e + 1) < 1.01 * refined.errors[0])
     (3, True, True)
     """
-    if not tolerance > 0:
-        raise InputError("tolerance", "must be positive", tolerance)
+    positive("tolerance", tolerance, infinite=True)
     if start < 0:
         return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
     coarse: Answer | None = None

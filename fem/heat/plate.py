@@ -7,15 +7,17 @@ Carslaw and Jaeger, *Conduction of Heat in Solids* (1959), sections 3.3 and 4.2.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
-from fem.exceptions import InputError, refuse_unless_positive
+from fem.parameters import Number, Parameters
 
 MAX_BIOT_NUMBER = 0.1  # above it the temperature differs across the section
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeatedPlate:
+class HeatedPlate(Parameters):
     """A plate along x with constants of its material and its cooling.
 
     Attributes
@@ -47,25 +49,18 @@ class HeatedPlate:
     (7.604563, 679.6654)
     """
 
-    length: float
-    width: float
-    thickness: float
-    conductivity: float
-    volumetric_heat: float | None = None
-    film: float = 10.0
-    bottom: float | None = None
+    length: Annotated[float, Number("m")]
+    width: Annotated[float, Number("m")]
+    thickness: Annotated[float, Number("m")]
+    conductivity: Annotated[float, Number("W/(m K)")]
+    volumetric_heat: Annotated[float | None, Number("J/(m^3 K)")] = None
+    film: Annotated[float, Number("W/(m^2 K)", zero=True)] = 10.0
+    bottom: Annotated[float | None, Number("W/(m^2 K)", infinite=True)] = None
 
-    def __post_init__(self):
-        for key, unit in (("length", "m"), ("width", "m"), ("thickness", "m"), ("conductivity", "W/(m K)")):
-            refuse_unless_positive(key, getattr(self, key), unit)
-        if self.volumetric_heat is not None:
-            refuse_unless_positive("volumetric_heat", self.volumetric_heat, "J/(m^3 K)")
-        if self.bottom is not None and not self.bottom > 0.0:
-            raise InputError("bottom", "must be a positive conductance per area", self.bottom, "W/(m^2 K)")
-        if not (math.isfinite(self.film) and self.film >= 0.0):
-            raise InputError("film", "must be zero or positive", self.film, "W/(m^2 K)")
+    def check_cooled(self) -> Iterator[tuple[str, str]]:
+        """Require something that takes the heat."""
         if self.film == 0.0 and self.bottom is None:
-            raise InputError("film", "must be positive where no bottom takes heat: nothing cools the plate")
+            yield "film", "must be positive where no bottom takes heat: nothing cools the plate"
 
     @property
     def section(self) -> float:

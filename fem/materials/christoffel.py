@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.exceptions import refuse_unless_positive
 from fem.materials.medium import Medium, medium
 from fem.materials.rotation import fields
 from fem.materials.solids import Solid
+from fem.parameters import positive
 
 DIRECTIONS = 720
 # Waves within this angle of the surface are not tested, because they hardly go down: a matched layer absorbs the waves
@@ -89,7 +89,7 @@ def slowness_sheets(solid: Solid) -> list[Sheet]:
 
 def slowest_wavelength(solid: Solid, frequency: float) -> float:
     """Wavelength in m of the slowest bulk wave in the sagittal plane among the coupled fields, unstiffened."""
-    refuse_unless_positive("frequency", frequency, "Hz")
+    positive("frequency", frequency, "Hz")
     body = medium(solid, fields(solid), lossy=False)
     tensors = christoffel(body, np.linspace(0, np.pi, 37), stiffened=False)
     return float(np.sqrt(np.linalg.eigvalsh(tensors)[:, 0].min() / body.inertia[0]) / frequency)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.parameters import InputError, choice
 
 _TETRAGONAL = """c11 c12 c13  0   0   0
                  c12 c11 c13  0   0   0
@@ -81,8 +81,7 @@ def constant_names(crystal_class: str, *, compliant: bool = False) -> tuple[str,
     >>> constant_names("6mm", compliant=True)
     ('s11', 's12', 's13', 's33', 's44', 'd15', 'd31', 'd33', 'eps11', 'eps33')
     """
-    if crystal_class not in _CLASSES:
-        raise InputError("crystal_class", f"must be one of {', '.join(CLASSES)}", crystal_class)
+    choice("crystal_class", crystal_class, CLASSES)
     texts = [each.replace("2c", "c").replace("2e", "e").replace("-", "") for each in _CLASSES[crystal_class]]
     found = {*texts[0].split(), *texts[1].split()} - {"0"} - ({"c66"} if crystal_class in TIED_C66 else set())
     names = (*sorted(found), *sorted(set(_diagonal(crystal_class))))

@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.exceptions import InputError
 from fem.materials.solids import Solid
+from fem.parameters import InputError, choice
 
 # [phi, theta, psi] in degrees.  In X and YZ crystal axis 3 lies along x; the normal is crystal axis -1 in X, +2 in YZ.
 ORIENTATIONS: dict[str, tuple[float, float, float]] = {
@@ -51,8 +51,7 @@ def euler_angles(angles: Sequence[float], convention: str = "SAW") -> tuple[floa
     >>> euler_angles([10, -38, 20], "sawsim")
     (-20.0, 38.0, -10.0)
     """
-    if convention not in CONVENTIONS:
-        raise InputError("euler_convention", f"must be one of {', '.join(CONVENTIONS)}", convention)
+    choice("euler_convention", convention, CONVENTIONS)
     return tuple(angles) if convention == "SAW" else tuple(0.0 - each for each in reversed(angles))
 
 

@@ -7,11 +7,12 @@ eps (1 - i tan delta); e stays real.  Heating, depoling and hysteresis of the ma
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.exceptions import InputError, refuse_unless_positive
+from fem.parameters import InputError, Number, Parameters
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
 _ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
@@ -20,7 +21,7 @@ _UNITS = {"stiffness": "Pa", "coupling": "C/m2", "permittivity": "F/m"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Solid:
+class Solid(Parameters):
     """Constants of a homogeneous solid in one frame.  Two solids are equal if all their numbers are.
 
     Attributes
@@ -49,9 +50,9 @@ class Solid:
     stiffness: np.ndarray
     coupling: np.ndarray
     permittivity: np.ndarray
-    density: float
-    mechanical_quality: float = float("inf")
-    dielectric_loss: float = 0.0
+    density: Annotated[float, Number("kg/m^3")]
+    mechanical_quality: Annotated[float, Number(infinite=True)] = float("inf")
+    dielectric_loss: Annotated[float, Number(zero=True)] = 0.0
 
     def __post_init__(self):
         for key in _SHAPES:
@@ -60,13 +61,7 @@ class Solid:
                 table = _positive_definite(key, table, _UNITS[key])
             table.flags.writeable = False
             object.__setattr__(self, key, table)
-        for key in ("density", "mechanical_quality", "dielectric_loss"):
-            object.__setattr__(self, key, float(getattr(self, key)))
-        refuse_unless_positive("density", self.density, "kg/m3")
-        if not self.mechanical_quality > 0:
-            raise InputError("mechanical_quality", "must be positive", self.mechanical_quality)
-        if not (np.isfinite(self.dielectric_loss) and self.dielectric_loss >= 0):
-            raise InputError("dielectric_loss", "must be 0 or positive", self.dielectric_loss)
+        super().__post_init__()
 
     @property
     def is_piezoelectric(self) -> bool:
@@ -98,6 +93,16 @@ class Solid:
 
     def __hash__(self):
         return hash(self._identity)
+
+
+@dataclass(frozen=True, kw_only=True)
+class IsotropicConstants(Parameters):
+    """Constants of an isotropic solid: Young's modulus in Pa, Poisson's ratio, density in kg/m3 and Q_m."""
+
+    youngs_modulus: Annotated[float, Number("Pa")]
+    poisson_ratio: Annotated[float, Number(above=-1.0, below=0.5)]
+    density: Annotated[float, Number("kg/m^3")]
+    mechanical_quality: Annotated[float, Number(infinite=True)] = float("inf")
 
 
 def anisotropic(
@@ -164,9 +169,8 @@ def isotropic(
     ValueError
         Naming the constant, the rule, the value and the unit.
     """
-    refuse_unless_positive("youngs_modulus", youngs_modulus, "Pa")
-    if not -1 < poisson_ratio < 0.5:
-        raise InputError("poisson_ratio", "must lie between -1 and 0.5", poisson_ratio)
+    own: dict[str, Any] = {"density": density, "mechanical_quality": mechanical_quality}
+    IsotropicConstants(youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio, **own)
     shear = youngs_modulus / (2 * (1 + poisson_ratio))
     lame = 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio)
     stiffness = np.diag([2 * shear] * 3 + [shear] * 3)
@@ -177,8 +181,7 @@ def isotropic(
         stiffness=stiffness,
         coupling=np.zeros((3, 6)),
         permittivity=np.eye(3) * VACUUM_PERMITTIVITY,
-        density=density,
-        mechanical_quality=mechanical_quality,
+        **own,
     )
 
 

@@ -36,7 +36,8 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.discretize.error_estimate import refine
-from fem.exceptions import ConvergenceError, InputError, refuse_unless_positive
+from fem.exceptions import ConvergenceError
+from fem.parameters import InputError, positive
 from fem.results.driven_answer import SurfaceWave
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
@@ -212,7 +213,7 @@ def burst_response(
     low, high = band.limits
     if not low < frequency < high:
         raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
-    refuse_unless_positive("duration", duration, "s")
+    positive("duration", duration, "s")
     motions = _Motions(band, position, drive, frequency)
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.
     divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
@@ -274,7 +275,7 @@ def _envelope(
     share: float = 1.0,
 ) -> BurstEnvelope:
     """Envelopes of a burst; ``errors``: by the frequency step, of the response; ``frequencies``: number solved."""
-    refuse_unless_positive("duration", duration, "s")
+    positive("duration", duration, "s")
     span = np.arange(0.0, 1 / spectrum.step, spectrum.tick)
     during = int(np.count_nonzero(span < duration))
     time = np.append(span[:during], duration + span)

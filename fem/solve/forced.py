@@ -11,10 +11,11 @@ import numpy as np
 from fem.circuit import Drive
 from fem.discretize.error_estimate import GAIN_NEAR_FORCE, NEAR_FORCE, refine_stator
 from fem.discretize.grading import Resolution
-from fem.exceptions import InputError, refuse_above, refuse_unless_positive
+from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
 from fem.materials.christoffel import slowest_wavelength
+from fem.parameters import InputError, positive
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
@@ -76,7 +77,7 @@ def forced_wave(
     """
     check_layout(stator, transducers)
     for name, value, unit in (("tolerance", tolerance, ""), ("frequency", frequency, "Hz")):
-        refuse_unless_positive(name, value, unit)
+        positive(name, value, unit)
     _refuse_forces(stator, forces)
     at = np.array(places)
     nearest = _nearest(forces, at)

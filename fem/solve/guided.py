@@ -18,9 +18,10 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import absorbs_slowly, refine
 from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN, Section
-from fem.exceptions import InputError, refuse_above, refuse_unless_positive
+from fem.exceptions import refuse_above
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
+from fem.parameters import InputError, positive
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes
@@ -35,7 +36,7 @@ def _refined_modes(
     stator: Stator, frequency: float, lateral_wavenumber: float, tolerance: float, orders, difference
 ) -> tuple[GuidedModes, GuidedModes, float]:
     """Modes of the finest section that was needed, of the one before, and the error from their ``difference``."""
-    refuse_unless_positive("tolerance", tolerance)
+    positive("tolerance", tolerance)
     unit = slowest_wavelength(stator.solid, frequency)
 
     @cache
@@ -181,7 +182,7 @@ def guided_modes(
     >>> bool(np.isclose(oblique.surface_velocity, along.surface_velocity, rtol=1e-6))
     True
     """
-    refuse_unless_positive("frequency", frequency, "Hz")
+    positive("frequency", frequency, "Hz")
     if not np.isfinite(lateral_wavenumber):
         raise InputError("lateral_wavenumber", "must be finite", lateral_wavenumber, "rad/m")
     modes, coarse, error = _refined_modes(

@@ -13,10 +13,11 @@ import numpy as np
 from fem.circuit import Drive
 from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
-from fem.exceptions import InputError, refuse_above, refuse_unless_positive
+from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
 from fem.materials import fields
+from fem.parameters import InputError, positive
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
@@ -97,9 +98,8 @@ def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency:
     if "phi" not in fields(stator.solid):
         why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
         raise InputError("transducer", f"needs a piezoelectric stator, and {stator.solid.name} {why}")
-    if not tolerance > 0:
-        raise InputError("tolerance", "must be positive", tolerance)
-    refuse_unless_positive("frequency", frequency, "Hz")
+    positive("tolerance", tolerance, infinite=True)
+    positive("frequency", frequency, "Hz")
 
 
 def solution_differences(fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]) -> tuple[float, float]:

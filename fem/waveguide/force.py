@@ -11,17 +11,17 @@ its pole: U_z to the right is -i Gamma F_z for a normal force.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from fem.exceptions import InputError
+from fem.parameters import ComplexNumber, Number, Parameters
 from fem.waveguide.ends import with_gauge
 from fem.waveguide.modes import GuidedModes
 
 
 @dataclass(frozen=True, kw_only=True)
-class LineForce:
+class LineForce(Parameters):
     """A line force on the bare surface of a stator, uniform along y or over a strip of it.
 
     In the section it is the same all along y.  In the beam (`fem.surface_beam`) it acts on |y - center_y| < width / 2;
@@ -42,21 +42,14 @@ class LineForce:
         Middle of the strip, m from the stator's middle line.
     """
 
+    prefix = "force"
+    owner = property(lambda self: self.name)
     name: str
     position: float
     component: Literal["x", "z"] = "z"
-    amplitude: complex = 1.0
-    width: float = float("inf")
-    center_y: float = 0.0
-
-    def __post_init__(self):
-        if self.component not in ("x", "z"):
-            raise InputError("force.component", "must be x or z", self.component, owner=self.name)
-        for key, value, unit in (("amplitude", self.amplitude, "N/m"), ("center_y", self.center_y, "m")):
-            if not np.isfinite(value):
-                raise InputError(f"force.{key}", "must be finite", value, unit, owner=self.name)
-        if not self.width > 0:
-            raise InputError("force.width", "must be positive", self.width, "m", owner=self.name)
+    amplitude: Annotated[complex, ComplexNumber("N/m")] = 1.0
+    width: Annotated[float, Number("m", infinite=True)] = float("inf")
+    center_y: Annotated[float, Number("m", negative=True)] = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,13 +4,17 @@ A field is declared ``mass: Annotated[float, Quantity("kg"), "Mass of the whole 
 its value, the rule that reads it, and its meaning, which the reference of all keys and the JSON Schema show.
 """
 
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
+from functools import cached_property
+from importlib import import_module
 from typing import ClassVar, NoReturn, Self, get_args
 
+from fem import parameters
+from fem.parameters import Checks, Number, Parameters, rules_of
 from studies.refusal import SceneError, nearest, shown, suggestion
-from studies.scene.rule import Rule, read_each
+from studies.scene.numbers import Quantity
+from studies.scene.rule import Count, Either, Field, Rule, choice, read_each, signs
 from studies.scene.synonyms import key_for
 from studies.scene.uncertain import stated_schema
 
@@ -20,10 +24,44 @@ class Key:
     """One key of a block."""
 
     name: str
-    rule: Rule  # how it is read
+    declared: Rule  # as the block's class declares it
+    home: type["Block"]
     meaning: str  # one sentence
     required: bool  # True if its block is refused without it
     default: object  # its value when absent; None where its meaning says what absence does
+
+    @cached_property
+    def rule(self) -> Rule:
+        """How it is read: by the rule of the object's field where the block declares no other."""
+        return _with_fields(self.declared, self.home, self.name)
+
+
+def object_of(kind: type["Block"]) -> type[Parameters]:
+    """Return the class of `fem` or `contact` whose parameters a block holds, imported on first use."""
+    return _named(kind.parameters_of) if kind.parameters_of else Parameters
+
+
+def _named(path: str) -> type[Parameters]:
+    package, _, name = path.partition(".")
+    return getattr(import_module(package), name)
+
+
+def _with_fields(rule: Rule, home: type["Block"], key: str) -> Rule:
+    """Return a rule whose `Field` is the rule of the block's object."""
+    if isinstance(rule, Either):
+        return Either(tuple(_with_fields(each, home, key) for each in rule.rules))
+    if not isinstance(rule, Field):
+        return rule
+    path, _, name = (rule.name or key).rpartition(".")
+    field, _ = rules_of(_named(path) if path else object_of(home))[name]
+    if isinstance(field, Number):
+        return Quantity(**vars(field) | {"infinite": False})  # a key has a word for it
+    if isinstance(field, parameters.Count):
+        return Count(field.most)
+    if isinstance(field, parameters.Signs):
+        return signs(field.signs)
+    assert isinstance(field, parameters.Words)
+    return choice(*field.words)
 
 
 _KEYS: dict[type, dict[str, Key]] = {}  # functools.cache would take no class for mypy
@@ -37,7 +75,7 @@ def keys_of(kind: type) -> dict[str, Key]:
     for entry in fields(kind):
         rule, meaning = get_args(entry.type)[1:]
         default = None if entry.default is MISSING else entry.default
-        keys[entry.name] = Key(entry.name, rule, meaning, entry.default is MISSING, default)
+        keys[entry.name] = Key(entry.name, rule, kind, meaning, entry.default is MISSING, default)
     return keys
 
 
@@ -59,22 +97,22 @@ for operation in OPERATIONS.split():
     setattr(Unread, f"__{operation}__", _refuse)
 
 
-class Block:
-    """Base of the blocks: reads every field by its rule, then checks them together."""
+class Block(Checks):
+    """Base of the blocks: reads every field by its rule, then checks them together.
+
+    Keys that are fields of an object of `fem` or `contact` have that field's rule, and the object's checks of several
+    fields are made on the block, after its own methods ``check_...``.
+    """
 
     block: ClassVar[str]  # path in a scene
-    # Checks of several keys together: each yields key and rule of what it refuses; by default the methods ``check_...``
-    checks: ClassVar[tuple[Callable[["Block"], Iterator[tuple[str, str]]], ...]] = ()
-
-    def __init_subclass__(cls) -> None:
-        own = tuple(method for name, method in vars(cls).items() if name.startswith("check_"))
-        cls.checks = own or cls.checks
+    parameters_of: ClassVar[str] = ""  # the object, such as fem.Transducer
+    keys: ClassVar[dict[str, str]] = {}  # the object's fields that have another name as keys
 
     def __post_init__(self):
         problems = []
         for name, key in keys_of(type(self)).items():
             value = getattr(self, name)
-            if isinstance(value, Unread) or (value is None and not key.required and key.default is None):
+            if isinstance(value, Unread) or (value is key.default and not key.required):
                 continue
             try:
                 value = key.rule.read(self._path(name), value)
@@ -82,10 +120,10 @@ class Block:
                 problems += error.problems
                 value = Unread()
             object.__setattr__(self, name, value)
-        for check in type(self).checks:
+        for check in (*type(self).checks, *object_of(type(self)).checks):
             with suppress(UnreadError):
-                for path, rule in check(self):
-                    problems.append(SceneError(self._path(path), rule))
+                for name, rule in check(self):
+                    problems.append(SceneError(self._path(self.keys.get(name, name)), rule))
         if problems:
             raise SceneError.together(problems)
 

@@ -14,14 +14,13 @@ from studies.refusal import SceneError, shown
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, impedance, matrix, surface_position
 from studies.scene.quantity import si_value
-from studies.scene.rule import FLAG, TEXT, Count, Named, Plain, Rule, choice, signs
+from studies.scene.rule import FIELD, FLAG, TEXT, Field, Named, Plain, Rule, choice
 
 # As in `fem.FORMS`, `fem.ORDERS`, `fem.CONVENTIONS` and `fem.CLASSES`, without the import of numpy
 FORMS = ("stress-charge", "strain-charge")
 ORDERS = ("11 22 33 23 13 12", "11 22 33 12 23 13", "11 22 33 12 13 23")
 CONVENTIONS = ("SAW", "COMSOL", "sawsim")
 CLASSES = ("6mm", "4mm", "3m", "32", "mm2", "-43m", "m3m", "-3m", "6/mmm", "4/mmm")
-MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
 CUTS = choice("Z", "X", "YZ", "128YX", "ST-X")
 ORIENTATION = (
     CUTS
@@ -49,9 +48,11 @@ VELOCITY_COEFFICIENT = Annotated[
 ]
 TEMPERATURE = Quantity("degC", negative=True)
 ABSOLUTE_ZERO, HOTTEST_AMBIENT = -273.15, 250.0  # degC; a number of 250 and more is a room's temperature in K
-DENSITY = Annotated[float, Quantity("kg/m^3"), "Mass density."]
+DENSITY = Annotated[float, Field("fem.Solid.density"), "Mass density."]
 QUALITY = Annotated[
-    float | None, Quantity(), "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss."
+    float | None,
+    Field("fem.Solid.mechanical_quality"),
+    "Mechanical quality factor Q: the stiffness is c (1 + i/Q). Absent: no mechanical loss.",
 ]
 
 
@@ -154,7 +155,7 @@ class PiezoelectricSolid(Block):
     mechanical_quality: QUALITY = None
     dielectric_loss: Annotated[
         float | None,
-        Quantity(zero=True),
+        Field("fem.Solid.dielectric_loss"),
         "Loss tangent tan delta: the permittivity is eps (1 - i tan delta). Absent: no dielectric loss.",
     ] = None
     conductivity: CONDUCTIVITY = None
@@ -244,8 +245,9 @@ class IsotropicSolid(Block):
     aliases: Annotated[tuple | None, Listed(TEXT, distinct=True), "Other names, in the catalogue's files."] = None
     confirmed: Annotated[str | None, TEXT, "Published values that the constants give; absent: none was found."] = None
     remark: Annotated[str | None, TEXT, "What else is to be known of the constants."] = None
-    youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
-    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
+    parameters_of = "fem.IsotropicConstants"
+    youngs_modulus: Annotated[float, FIELD, "Young's modulus."]
+    poisson_ratio: Annotated[float, FIELD, "Poisson's ratio."]
     density: DENSITY
     mechanical_quality: QUALITY = None
     conductivity: CONDUCTIVITY = None
@@ -258,9 +260,7 @@ class IsotropicSolid(Block):
         """None: it has no poling."""
         return None
 
-    def check_stable(self) -> Any:
-        if self.poisson_ratio <= -1:
-            yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
+    def check_temperature(self) -> Any:
         if self.temperature is not None:
             yield from self.temperature.unknown(("youngs_modulus", "poisson_ratio"))
 
@@ -339,6 +339,7 @@ class Stator(Block):
     """The block of material that carries the wave; a vertical section of it is modelled."""
 
     block: ClassVar[str] = "stator"
+    parameters_of = "fem.Stator"
     material: Annotated[
         str | PiezoelectricSolid | IsotropicSolid,
         MATERIAL,
@@ -356,10 +357,10 @@ class Stator(Block):
         "Convention of three Euler angles. SAW: z-x-z, passive, from the crystal to the cut (128YX is [0, 38, 0]); "
         "COMSOL (in three dimensions, z normal), sawsim: from the cut to the crystal (128YX is [0, -38, 0]).",
     ] = "SAW"
-    length: Annotated[float, Quantity("m"), "Length along x, the direction of propagation."]
+    length: Annotated[float, FIELD, "Length along x, the direction of propagation."]
     thickness: Annotated[
         float | str,
-        Quantity("m") | choice("half-space"),
+        FIELD | choice("half-space"),
         "Thickness along z. half-space: unbounded below, with an exactly absorbing boundary.",
     ]
     width: Annotated[
@@ -367,20 +368,18 @@ class Stator(Block):
     ]
     bottom: Annotated[
         str,
-        choice("free", "grounded", "clamped", "absorbing"),
+        FIELD,
         "Boundary condition of the bottom. free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u ="
         " 0, D_n = 0; absorbing: no reflection.",
     ] = "free"
     ends: Annotated[
         str,
-        choice("absorbing", "free", "clamped"),
+        FIELD,
         "Boundary condition of both ends in x. absorbing: no reflection; free: no traction, D_n = 0; clamped: u = "
         "0, D_n = 0.",
     ]
     above: Annotated[
-        str,
-        choice("none", "vacuum"),
-        "Electric field above the surface. none: neglected, D_n = 0 on the bare surface; vacuum: included.",
+        str, FIELD, "Electric field above the surface. none: neglected, D_n = 0 on the bare surface; vacuum: included."
     ] = "none"
     diffraction: Annotated[
         bool | None,
@@ -394,10 +393,12 @@ class Stator(Block):
         "Side faces y = +-width/2 in the beam model. absorbing: no reflection; mirror: total reflection.",
     ] = "absorbing"
     mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q. Absent: that of the material."
+        float | None,
+        Field("fem.Solid.mechanical_quality"),
+        "Mechanical quality factor Q. Absent: that of the material.",
     ] = None
     dielectric_loss: Annotated[
-        float | None, Quantity(zero=True), "Loss tangent. Absent: that of the material. 0: lossless."
+        float | None, Field("fem.Solid.dielectric_loss"), "Loss tangent. Absent: that of the material. 0: lossless."
     ] = None
     temperature: Annotated[
         float | str | None,
@@ -446,6 +447,7 @@ class Transducer(Block):
     """Two interleaved combs of fingers on the surface; one block for each transducer."""
 
     block: ClassVar[str] = "transducer"
+    parameters_of = "fem.Transducer"
     name: Annotated[str, TEXT, "Name of the transducer, to which [drive] refers."]
     center: Annotated[
         float | tuple[float, float],
@@ -453,21 +455,17 @@ class Transducer(Block):
         "Position of the middle of the fingers: x from the left end of the stator, or [x, y] with y from its middle"
         " line.",
     ]
-    finger_pairs: Annotated[int, Count(100_000), "Number of periods; 10 are 20 fingers, or 40 if split."]
+    finger_pairs: Annotated[int, FIELD, "Number of periods; 10 are 20 fingers, or 40 if split."]
     period: Annotated[
         float | str,
-        Quantity("m") | choice("auto", "half-space"),
+        FIELD | choice("auto", "half-space"),
         "Length of one period, two fingers and two gaps (four of each if split), which is one wavelength. auto:"
         " computed for the strongest surface wave per volt at drive.frequency, for this transducer alone; half-space:"
         " from the velocity under a partly metallised surface, without reflections.",
     ] = "auto"
-    metallisation: Annotated[
-        float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), from 0.001 to 0.999."
-    ]
+    metallisation: Annotated[float, FIELD, "Width of a finger over the pitch (finger and gap)."]
     aperture: Annotated[
-        float,
-        Quantity("m"),
-        "Overlap of the fingers along y, at most stator.width. The admittance is proportional to it.",
+        float, FIELD, "Overlap of the fingers along y, at most stator.width. The admittance is proportional to it."
     ]
     termination: Annotated[
         str | float | complex,
@@ -477,7 +475,7 @@ class Transducer(Block):
     ] = "open"
     pattern: Annotated[
         str | None,
-        signs("+-0o"),
+        FIELD,
         "One sign for each finger, from left to right: + and - for the two electrodes, 0 for a finger left out, o "
         "for an open strip. Absent: + - + - ...",
     ] = None
@@ -488,19 +486,6 @@ class Transducer(Block):
         "Rotation about the surface normal, from x towards y. A rotated transducer, or one beside the middle line, "
         "requires a solid isotropic about z, absorbing ends and sides, and diffraction.",
     ] = 0.0
-
-    def check_width(self) -> Any:
-        if not MIN_WIDTH <= self.metallisation <= 1 - MIN_WIDTH:
-            rule = f"must be between {MIN_WIDTH:g} and {1 - MIN_WIDTH:g}, got {self.metallisation!r}"
-            yield "metallisation", rule
-
-    def check_pattern(self) -> Any:
-        if self.pattern is not None and len(self.pattern) != self.fingers:
-            each = "four" if self.split else "two"
-            rule = f"must have {self.fingers} signs, {each} for each of the {self.finger_pairs} finger_pairs"
-            yield "pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}"
-        if self.pattern is not None and set(self.pattern) == {"0"}:
-            yield "pattern", f"must leave at least one finger, got {shown(self.pattern)}"
 
     @property
     def center_xy(self) -> tuple[float, float]:

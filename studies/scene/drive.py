@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import fem
-from studies.refusal import shown
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import AMPLITUDE, Listed, Quantity, impedance
 from studies.scene.rule import FLAG, TEXT, Named, choice
@@ -95,6 +94,7 @@ class Drive(Block):
     """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
 
     block: ClassVar[str] = "drive"
+    parameters_of = "fem.Drive"
     frequency: Annotated[
         float | str,
         Quantity("Hz") | choice("center"),
@@ -165,11 +165,6 @@ class Drive(Block):
         if self.match == "auto" and len(self.sources or ()) > 1:
             rule = 'must be "none" or a ladder with several sources: what each should see depends on the others'
             yield "match", rule
-
-    def check_sources(self) -> Any:
-        if self.sources is not None and not any(amplitude for _, amplitude in self.sources):
-            sources = shown(dict(self.sources))
-            yield "sources", f"must have at least one amplitude that is not 0, got {sources}"
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from fem.parameters import Number
 from studies.refusal import SceneError, shown
 from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.ranges import read_range
@@ -19,13 +20,8 @@ QUARTERS = {0.0: 1.0, 90.0: 1j, 180.0: -1.0, 270.0: -1j}  # exact, where cos 90 
 
 
 @dataclass(frozen=True)
-class Quantity(Rule):
-    """A number with a unit."""
-
-    unit: str = ""
-    zero: bool = False
-    negative: bool = False
-    below: float | None = None
+class Quantity(Rule, Number):
+    """A number with a unit: a number of TOML in the SI unit, or a text."""
 
     number = property(lambda self: self)
 
@@ -36,10 +32,9 @@ class Quantity(Rule):
 
     def read(self, path, value):
         number = si_value(path, value, self.unit)
-        low = -math.inf if self.negative else 0.0
-        if not (low < number or (number == low and self.zero)) or (self.below is not None and number >= self.below):
-            raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
-        smallest = 0.0 if self.zero or self.negative else 1 / MAX_SIZE
+        if not self.holds(number):
+            raise SceneError(path, f"{self.sentence(number)}, got {number!r} {self.unit}".rstrip())
+        smallest = 0.0 if self.zero or self.signed else 1 / MAX_SIZE
         if not smallest <= abs(number) <= MAX_SIZE:
             size = f"must have a size between {smallest:g} and {MAX_SIZE:g}"
             raise SceneError(path, f"{size}, got {number!r} {self.unit}".rstrip())
@@ -48,33 +43,33 @@ class Quantity(Rule):
     @property
     def expected(self):
         noun, example = DIMENSIONS[self.unit]
-        any_sign = self.negative and self.below is None
-        sign = "" if any_sign else f", {self._allowed.removesuffix(' and finite')}"
+        sign = "" if self.allowed == "finite" else f", {self.allowed.removesuffix(' and finite')}"
         if not self.unit:
             return f"{noun}{sign}"
         return f'{noun} in {self.unit}{sign} (a number, or a string such as "{example}")'
 
     @property
     def range(self):
-        sign = "" if self.negative else ">= 0" if self.zero else "> 0"
-        below = "" if self.below is None else f"< {self.below:g}"
+        if self.least > -math.inf:
+            return f"{self.least:g} to {self.most:g}"
+        above = f"> {self.above:g}" if self.above > -math.inf else ""
+        sign = above if self.signed else ">= 0" if self.zero else "> 0"
+        below = "" if self.below == math.inf else f"< {self.below:g}"
         return ", ".join(filter(None, (sign, below))) or "any"
 
     def schema(self):
-        bound = "minimum" if self.negative or self.zero else "exclusiveMinimum"
-        number = {"type": "number", "maximum": MAX_SIZE, bound: -MAX_SIZE if self.negative else 0}
-        if self.below is not None:
+        low = max(self.above, self.least, -MAX_SIZE) if self.signed else 0
+        closed = self.zero or (self.signed and low > self.above)
+        number = {"type": "number", "maximum": MAX_SIZE, "minimum" if closed else "exclusiveMinimum": low}
+        if self.most < math.inf:
+            number["maximum"] = self.most
+        if self.below < math.inf:
             number["exclusiveMaximum"] = self.below
         if not self.unit:
             return number
-        sign = "[+-]?" if self.negative else r"\+?"
+        sign = "[+-]?" if self.signed else r"\+?"
         text = {"type": "string", "pattern": rf"^\s*{sign}{DIGITS}\s*({units(self.unit)})\s*$"}
         return {"anyOf": [number, text]}
-
-    @property
-    def _allowed(self) -> str:
-        sign = "finite" if self.negative else "zero or positive" if self.zero else "positive and finite"
-        return sign if self.below is None else f"{sign} and below {self.below:g}"
 
 
 NUMBER = Quantity(negative=True)

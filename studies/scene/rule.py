@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+from fem import parameters
 from studies.refusal import SceneError, all_answers, resembling, shown
 
 
@@ -101,32 +102,39 @@ class Plain(Rule):
         return dict(self.json)
 
 
+def _plain(rule: parameters.ValueRule, json: dict, words: tuple[str, ...] = ()) -> Plain:
+    """Return the rule of a key whose value is kept unchanged where a rule of parameters allows it."""
+    return Plain(rule.allowed, rule.allows, json, words)
+
+
 class Count(Plain):
     """An integer of at least 1."""
 
     number = property(lambda self: self)
 
     def __init__(self, most: int):
-        super().__init__(
-            expected=f"an integer from 1 to {most}",
-            holds=lambda value: type(value) is int and 1 <= value <= most,
-            json={"type": "integer", "minimum": 1, "maximum": most},
-        )
+        rule = parameters.Count(most=most)
+        super().__init__(rule.allowed, rule.allows, {"type": "integer", "minimum": 1, "maximum": most})
 
 
 def choice(*words: str) -> Rule:
     """Return the rule of one of a few words."""
-    allowed = " or ".join(f'"{word}"' for word in words)
-    return Plain(allowed, lambda value: isinstance(value, str) and value in words, {"enum": list(words)}, words)
+    return _plain(parameters.Words(words), {"enum": list(words)}, words)
 
 
 def signs(allowed: str) -> Rule:
     """Return the rule of a text of the allowed signs, at least one."""
-    return Plain(
-        f"a text of the signs {' '.join(allowed)}",
-        lambda value: isinstance(value, str) and value != "" and not set(value) - set(allowed),
-        {"type": "string", "pattern": f"^[{re.escape(allowed)}]+$"},
-    )
+    return _plain(parameters.Signs(allowed), {"type": "string", "pattern": f"^[{re.escape(allowed)}]+$"})
+
+
+@dataclass(frozen=True)
+class Field(Rule):
+    """Stands for the rule of a field of the block's object, by default of the key's name."""
+
+    name: str = ""
+
+
+FIELD = Field()
 
 
 TEXT = Plain("text on one line", lambda value: isinstance(value, str) and value.isprintable(), {"type": "string"})

@@ -99,8 +99,8 @@ def test_a_source_of_zero_is_a_load():
 @pytest.mark.parametrize(
     ("sources", "message"),
     [
-        ({}, "must name at least one"),
-        ({"a": np.nan}, r"sources\.a must be finite, got nan"),
+        ({}, "at least one amplitude that is not 0, got {}"),
+        ({"a": np.nan}, r"sources\.a must be a finite number, real or complex, got nan"),
         ({"a": 0.0}, "at least one amplitude that is not 0"),
     ],
 )

@@ -257,5 +257,5 @@ def test_a_leaky_cut_is_refused():
 def test_unknown_surface_is_refused():
     with pytest.raises(ValueError, match="surface must be one of vacuum, open, metallised or free, got 'gold'"):
         rayleigh(material("PZT-4"), "gold")
-    with pytest.raises(ValueError, match="depth must be 0 or positive"):
+    with pytest.raises(ValueError, match="depth must be zero or positive"):
         rayleigh(material("PZT-4")).profile(-1.0)

@@ -212,7 +212,7 @@ def test_runaway():
         ({"length": 0.0}, "length"),
         ({"conductivity": -1.0}, "conductivity"),
         ({"film": 0.0}, "nothing cools the plate"),
-        ({"bottom": 0.0}, "bottom must be a positive conductance"),
+        ({"bottom": 0.0}, "bottom must be positive, got 0.0 W"),
         ({"film": math.nan}, "film"),
     ],
 )

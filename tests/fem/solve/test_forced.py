@@ -208,7 +208,7 @@ def test_a_force_under_a_transducer_is_refused():
     stator = plate(cut("PZT-8", "Z"), length=9.0)
     with pytest.raises(InputError, match=r"force 'f0'.position must lie on the bare surface"):
         fields_of(stator, forces_at(stator, 2.0))
-    with pytest.raises(InputError, match="component must be x or z"):
+    with pytest.raises(InputError, match='component must be "x" or "z"'):
         LineForce(name="f", position=0.0, component="y")
     with pytest.raises(InputError, match=r"force 'f'.amplitude must be finite, got inf N/m"):
         LineForce(name="f", position=0.0, amplitude=np.inf)
