@@ -1,4 +1,4 @@
-"""Rules of parameters: what a value may be, checked and refused in one sentence, for `fem`, `contact` and the scenes.
+"""Rules of parameters: what a value may be, checked and refused in one sentence, for `fem` and the scenes.
 
 A class of parameters derives from `Parameters` and declares the rule of a field in its type, as in
 ``period: Annotated[float, Number("m")]``; a `Literal` is the rule of a few words.  Rules of several fields together

@@ -210,7 +210,7 @@ def test_a_force_under_a_transducer_is_refused():
         fields_of(stator, forces_at(stator, 2.0))
     with pytest.raises(InputError, match='component must be "x" or "z"'):
         LineForce(name="f", position=0.0, component="y")
-    with pytest.raises(InputError, match=r"force 'f'.amplitude must be finite, got inf N/m"):
+    with pytest.raises(InputError, match=r"force 'f'.amplitude must be a finite number, real or complex, got inf N/m"):
         LineForce(name="f", position=0.0, amplitude=np.inf)
     silent = LineForce(name="f", position=0.0, amplitude=0.0)
     with pytest.raises(InputError, match=r"force.amplitude must differ from zero for one force at least, got 0"):
