@@ -19,8 +19,7 @@ from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.layout import check_layout
-from fem.materials import fields
-from fem.materials.medium import Medium, medium, units
+from fem.materials.medium import Medium, media, units
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import charge_currents
 
@@ -78,8 +77,10 @@ def direct_solution(
     check_layout(stator, transducers)
     if stator.absorbs_below or stator.above != "none" or stator.pieces:
         raise ValueError("the direct solver takes a stator with a real bottom, nothing above and no meshed pieces")
+    if any(each.bond or each.solid.conducting for each in stator.layers):
+        raise ValueError("the direct solver takes no bonds and no metal layers")
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
-    names = fields(stator.solid)
+    names = stator.fields
     section = discretise(
         stator,
         resolution,
@@ -92,15 +93,24 @@ def direct_solution(
     # exact in one step on rectangles; rounding of the later steps exceeds the default 1e-12 in narrow cells
     mapping.invF = partial(mapping.invF, newton_tol=1e-6)
     basis = Basis(mesh, ElementQuadP(resolution.order), mapping, intorder=2 * resolution.order)
-    body = medium(stator.solid, names)
-    system = _assembled(basis, body, 2 * np.pi * frequency * wavelength)
+    height = np.searchsorted(section.breakpoints, mesh.p[1, mesh.t].mean(axis=0)) - 1
+    owners = np.array(section.owners)[height]
+    system = sum(
+        _assembled(
+            Basis(mesh, basis.elem, mapping, intorder=2 * resolution.order, elements=np.flatnonzero(owners == number)),
+            body,
+            2 * np.pi * frequency * wavelength,
+        )
+        for number, body in enumerate(media(stator.solids, names))
+    )
     if stator.ends == "absorbing":
         modes = guided_modes(section, frequency)
         for position, ends in ((across[0], modes.left_impedance), (across[-1], modes.right_impedance)):
             system = system - _at_line(basis, section, position, ends)
-    electrodes = _electrode_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
+    plane = section.breakpoints[section.plane // section.order]
+    electrodes = _electrode_dofs(basis, transducers, wavelength, plane, len(names), names.index("phi"))
     held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
-    reduced = _reduced_solution(system, basis, names, electrodes, held, wavelength, units(stator.solid))
+    reduced = _reduced_solution(system, basis, names, electrodes, held, wavelength, units(*stator.solids))
     return _by_port(reduced, transducers, frequency)
 
 
@@ -186,8 +196,8 @@ def _at_line(basis, section: Section, position: float, ends: np.ndarray):
     return carried.T @ csr_matrix(ends) @ carried
 
 
-def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Potential unknowns of each electrode: vertices carry its value, the edges' bubbles vanish."""
+def _electrode_dofs(basis, transducers, wavelength, plane, count, phi) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Potential unknowns of each electrode at z = ``plane``: vertices carry its value, the edges' bubbles vanish."""
     mesh = basis.mesh
     electrodes = []
     for transducer in transducers:
@@ -196,7 +206,7 @@ def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[tuple[np
             edges = group / wavelength
             facets = mesh.facets_satisfying(
                 lambda x, edges=edges: (
-                    (abs(x[1]) < 1e-12) & np.any((x[0] > edges[:, :1]) & (x[0] < edges[:, 1:]), axis=0)
+                    (abs(x[1] - plane) < 1e-12) & np.any((x[0] > edges[:, :1]) & (x[0] < edges[:, 1:]), axis=0)
                 )
             )
             if not len(facets):

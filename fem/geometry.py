@@ -15,12 +15,12 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from fem.materials import Solid
+from fem.materials import Solid, fields, isotropic_about_normal
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
 from fem.mesh.piece_warnings import arc_warnings, corner_warnings
 from fem.mesh.placement import Placement, placement
-from fem.parameters import ComplexNumber, Count, Number, Parameters, Signs, Words, shown
+from fem.parameters import ComplexNumber, Count, InputError, Number, Parameters, Signs, Words, shown
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
@@ -30,6 +30,43 @@ MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones t
 SAME_FINGER = 1e-3
 # Largest outer gap of a transducer, as a fraction of the bare surface up to its neighbour: both gaps together fit.
 CLEARANCE = 0.45
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bond(Parameters):
+    """An elastic joint below a layer: stiffness per area against motion along z and in the surface, N/m^3."""
+
+    prefix = "bond"
+    normal: Annotated[float, Number("N/m^3")]
+    tangential: Annotated[float, Number("N/m^3")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layer(Parameters):
+    """A layer of a solid in the stator's frame (x along the propagation, z out of the surface).
+
+    Attributes
+    ----------
+    solid : Solid
+        Its losses are ignored by the analytic answers.
+    thickness : float or None
+        m; a frequency is then needed.
+    wavelengths : float or None
+        Thickness over the wavelength of the wave; one of the two is given.
+    bond : Bond or None
+        Joint to what lies below; None for a perfect one.
+    """
+
+    prefix = "layer"
+    solid: Solid
+    thickness: Annotated[float | None, Number("m")] = None
+    wavelengths: Annotated[float | None, Number("wavelengths")] = None
+    bond: Bond | None = None
+
+    def check_size(self) -> Iterator[tuple[str, str]]:
+        """Require one of thickness and wavelengths."""
+        if (self.thickness is None) == (self.wavelengths is None):
+            yield "", "must have either a thickness or a number of wavelengths"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +80,15 @@ class Stator(Parameters):
     length : float
         Extent along x in m.
     thickness : float
-        Extent along z in m; infinite for a half-space.
+        Extent of the solid along z in m, below the layers; infinite for a half-space.
     bottom, ends, above : str
         Boundary conditions on the other sides, in the words of the scene file.
     pieces : tuple of MeshPiece
         Parts of the section that the user describes by meshes.
+    layers : tuple of Layer
+        On the solid, from the solid up, each with a thickness in m; the last is the surface, z = 0.
+    plane : int
+        Number of layers above the fingers; 0: the fingers are on the surface.
     """
 
     prefix = "stator"
@@ -58,6 +99,42 @@ class Stator(Parameters):
     ends: Ends
     above: Above = "none"
     pieces: tuple[MeshPiece, ...] = ()
+    layers: tuple[Layer, ...] = ()
+    plane: Annotated[int, Count(least=0)] = 0
+
+    def __post_init__(self):
+        super().__post_init__()
+        _check_layers(self)
+
+    @property
+    def solids(self) -> tuple[Solid, ...]:
+        """The solid and those of its layers, from the bottom up."""
+        return (self.solid, *(each.solid for each in self.layers))
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Fields, out of "ux", "uy", "uz", "phi", that take part in the sagittal motion."""
+        return fields(*self.solids)
+
+    @property
+    def coating(self) -> float:
+        """Thickness of all layers together in m."""
+        return sum(each.thickness or 0.0 for each in self.layers)
+
+    @property
+    def isotropic_about_normal(self) -> bool:
+        """True if the directions along the surface are alike in all solids."""
+        return all(isotropic_about_normal(each) for each in self.solids)
+
+    def slowest_wavelength(self, frequency: float) -> float:
+        """Wavelength in m of the slowest bulk wave of all solids at a frequency in Hz."""
+        return min(slowest_wavelength(each, frequency) for each in self.solids)
+
+    @property
+    def relative_wavelengths(self) -> tuple[float, ...]:
+        """Wavelengths of the slowest bulk waves of the solid and its layers over the least of them."""
+        own = [slowest_wavelength(each, 1.0) for each in self.solids]
+        return tuple(each / min(own) for each in own)
 
     @property
     def absorbs_below(self) -> bool:
@@ -77,7 +154,7 @@ class Stator(Parameters):
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
         warnings = []
-        wavelength = slowest_wavelength(self.solid, frequency)
+        wavelength = self.slowest_wavelength(frequency)
         for piece in self.pieces:
             warnings += corner_warnings(piece, self.bottom, wavelength) + arc_warnings(piece, wavelength)
         warnings += [f"{each}: the mesh counts" for each in self.other_fingers(transducers)]
@@ -195,6 +272,22 @@ class Transducer(Parameters):
     def strips(self, sign: str) -> np.ndarray:
         """Edges of the fingers of one sign in m, shape (n, 2)."""
         return self.fingers[[each == sign for each in self.signs]]
+
+
+def _check_layers(stator: Stator) -> None:
+    """Raise an InputError for layers or a plane of the fingers that a section cannot have."""
+    for number, each in enumerate(stator.layers):
+        if each.thickness is None:
+            raise InputError(
+                f"stator.layer.{number}.thickness", "must be a length in m", each.wavelengths, "wavelengths"
+            )
+    if stator.layers and stator.pieces:
+        raise InputError("piece", "cannot stand in a stator with layers: the section beside it is one solid")
+    if not 0 <= stator.plane <= len(stator.layers):
+        rule = f"must be surface or the number of layers above the fingers, 1 to {len(stator.layers)}"
+        if not stator.layers:
+            rule = "must be surface where the stator has no layer"
+        raise InputError("transducer.plane", rule, stator.plane)
 
 
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:

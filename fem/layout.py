@@ -28,6 +28,11 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         If a rule is broken; positions in the message are in mm.
     """
     _check_names(transducers)
+    beside = stator.solids[::-1][max(stator.plane - 1, 0) : stator.plane + 1]
+    metal = next((each.name for each in beside if each.conducting), None)
+    if transducers and stator.layers and metal:
+        rule = f"must not touch a metal layer, which shorts the fingers: {metal} is beside them"
+        raise InputError("transducer.plane", rule, stator.plane or "surface")
     for transducer in transducers:
         if transducer.angle:
             raise InputError(

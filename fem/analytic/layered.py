@@ -10,64 +10,27 @@ power downwards where p is real) are taken at the top of the layer, the others a
 
 with the impedance Z of what lies below, A and T the parts u and t of the eigenvectors (the recursion of the impedance;
 Rokhlin and Wang, J. Acoust. Soc. Am. 112 (2002) 822, for its stability). An electrode on the lower side of a layer is
-the row phi = 0 in place of that of D in (1). A bond with a stiffness K per area lets u jump by the traction over K:
-Z <- Z (1 + S Z)^-1 with S = k stress_unit/K.
+the row phi = 0 in place of that of D in (1), and so is either side of a metal. A bond of stiffness K per area lets u
+jump by the traction over K: Z <- Z (1 + S Z)^-1 with S = k stress_unit/K.
 
 Below the slowest bulk wave of the half-space Z is Hermitian and falls with v between its poles.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated
 
 import numpy as np
 
 from fem.analytic.half_space import expanded
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
+from fem.geometry import Layer
 from fem.materials import VACUUM_PERMITTIVITY, Solid, fields
 from fem.materials.medium import Medium, medium, units
-from fem.parameters import InputError, Number, Parameters, positive
+from fem.parameters import InputError, positive
 
 REAL = 1e-9  # |Im p| over the largest |p| below which a partial wave does not decay
 ORDER = ("ux", "uy", "uz", "phi")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Bond(Parameters):
-    """An elastic joint below a layer: stiffness per area against motion along z and in the surface, N/m^3."""
-
-    prefix = "bond"
-    normal: Annotated[float, Number("N/m^3")]
-    tangential: Annotated[float, Number("N/m^3")]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Layer(Parameters):
-    """A layer of a solid in the stator's frame (x along the propagation, z out of the surface).
-
-    Attributes
-    ----------
-    solid : Solid
-        Its losses are ignored.
-    thickness : float or None
-        m; a frequency is then needed.
-    wavelengths : float or None
-        Thickness over the wavelength of the wave; one of the two is given.
-    bond : Bond or None
-        Joint to what lies below; None for a perfect one.
-    """
-
-    prefix = "layer"
-    solid: Solid
-    thickness: Annotated[float | None, Number("m")] = None
-    wavelengths: Annotated[float | None, Number("wavelengths")] = None
-    bond: Bond | None = None
-
-    def check_size(self) -> Iterator[tuple[str, str]]:
-        """Require one of thickness and wavelengths."""
-        if (self.thickness is None) == (self.wavelengths is None):
-            yield "", "must have either a thickness or a number of wavelengths"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,7 +81,7 @@ class LayeredImpedance:
             positive("frequency", frequency, "Hz")
         self.layers, self.omega = tuple(layers), None if frequency is None else 2.0 * np.pi * frequency
         self.absolute = absolute  # the impedance over k depends on the frequency, beside v
-        solids = (substrate, *(each.solid for each in layers))
+        self.solids = solids = (substrate, *(each.solid for each in layers))
         present = {name for each in solids for name in fields(each)}
         self.fields = tuple(name for name in ORDER if name in present)
         self.scales = units(substrate)
@@ -192,7 +155,7 @@ class LayeredImpedance:
             waves = self.partial_waves(number, velocity)
             joined = self.joined(below, number, velocity)
             up, down = waves.up_traction - joined @ waves.up, waves.down_traction - joined @ waves.down
-            if self.electric and shorted is not None and shorted == len(self.layers) - number:
+            if self.electric and self.grounded_below(number, shorted):
                 up[:, -1], down[:, -1] = waves.up[:, -1], waves.down[:, -1]
             reflection = -np.linalg.solve(up, down * waves.factor_down)
             returned = waves.factor_up.swapaxes(1, 2) * reflection
@@ -203,11 +166,20 @@ class LayeredImpedance:
             below = 0.5 * (below + below.conj().swapaxes(1, 2))
         return Stack(impedance=below, parts=tuple(parts))
 
+    def grounded_below(self, number: int, shorted: int | None) -> bool:
+        """True if phi = 0 on the lower side of a layer: at a shorted electrode, or where one of the solids conducts."""
+        conducts = any(each.conducting for each in self.solids[number : number + 2])
+        return conducts or shorted == len(self.layers) - number
+
+    def on_metal(self, surface: str) -> bool:
+        """True if phi = 0 at the top."""
+        return surface == "metallised" or self.solids[-1].conducting
+
     def mechanical(self, impedance: np.ndarray, *, surface: str) -> np.ndarray:
         """Impedance of the displacements at the top under "vacuum", "open" or "metallised", (v, m, m)."""
         m = self.displaced
         stiff = impedance[:, m][:, :, m]
-        if not self.electric or surface == "metallised":
+        if not self.electric or self.on_metal(surface):
             return stiff
         gap = self.gap if surface == "vacuum" else 0.0
         across = impedance[:, m][:, :, ~m]
@@ -217,7 +189,7 @@ class LayeredImpedance:
         """Amplitudes of all fields at the top, (fields,), where an eigenvalue of `mechanical` is zero."""
         m, amplitude = self.displaced, np.zeros(len(self.fields), dtype=complex)
         amplitude[m] = np.linalg.eigh(self.mechanical(impedance[None], surface=surface)[0])[1][:, index]
-        if self.electric and surface != "metallised":
+        if self.electric and not self.on_metal(surface):
             gap = self.gap if surface == "vacuum" else 0.0
             amplitude[~m] = -impedance[~m][:, m] @ amplitude[m] / (impedance[-1, -1] - gap)
         return amplitude

@@ -9,12 +9,14 @@ slowest bulk wave of the half-space are bound; a faster one leaks and is refused
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
-from fem.analytic.half_space import BELOW_LIMIT, surface_named
-from fem.analytic.layered import Layer, LayeredImpedance, Stack
+from fem.analytic.half_space import BELOW_LIMIT, HalfSpaceWave, rayleigh, surface_named
+from fem.analytic.layered import LayeredImpedance, Stack
 from fem.exceptions import ConvergenceError
+from fem.geometry import Layer, Stator
 from fem.materials import Solid
 from fem.parameters import InputError, non_negative
 
@@ -246,6 +248,34 @@ def _poles(before: np.ndarray, after: np.ndarray, rise: float) -> tuple[int, flo
     allowed = NOISE / SCALE + rise
     poles = next(q for q in range(count + 1) if np.all(end[: count - q] <= start[q:] + allowed))
     return poles, float(np.sum(start - end) + np.pi * poles)
+
+
+def bound_wave(stator: Stator, frequency: float, surface: str | None = None) -> HalfSpaceWave | LayeredWave:
+    """Return the wave that a stator guides at its surface as if its solid were a half-space: `rayleigh`, with layers.
+
+    Parameters
+    ----------
+    stator : Stator
+        In which the absorption of its solids is ignored.
+    frequency : float
+        Hz; without layers it does not matter.
+    surface : str, optional
+        "vacuum", "open" (D_n = 0) or "metallised"; by default that of the bare surface.
+
+    Raises
+    ------
+    ConvergenceError
+        If no wave with sagittal motion is bound.
+    """
+    surface = surface or stator.bare_surface
+    if not stator.layers:
+        return rayleigh(stator.solid, surface)
+    return _bound_wave(stator.solid, stator.layers, frequency, surface)
+
+
+@lru_cache(maxsize=256)
+def _bound_wave(substrate: Solid, layers: tuple[Layer, ...], frequency: float, surface: str) -> LayeredWave:
+    return principal_wave(layered_waves(substrate, layers, surface=surface, frequency=frequency))
 
 
 def _root(eigenvalues: Callable, low: float, high: float, index: int) -> tuple[float, int]:

@@ -112,7 +112,7 @@ def condensed_column(
     sides = at.ports.start + len(ELECTRODES)
     drop = np.arange(sides, len(whole))
     tied, surface_rows = np.empty(0, dtype=int), None
-    if "phi" in section.surface_dofs:
+    if section.finger_potential is not None:
         left, right, *between = electrode_dofs(section, faces)
         surface_rows = whole[[left, *between, right]]
     if electrode is not None:
@@ -144,7 +144,7 @@ def condensed_column(
 
 
 def column_skeleton(section: Section, frequency: float, width: float) -> Skeleton:
-    """Condense a column, its width in length units, to its sides and its surface."""
+    """Condense a column, its width in length units, to its sides and the plane of the fingers."""
     order, sides = section.order, Blocks(section.size).ports.start + len(ELECTRODES)
     faces = _face_dofs(section, first=sides)
     dtype = np.result_type(section.heights, *(medium.xx for medium in section.media))
@@ -161,8 +161,8 @@ def column_skeleton(section: Section, frequency: float, width: float) -> Skeleto
         dofs = element_dofs(section, element, faces)
         exists = np.flatnonzero(dofs >= 0)
         matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
-    # the unknowns on the surface come first of all faces
-    outer = np.arange(sides + np.count_nonzero(faces[section.surface // order] >= 0))
+    # the unknowns in the plane of the fingers come first of all faces
+    outer = np.arange(sides + np.count_nonzero(faces[section.plane // order] >= 0))
     matrix, faces_from = schur(matrix, outer, np.arange(len(outer), len(matrix)))
     return Skeleton(matrix, faces, faces_from, inside_from)
 
@@ -185,21 +185,23 @@ def element_dofs(section: Section, element: int, faces: np.ndarray) -> np.ndarra
 def _face_dofs(section: Section, *, first: int) -> np.ndarray:
     """Unknowns on the faces between elements: a node on a face has the fields of the line's node at that height.
 
-    They are numbered from ``first`` on, those of the surface before all others.
+    They are numbered from ``first`` on, those in the plane of the fingers before all others.
     """
     exists = section.dofs[:: section.order] >= 0
     exists = np.repeat(exists[:, None, :], section.order - 1, axis=1)
-    surface_first = np.argsort(np.arange(len(exists)) != section.surface // section.order, kind="stable")
-    numbers = np.cumsum(exists[surface_first]).reshape(exists.shape) + first - 1
+    plane_first = np.argsort(np.arange(len(exists)) != section.plane // section.order, kind="stable")
+    numbers = np.cumsum(exists[plane_first]).reshape(exists.shape) + first - 1
     dofs = np.empty(exists.shape, dtype=int)
-    dofs[surface_first] = np.where(exists[surface_first], numbers, -1)
+    dofs[plane_first] = np.where(exists[plane_first], numbers, -1)
     return dofs
 
 
 def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
-    """Skeleton unknowns of phi on a column's surface: left corner, right corner, nodes between."""
-    corner = section.surface_dofs["phi"]
-    between = faces[section.surface // section.order][:, FIELD_COLUMN["phi"]]
+    """Skeleton unknowns of phi in the plane of the fingers: left corner, right corner, nodes between."""
+    corner = section.finger_potential
+    if corner is None:
+        raise ValueError("the plane of the fingers has no potential")
+    between = faces[section.plane // section.order][:, FIELD_COLUMN["phi"]]
     return np.concatenate([[corner, corner + section.size], between])
 
 

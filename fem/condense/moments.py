@@ -26,7 +26,7 @@ def finger_moment(half: FingerColumns, side: int) -> np.ndarray:
     first = half
     while isinstance(first.inside, Pair):
         first = first.inside.left
-    corner = first.column.section.surface_dofs["phi"]
+    corner = first.column.section.finger_potential
     line = half.matrix[half.at.right if side else half.at.left]
     start = 0.0 if side else -half.width
     return _moment(half, start) + (-half.width if side else half.width) * line[corner]

@@ -13,7 +13,6 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer
-from fem.materials.christoffel import slowest_wavelength
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +107,7 @@ def stator_size(
     without the line of the section behind it.
     """
     in_order = tuple(sorted(transducers, key=lambda each: each.center))
-    unit = slowest_wavelength(stator.solid, frequency)
+    unit = stator.slowest_wavelength(frequency)
     scale = min(each.finger_width / 2 for each in in_order)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     count = _Count(section, frequency)

@@ -6,17 +6,21 @@ absorber.py, the vacuum above in vacuum.py.  The matrices of the elements (stiff
 element_matrices.py, and on meshes in quads.py.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from fem.analytic.half_space import rayleigh
+from fem.analytic.layered_wave import bound_wave
+from fem.discretize import bond as bonds
 from fem.discretize.absorber import absorber
-from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
+from fem.discretize.graded_medium import OwnLineMedium
+from fem.discretize.grading import CORNER_RATIO, LAYER_RATIO, Resolution, bottom_corners, edge_layers, graded
+from fem.discretize.layered_depth import Region, divided, with_corner
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.discretize.vacuum import vacuum_elements
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator
-from fem.materials import fields as coupled_fields
-from fem.materials.medium import medium
+from fem.materials.medium import media
 
 # Depth of ordinary solid above the absorbing layer, in wavelengths: of a half-space, and the largest
 HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0
@@ -49,7 +53,7 @@ def discretise(
         Length in m over which the electrodes vary along the surface (half a finger); it sets the height of the graded
         element.  Infinite if there is no electrode.
     lateral : bool
-        True if the fields will have a lateral wavenumber, so that all displacements, and phi in a piezoelectric solid,
+        True if the fields will have a lateral wavenumber, so that all displacements, and phi in a piezoelectric stator,
         take part.
     least_depth : float
         Least depth of ordinary solid above an absorbing layer, in wavelengths; a half-space has exactly this depth.
@@ -59,21 +63,31 @@ def discretise(
     ConvergenceError
         If the plate is so thick that a line would have many more unknowns than MAX_UNKNOWNS.
     """
-    names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
-    body = medium(stator.solid, names)
+    names = lateral_fields(stator) if lateral else stator.fields
+    bodies = media(stator.solids, names)
     _refuse_thick(stator, resolution, wavelength, len(names))
     depth = _solid_depth(stator, wavelength, least_depth)
     top, layers = _graded_top(resolution, depth, surface_scale / wavelength)
-    solid = _solid_heights(stator, resolution, depth, top, layers)
+    if stator.layers:
+        solid, owners, above_plane = _layered_heights(stator, resolution, wavelength, depth, surface_scale / wavelength)
+    else:
+        solid = _solid_heights(stator, resolution, depth, top, layers)
+        owners, above_plane = [0] * len(solid), 0
     below = []
     if stator.absorbs_below:
-        below = absorber(stator.solid, body, resolution.order, resolution.absorber, lateral=lateral)
+        own = stator.relative_wavelengths[0]
+        kind = {"lateral": lateral, "layered": bool(stator.layers)}
+        below = absorber(stator.solid, bodies[0], resolution.order, resolution.absorber, **kind)
+        below = [(own * height, stretch, each) for height, stretch, each in below]
     above = np.empty(0)
-    media = [each for _, _, each in below] + [body] * len(solid)
-    solid_elements = len(media)
-    if stator.above == "vacuum" and "phi" in names:
-        above, vacuum = vacuum_elements(stator, body, resolution, wavelength=wavelength, top=top, layers=layers)
-        media += vacuum
+    parts = [each for _, _, each in below]
+    for height, owner in zip(solid, owners, strict=True):
+        bond = stator.layers[owner - 1].bond if owner and height == bonds.HEIGHT else None
+        parts.append(bonds.bond_medium(bond, bodies[owner], resolution.order, wavelength) if bond else bodies[owner])
+    solid_elements = len(parts)
+    if stator.above == "vacuum" and "phi" in parts[-1].fields:
+        above, vacuum = vacuum_elements(stator, bodies, resolution, wavelength=wavelength, top=top, layers=layers)
+        parts += vacuum
     heights = np.concatenate([[height.real for height, _, _ in below], solid, above])
     breakpoints = np.concatenate([[0.0], np.cumsum(heights)])
     breakpoints -= breakpoints[solid_elements]
@@ -81,20 +95,24 @@ def discretise(
     return Section(
         heights=np.concatenate([[height * stretch for height, stretch, _ in below], stretched, above]),
         breakpoints=breakpoints,
-        media=tuple(media),
+        media=tuple(parts),
+        solid=replace(bodies[0], fields=names, inertia=np.zeros(len(names))) if stator.solid.conducting else bodies[0],
+        owners=(0,) * len(below) + tuple(owners),
         order=resolution.order,
         length_unit=wavelength,
-        dofs=_numbered(names, solid_elements, len(media), resolution.order, stator),
+        dofs=_numbered(names, solid_elements, parts, resolution.order, stator),
         surface=solid_elements * resolution.order,
+        plane=(solid_elements - above_plane) * resolution.order,
         bottom=len(below) * resolution.order,
         surface_scale=surface_scale,
-        surface_speed=_surface_speed(stator.solid),
+        surface_speed=_surface_speed(stator, stator.slowest_wavelength(1.0) / wavelength),
     )
 
 
 def _refuse_thick(stator: Stator, resolution: Resolution, unit: float, fields: int) -> None:
     """Raise a ConvergenceError if a plate is so thick that its section would take far too long; ``fields``: number."""
-    unknowns = stator.thickness / unit / resolution.element_size * TYPICAL_ORDER * fields
+    regions = _regions(stator, resolution, unit, stator.thickness / unit)
+    unknowns = sum(each.thickness / each.largest for each in regions) * TYPICAL_ORDER * fields
     if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
         minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
         raise ConvergenceError(
@@ -106,11 +124,12 @@ def _refuse_thick(stator: Stator, resolution: Resolution, unit: float, fields: i
 
 def _solid_depth(stator: Stator, unit: float, least_depth: float) -> float:
     """Depth of the ordinary solid, length units: the thickness, or what lies above an absorbing layer."""
-    depth = stator.thickness / unit if np.isfinite(stator.thickness) else least_depth
+    own = stator.relative_wavelengths[0]
+    depth = stator.thickness / unit if np.isfinite(stator.thickness) else own * least_depth
     if not stator.absorbs_below:
         return depth
     # Every thickness stands for the same half-space, but an absorbing layer near the surface causes errors of 1e-4.
-    depth = min(max(depth, least_depth), MAX_DEPTH)
+    depth = min(max(depth, own * least_depth), own * MAX_DEPTH)
     deepest = max(stator.pieces, key=lambda piece: piece.depth, default=None)
     if deepest is None:
         return depth
@@ -145,26 +164,69 @@ def _solid_heights(stator: Stator, resolution: Resolution, depth: float, top: fl
     return np.concatenate([rest, surface])
 
 
-def lateral_fields(solid) -> tuple[str, ...]:
+def _regions(stator: Stator, resolution: Resolution, unit: float, depth: float) -> list[Region]:
+    """The layers from the surface down and the solid, of a depth in length units; ``unit``: the length unit in m."""
+    thicknesses = [depth, *((each.thickness or 0.0) / unit for each in stator.layers)]
+    own = stator.relative_wavelengths
+    return [Region(each, resolution.element_size * own[k], k) for k, each in enumerate(thicknesses)][::-1]
+
+
+def _layered_heights(
+    stator: Stator, resolution: Resolution, unit: float, depth: float, scale: float
+) -> tuple[np.ndarray, list[int], int]:
+    """Heights of the elements of solid and layers from the bottom up, their solids, and how many are above the fingers.
+
+    Arguments as of `_regions` and `_graded_top`.
+    """
+    regions = _regions(stator, resolution, unit, depth)
+    over, under = regions[: stator.plane][::-1], regions[stator.plane :]
+    top, layers = _graded_top(resolution, sum(each.thickness for each in under), scale)
+    smallest = top * LAYER_RATIO**layers if resolution.edge_layers and np.isfinite(scale) else np.inf
+    elements = divided(under, smallest)[::-1]
+    if bottom_corners(stator) and layers:
+        elements = with_corner(elements, resolution.edge_layers, under[-1].largest)
+    coating = divided(over, smallest)
+    coating = _with_bonds(stator, coating, elements[-1][1])
+    heights, owners = zip(*_with_bonds(stator, elements, 0), *coating, strict=True)
+    return np.array(heights), list(owners), len(coating)
+
+
+def _with_bonds(stator: Stator, elements: list[tuple[float, int]], below: int) -> list[tuple[float, int]]:
+    """Return the elements from the bottom up with one for each bond; ``below``: solid below the lowest of them."""
+    result = []
+    for height, owner in elements:
+        if owner != below and stator.layers[owner - 1].bond is not None:
+            result.append((bonds.HEIGHT, owner))
+        result.append((height, owner))
+        below = owner
+    return result
+
+
+def lateral_fields(stator: Stator) -> tuple[str, ...]:
     """Names of the fields that take part if the solution depends on y."""
-    return ("ux", "uy", "uz", "phi") if solid.is_piezoelectric else ("ux", "uy", "uz")
+    return ("ux", "uy", "uz", "phi") if any(each.is_piezoelectric for each in stator.solids) else ("ux", "uy", "uz")
 
 
-def _surface_speed(solid) -> float | None:
-    """Velocity of the half-space's Rayleigh wave in m/s; None if it is leaky."""
+def _surface_speed(stator: Stator, frequency: float) -> float | None:
+    """Velocity of the half-space's Rayleigh wave in m/s at a frequency in Hz; None if it is leaky."""
     try:
-        return rayleigh(solid, "open").velocity
+        return bound_wave(stator, frequency, "open").velocity
     except ConvergenceError:
         return None
 
 
-def _numbered(names, solid_elements, elements, order, stator) -> np.ndarray:
+def _numbered(names, solid_elements, media, order, stator) -> np.ndarray:
     """Number of each field's unknown at each node of a line, shape (nodes, 4); -1 if absent or fixed at zero."""
-    exists = np.zeros((elements * order + 1, 4), dtype=bool)
+    exists = np.zeros((len(media) * order + 1, 4), dtype=bool)
     for name in names:
         exists[: solid_elements * order + 1, FIELD_COLUMN[name]] = True
-    if elements > solid_elements:
+    if len(media) > solid_elements:
         exists[solid_elements * order :, FIELD_COLUMN["phi"]] = True
+    for element, own in enumerate(media):
+        if "phi" not in own.fields:  # a conductor, whose potential counts as zero
+            exists[element * order : (element + 1) * order + 1, FIELD_COLUMN["phi"]] = False
+        if isinstance(own, OwnLineMedium) and not own.inner_nodes:
+            exists[element * order + 1 : (element + 1) * order] = False
     if stator.bottom == "clamped" or stator.absorbs_below:
         exists[0, :3] = False
     if stator.bottom == "grounded" or stator.absorbs_below:

@@ -49,14 +49,14 @@ def element_matrix(
     return combined.reshape(parts.shape[1:])
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def _element_parts(medium: Medium, order: int, part: str) -> np.ndarray:
     """The four matrices that an element of any size is a combination of: d_x d_x, mixed, d_z d_z, inertia."""
     line, depth = reference_matrices(order), element_line(medium, order)
     xx, xz, zz, inertia = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
     if part == "loss":
         xx, xz, zz, inertia = (np.imag(table) for table in (xx, xz, zz, inertia))
-    across = np.kron(line.advection, line.advection.T)
+    across = np.kron(line.advection, depth.advection.T)
     along = np.kron(np.kron(line.stiffness, depth.mass), xx)
     if isinstance(medium, GradedMedium):
         along = along + 1j * np.kron(np.kron(line.stiffness, medium.lossy_mass), medium.loss)

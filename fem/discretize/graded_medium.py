@@ -22,10 +22,20 @@ POINTS = 8  # Gauss points in excess of the order, for the weights; s varies slo
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class GradedMedium(Medium):
-    """Medium of one element in a layer whose stretch varies within the element."""
+class OwnLineMedium(Medium):
+    """Medium of an element that has one-dimensional matrices of its own through the depth."""
 
-    line: LineMatrices  # of the element, weighted by s over its mean; the element's height contains the mean
+    line: LineMatrices  # for an element of height 1
+    inner_nodes: bool = True  # False if only the nodes on both faces have unknowns
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GradedMedium(OwnLineMedium):
+    """Medium of one element in a layer whose stretch varies within the element.
+
+    Its ``line`` is weighted by s over its mean, and the element's height contains the mean.
+    """
+
     lossy_mass: np.ndarray  # shape (order + 1,) * 2: the mass weighted by s delta over the mean of s
     loss: np.ndarray  # shape (fields, fields): R
 
@@ -59,7 +69,7 @@ def graded_medium(
 
 def element_line(medium: Medium, order: int) -> LineMatrices:
     """One-dimensional matrices of an element through the depth, for an element of height 1."""
-    return medium.line if isinstance(medium, GradedMedium) else reference_matrices(order)
+    return medium.line if isinstance(medium, OwnLineMedium) else reference_matrices(order)
 
 
 def along_x(medium: Medium, order: int, height: complex) -> np.ndarray:

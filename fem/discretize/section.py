@@ -80,11 +80,14 @@ class Section:
     heights: np.ndarray
     breakpoints: np.ndarray  # shape (elements + 1,): real z of the element ends, in length units
     media: tuple[Medium, ...]
+    solid: Medium  # of the stator's solid below its layers, in all fields
+    owners: tuple[int, ...]  # of each element of the solid, its layers and an absorbing layer: its solid, from below
     order: int
     length_unit: float  # m
     # shape (nodes, 4): number of the unknown for ux, uy, uz, phi at a node; -1 where there is none
     dofs: np.ndarray = field(repr=False)
     surface: int  # node of the surface
+    plane: int  # node of the fingers: the surface, or an interface between two layers
     bottom: int  # node of the solid's lower end: 0, or where an absorbing layer begins
     # m; shortest length over which fields vary along the surface, to which the elements below it are graded
     surface_scale: float
@@ -105,11 +108,6 @@ class Section:
     def lift(self, lines: np.ndarray) -> np.ndarray:
         """Return the lines themselves: they are full."""
         return lines
-
-    @property
-    def solid(self) -> Medium:
-        """Medium of the stator."""
-        return self.media[0]
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -138,6 +136,12 @@ class Section:
     def surface_dofs(self) -> dict[str, int]:
         """Unknowns at the surface node by field."""
         return {name: int(self.dofs[self.surface, FIELD_COLUMN[name]]) for name in self.solid.fields}
+
+    @property
+    def finger_potential(self) -> int | None:
+        """Unknown of the potential at the node of the fingers; None where the stator has no potential."""
+        unknown = int(self.dofs[self.plane, FIELD_COLUMN["phi"]])
+        return unknown if unknown >= 0 else None
 
     @cached_property
     def surface_rows(self) -> np.ndarray:
@@ -196,7 +200,7 @@ class Section:
     @property
     def floating_potential(self) -> bool:
         """True if the potential floats: adding a constant to phi changes nothing in a uniform segment."""
-        return "phi" in self.solid.fields and self.dofs[0, FIELD_COLUMN["phi"]] >= 0
+        return "phi" in self.solid.fields and bool(np.all(self.dofs[:, FIELD_COLUMN["phi"]] >= 0))
 
     @cached_property
     def constant_potential(self) -> np.ndarray:

@@ -19,11 +19,12 @@ The first integral is pi^2 / 12 H^2 for Y = k tanh(k H), and zero if the last el
 multiples of pi / length; a column a few lengths high is then exact.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from fem.discretize.grading import Resolution, graded
+from fem.discretize.grading import LAYER_RATIO, Resolution, graded
 from fem.geometry import Stator
-from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, units, vacuum_medium
 
 # Height up to an element over that below it.  At the orders of the levels, from 5 to 10, eps_0 |k| is then right to
@@ -37,15 +38,15 @@ CLOSED_REACH = 4.0  # over the length between closed ends, where the error is ex
 
 
 def vacuum_elements(
-    stator: Stator, body: Medium, resolution: Resolution, *, wavelength: float, top: float, layers: int
+    stator: Stator, bodies: Sequence[Medium], resolution: Resolution, *, wavelength: float, top: float, layers: int
 ) -> tuple[np.ndarray, list[Medium]]:
     """Heights of the elements above the surface from there up, length units, and the medium of each.
 
     Parameters
     ----------
     stator : Stator
-    body : Medium
-        Its solid in the fields that take part.
+    bodies : sequence of Medium
+        Its solids from the bottom up, in the fields that take part.
     resolution : Resolution
     wavelength : float
         Length unit, m.
@@ -54,30 +55,42 @@ def vacuum_elements(
     layers : int
         Layers into which it is graded.
     """
-    medium = vacuum_medium(*units(stator.solid))
+    medium = vacuum_medium(*units(*stator.solids))
+    if stator.plane:  # the fingers are below the surface: the field above varies over their distance from it
+        distance = sum(each.thickness or 0.0 for each in stator.layers[-stator.plane :]) / wavelength
+        layers = min(layers, max(0, int(np.ceil(np.log(START / distance) / np.log(1 / LAYER_RATIO)))))
     first = graded(min(top, START), layers, largest=resolution.element_size, smallest_first=True)
-    height, closed = needed_height(stator, body, resolution, wavelength)
+    height, closed = needed_height(stator, bodies, resolution, wavelength)
     start, stop = first.sum(), height / GROWTH
     count = max(1, int(np.ceil(np.log(stop / start) / np.log(GROWTH))))
     between = np.diff(np.geomspace(start, stop, count + 1))
     heights = np.concatenate([first, between, [height - stop]])
-    last = medium if closed else vacuum_medium(*units(stator.solid), along=LAST_ALONG)
+    last = medium if closed else vacuum_medium(*units(*stator.solids), along=LAST_ALONG)
     return heights, [medium] * (len(heights) - 1) + [last]
 
 
-def needed_height(stator: Stator, body: Medium, resolution: Resolution, wavelength: float) -> tuple[float, bool]:
+def needed_height(
+    stator: Stator, bodies: Sequence[Medium], resolution: Resolution, wavelength: float
+) -> tuple[float, bool]:
     """Least height of the vacuum in length units, and whether closed ends bound the field."""
     length = stator.length / wavelength
     if stator.ends != "absorbing":
         return float(np.clip(CLOSED_REACH * length, LEAST, resolution.vacuum)), True
     reach = length
     if stator.bottom != "grounded" and not stator.absorbs_below:
-        reach += plate_reach(stator, body, wavelength)
+        thicknesses = [stator.thickness, *(each.thickness or 0.0 for each in stator.layers)]
+        reach += sum(
+            plate_reach(stator, body, wavelength, thickness)
+            for body, thickness in zip(bodies, thicknesses, strict=True)
+            if "phi" in body.fields
+        )
     return float(np.clip(REACH * 2**resolution.absorber * reach, LEAST, resolution.vacuum)), False
 
 
-def plate_reach(stator: Stator, body: Medium, wavelength: float) -> float:
+def plate_reach(stator: Stator, body: Medium, wavelength: float, thickness: float) -> float:
     """D of equation (1) in length units: the larger one of the static plate's and of that at the frequency.
+
+    ``thickness``: of the plate, or of one of its layers as if it were alone, m.
 
     With phi = -x and u = u(z), D_z = 0 inside and no traction on the faces, the plate's permittivity along x is
 
@@ -94,9 +107,9 @@ def plate_reach(stator: Stator, body: Medium, wavelength: float) -> float:
     stiffness = body.zz[np.ix_(moving, moving)] - np.outer(through[moving], through[moving]) / through[phi]
     moduli, shapes = np.linalg.eig(stiffness)
     shares = (coupling @ shapes) ** 2 / np.sum(shapes**2, axis=0) / moduli
-    angular = 2 * np.pi * slowest_wavelength(stator.solid, 1.0) / wavelength
+    angular = 2 * np.pi * stator.slowest_wavelength(1.0) / wavelength
     held = 1.0 if stator.bottom == "clamped" else 0.5
-    phases = angular * stator.thickness * held * np.sqrt(body.inertia[moving] / moduli)
-    vacuum = -vacuum_medium(*units(stator.solid)).xx[0, 0]
+    phases = angular * thickness * held * np.sqrt(body.inertia[moving] / moduli)
+    vacuum = -vacuum_medium(*units(*stator.solids)).xx[0, 0]
     sizes = [abs(permittivity + np.sum(shares * factors)) for factors in (1.0, np.tan(phases) / phases)]
-    return max(sizes) / vacuum * stator.thickness / wavelength
+    return max(sizes) / vacuum * thickness / wavelength

@@ -17,6 +17,7 @@ Scaling: stress by ``stress_unit`` c0, the largest diagonal stiffness, and phi b
 Without it the condition number is 1e20 instead of 1e8, and sparse solvers fill in.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -43,6 +44,8 @@ class Medium:
     inertia: np.ndarray  # shape (fields,); rho / stress_unit in s^2/m^2; 0 for phi
     stress_unit: float  # Pa
     potential_unit: float  # volt per metre of displacement
+    # of a section with layers: a medium that couples all fields that any of its solids couples; its symmetries count
+    whole: "Medium | None" = None
 
     def _table(self, test: str, trial: str) -> np.ndarray:
         rows, columns = ([_ROWS[axis][name] for name in self.fields] for axis in (test, trial))
@@ -68,30 +71,32 @@ class Medium:
         Shape (fields,), bool.  u_x is odd and u_z even; u_y and phi are what the tables allow (phi is even for
         poling along z, odd for poling along x).
         """
-        return self._odd_fields("ux", same=(self.xx, self.zz), opposite=(self.xz,))
+        return self._odd_fields("ux", same=("xx", "zz"), opposite=("xz",))
 
     @cached_property
     def lateral_parity(self) -> np.ndarray | None:
         """As `parity`, for fields with a lateral wavenumber."""
-        return self._odd_fields("ux", same=(self.xx, self.zz, self.yy, self.zy), opposite=(self.xz, self.xy))
+        return self._odd_fields("ux", same=("xx", "zz", "yy", "zy"), opposite=("xz", "xy"))
 
     @cached_property
     def mirror_y(self) -> np.ndarray | None:
         """As `parity`, but fields that change sign under y -> -y: u_y, or u_y and phi."""
-        return self._odd_fields("uy", same=(self.xx, self.xz, self.zz, self.yy), opposite=(self.xy, self.zy))
+        return self._odd_fields("uy", same=("xx", "xz", "zz", "yy"), opposite=("xy", "zy"))
 
-    def _odd_fields(self, odd_one: str, *, same: tuple, opposite: tuple) -> np.ndarray | None:
+    def _odd_fields(self, odd_one: str, *, same: tuple[str, ...], opposite: tuple[str, ...]) -> np.ndarray | None:
         """Signs for which ``same`` couples only fields of one sign and ``opposite`` only those of different sign."""
-        size = max(abs(self.xx).max(), abs(self.zz).max())
+        whole = self.whole or self
+        size = max(abs(whole.xx).max(), abs(whole.zz).max())
         fixed = {"ux": False, "uz": False} | {odd_one: True}
-        free = [name for name in self.fields if name not in fixed]
+        free = [name for name in whole.fields if name not in fixed]
         for choice in product((False, True), repeat=len(free)):
             signs = fixed | dict(zip(free, choice, strict=True))
-            odd = np.array([signs[name] for name in self.fields])
+            odd = np.array([signs[name] for name in whole.fields])
             across = odd[:, None] != odd[None, :]
-            leaks = [table[across] for table in same] + [table[~across] for table in opposite]
+            leaks = [getattr(whole, name)[across] for name in same]
+            leaks += [getattr(whole, name)[~across] for name in opposite]
             if max(abs(leak).max(initial=0.0) for leak in leaks) <= 1e-12 * size:
-                return odd
+                return np.array([signs[name] for name in self.fields])
         return None
 
     def lateral(self, wavenumber: complex) -> "LateralTables":
@@ -119,10 +124,10 @@ class LateralTables(NamedTuple):
     yy: np.ndarray
 
 
-def units(solid: Solid) -> tuple[float, float]:
-    """Stress unit in Pa and potential unit in V/m (volt per metre of displacement) that balance a solid's form."""
-    stress = float(np.max(np.diag(solid.stiffness)))
-    return stress, float(np.sqrt(stress / np.max(np.diag(solid.permittivity))))
+def units(*solids: Solid) -> tuple[float, float]:
+    """Stress unit in Pa and potential unit in V/m (volt per metre of displacement) that balance the form of solids."""
+    stress = max(float(np.max(np.diag(each.stiffness))) for each in solids)
+    return stress, float(np.sqrt(stress / max(np.max(np.diag(each.permittivity)) for each in solids)))
 
 
 def medium(
@@ -148,6 +153,22 @@ def medium(
     return Medium(
         fields=tuple(fields), law=law, inertia=np.array(inertia), stress_unit=stress, potential_unit=potential
     )
+
+
+def media(solids: Sequence[Solid], fields: tuple[str, ...]) -> list[Medium]:
+    """Scaled coefficients of the solids of one section, in common units and with the symmetries that all have.
+
+    A conductor has no potential of its own: phi is constant in it and does not take part.
+    """
+    scales = units(*solids)
+    without = tuple(each for each in fields if each != "phi")
+    single = [medium(each, without if each.conducting else fields, scales=scales) for each in solids]
+    if len(single) == 1:
+        return single
+    whole = replace(
+        single[0], fields=fields, law=np.max([abs(each.law) for each in single], axis=0), inertia=np.zeros(len(fields))
+    )
+    return [replace(each, whole=whole) for each in single]
 
 
 def damped(body: Medium, factor: complex) -> Medium:

@@ -128,17 +128,19 @@ def bond_matrix(a: np.ndarray) -> np.ndarray:
     return bond
 
 
-def fields(solid: Solid) -> tuple[str, ...]:
-    """Return the fields, out of "ux", "uy", "uz", "phi", that are coupled to the sagittal motion of a rotated solid.
+def fields(*solids: Solid) -> tuple[str, ...]:
+    """Return the fields, out of "ux", "uy", "uz", "phi", coupled to the sagittal motion of rotated solids in layers.
 
     Nothing depends on y, so that u_y or phi may be uncoupled; they are then left out.
     """
-    c, e, eps = solid.stiffness, solid.coupling[[0, 2]], solid.permittivity
-    stiff = np.diag(c).max()
-    polar = np.sqrt(stiff * np.diag(eps).max())
-    transverse = np.abs(c[np.ix_(_SAGITTAL, _TRANSVERSE)]).max() > _NOISE * stiff
-    electric = np.abs(e[:, _SAGITTAL]).max() > _NOISE * polar
-    between = np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y are coupled to each other
+    transverse = electric = between = False
+    for solid in solids:
+        c, e, eps = solid.stiffness, solid.coupling[[0, 2]], solid.permittivity
+        stiff = np.diag(c).max()
+        polar = np.sqrt(stiff * np.diag(eps).max())
+        transverse |= np.abs(c[np.ix_(_SAGITTAL, _TRANSVERSE)]).max() > _NOISE * stiff
+        electric |= np.abs(e[:, _SAGITTAL]).max() > _NOISE * polar
+        between |= np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y are coupled to each other
     transverse, electric = transverse or (electric and between), electric or (transverse and between)
     present = {"ux": True, "uy": transverse, "uz": True, "phi": electric}
     return tuple(field for field, coupled in present.items() if coupled)

@@ -42,6 +42,8 @@ class Solid(Parameters):
         Q_m; infinite without loss.
     dielectric_loss : float
         tan delta.
+    conducting : bool
+        True for a metal, in which the potential is constant; a layer of it is floating, without net charge.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Solid(Parameters):
     density: Annotated[float, Number("kg/m^3")]
     mechanical_quality: Annotated[float, Number(infinite=True)] = float("inf")
     dielectric_loss: Annotated[float, Number(zero=True)] = 0.0
+    conducting: bool = False
 
     def __post_init__(self):
         for key in _SHAPES:
@@ -150,13 +153,14 @@ def isotropic(
     poisson_ratio: float,
     density: float,
     mechanical_quality: float = float("inf"),
+    conducting: bool = False,
     source: str = "user's table",
 ) -> Solid:
     """Return an isotropic solid: c12 = lambda, c44 = mu, c11 = lambda + 2 mu, no coupling, the permittivity of vacuum.
 
     Parameters
     ----------
-    name, density, mechanical_quality, source
+    name, density, mechanical_quality, conducting, source
         As in `Solid`.
     youngs_modulus : float
         Pa.
@@ -182,6 +186,7 @@ def isotropic(
         coupling=np.zeros((3, 6)),
         permittivity=np.eye(3) * VACUUM_PERMITTIVITY,
         **own,
+        conducting=conducting,
     )
 
 

@@ -28,7 +28,7 @@ FACTORS |= {"relative": VACUUM_PERMITTIVITY}
 def solid_of(table: dict[str, Any]) -> Solid:
     """Return the solid of the table of a file of the catalogue."""
     own: dict[str, Any] = {key: table[key] for key in ("name", "source", "density")}
-    own |= {key: table[key] for key in ("mechanical_quality", "dielectric_loss") if key in table}
+    own |= {key: table[key] for key in ("mechanical_quality", "dielectric_loss", "conducting") if key in table}
     if "youngs_modulus" in table:
         return isotropic(youngs_modulus=table["youngs_modulus"], poisson_ratio=table["poisson_ratio"], **own)
     form = table.get("form", "stress-charge")

@@ -234,5 +234,5 @@ def snapshots(
         for number, (_, _, part) in enumerate(columns_from_left(scatterer.piece, sides, finest=1.001 * half_cell)):
             (finger_lines if number % 2 else gap_lines).append(part[at.left])
     on_fingers = np.hstack(finger_lines)
-    on_fingers[section.full.surface_dofs["phi"]] = 0.0  # the electrode's
+    on_fingers[section.full.finger_potential] = 0.0  # the electrode's
     return np.hstack(gap_lines), on_fingers

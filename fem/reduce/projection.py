@@ -16,7 +16,6 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
-from fem.materials.christoffel import slowest_wavelength
 from fem.reduce.basis import (
     WALL_WIDTH,
     ReducedSection,
@@ -104,7 +103,7 @@ class _Node(NamedTuple):
 def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:
     """Condense half cells and ends at every node, and solve the whole stator at three of them."""
     stator, transducers = problem.stator, problem.transducers
-    unit = slowest_wavelength(stator.solid, problem.limits[1])
+    unit = stator.slowest_wavelength(problem.limits[1])
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     squares = problem.nodes

@@ -14,7 +14,6 @@ from fem.discretize.grading import Resolution
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
-from fem.materials.christoffel import slowest_wavelength
 from fem.parameters import InputError, positive
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
@@ -91,7 +90,7 @@ def forced_wave(
         solution = driven_solution(cascade.solved(), drive, amplitudes)
         return solution, surface_of(solution).motion(at)
 
-    beside = nearest < NEAR_FORCE * slowest_wavelength(stator.solid, frequency)
+    beside = nearest < NEAR_FORCE * stator.slowest_wavelength(frequency)
     refined = refine_stator(
         stator,
         at_level,
@@ -117,7 +116,7 @@ def _nearest(forces: tuple[LineForce, ...], places: np.ndarray) -> float:
 
 def _beside_strips(stator: Stator, forces: tuple[LineForce, ...], frequency: float) -> np.ndarray:
     """Places on the stator a wavelength beside the forces of finite width, m, away from the other forces."""
-    away = NEAR_FORCE * slowest_wavelength(stator.solid, frequency)
+    away = NEAR_FORCE * stator.slowest_wavelength(frequency)
     beside = np.array([each.position + side * away for each in forces if np.isfinite(each.width) for side in (-1, 1)])
     beside = beside[(beside >= 0) & (beside <= stator.length)]
     distances = abs(np.subtract.outer(beside, [each.position for each in forces])).min(axis=1, initial=np.inf)

@@ -13,7 +13,6 @@ import numpy as np
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
-from fem.materials.christoffel import slowest_wavelength
 from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
@@ -54,7 +53,7 @@ class FullModel:
         the ports for ``potentials``, shape (ports, columns).  If it exceeds the tolerance, because the stator resonates
         too often in the band, the model is returned as it is, with an error of 0.
         """
-        unit = slowest_wavelength(self.stator.solid, self.limits[1])
+        unit = self.stator.slowest_wavelength(self.limits[1])
         section = discretise(self.stator, self.resolution, wavelength=unit, surface_scale=np.inf)
         meshes = StatorMeshes(self.stator, section, self.resolution, self.limits[1])
         (assembly,) = meshes.assemblies.values()

@@ -20,7 +20,6 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.exceptions import refuse_above
 from fem.geometry import Stator
-from fem.materials.christoffel import slowest_wavelength
 from fem.parameters import InputError, positive
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
@@ -37,7 +36,7 @@ def _refined_modes(
 ) -> tuple[GuidedModes, GuidedModes, float]:
     """Modes of the finest section that was needed, of the one before, and the error from their ``difference``."""
     positive("tolerance", tolerance)
-    unit = slowest_wavelength(stator.solid, frequency)
+    unit = stator.slowest_wavelength(frequency)
 
     @cache
     def at_order(order: int) -> GuidedModes:

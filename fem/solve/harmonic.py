@@ -16,7 +16,6 @@ from fem.discretize.grading import Resolution
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
-from fem.materials import fields
 from fem.parameters import InputError, positive
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
@@ -95,8 +94,9 @@ def solve_driven(
 def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float) -> None:
     """Raise an InputError for a layout, solid, frequency (Hz) or tolerance with which no stator can be driven."""
     check_layout(stator, transducers)
-    if "phi" not in fields(stator.solid):
-        why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
+    if "phi" not in stator.fields:
+        piezoelectric = any(each.is_piezoelectric for each in stator.solids)
+        why = "uncouples phi in this orientation" if piezoelectric else "is not piezoelectric"
         raise InputError("transducer", f"needs a piezoelectric stator, and {stator.solid.name} {why}")
     positive("tolerance", tolerance, infinite=True)
     positive("frequency", frequency, "Hz")

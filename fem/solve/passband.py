@@ -26,7 +26,6 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
-from fem.materials.christoffel import slowest_wavelength
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes, guided_modes, power
 from fem.waveguide.port_fields import PortFields, joined_cascade, stator_cascade
@@ -81,7 +80,7 @@ def best_frequency(stator: Stator, transducer: Transducer) -> float:
 @lru_cache(256)
 @one_blas_thread
 def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> float:
-    unit = slowest_wavelength(stator.solid, frequency)
+    unit = stator.slowest_wavelength(frequency)
     guess = _guess(stator, transducer) / frequency
     scale = replace(transducer, period=guess).finger_width / 2
 

@@ -18,7 +18,6 @@ from fem.discretize.grading import Resolution
 from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
 from fem.layout import check_interfaces
-from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.placement import is_step
 from fem.solve.p_matrix import PMatrix, of_segments, waves_of
 from fem.threads import one_blas_thread
@@ -115,7 +114,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
         raise InputError("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
 
     def at_level(resolution: Resolution) -> Reflector:
-        unit = slowest_wavelength(stator.solid, frequency)
+        unit = stator.slowest_wavelength(frequency)
         section = discretise(stator, resolution, wavelength=unit, surface_scale=np.inf)
         modes = guided_modes(section, frequency)
         return _of_cascade(stator, modes, condensed_pieces(stator, modes, resolution))

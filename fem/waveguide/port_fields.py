@@ -28,7 +28,6 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import LineSpace
 from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
-from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer
@@ -202,7 +201,7 @@ def stator_cascade(
             f"{fingers} fingers with {resolution.edge_layers} edge layers have more columns of elements than can be "
             "walked through in minutes: take fewer finger_pairs, or ask for a looser tolerance"
         )
-    unit = slowest_wavelength(stator.solid, frequency)
+    unit = stator.slowest_wavelength(frequency)
     scale = min((each.finger_width / 2 for each in transducers if not drawn), default=np.inf)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=min(scale, nearest))
     superelements = (

@@ -73,11 +73,11 @@ def solution(
     order: int = 5,
     layers: int = 0,
     frequency=FREQUENCY,
+    absorber: int = 2,
 ) -> Solution:
     """One discretisation of a driven stator."""
-    return solve_driven(
-        stator, transducers, frequency=frequency, drive=drive, resolution=Resolution(order=order, edge_layers=layers)
-    )
+    resolution = Resolution(order=order, edge_layers=layers, absorber=absorber)
+    return solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
 
 
 def wave_of(solution: Solution) -> SurfaceWave:

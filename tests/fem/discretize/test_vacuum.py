@@ -64,12 +64,12 @@ def test_reach_is_the_permittivity_along_the_plate(bottom, orientation):
     schur = static.xx[-1, -1] - static.xz[-1] @ np.linalg.solve(static.zz, static.xz[-1])
     at_rest = schur * 0.37 * depth.solid.stress_unit / depth.solid.potential_unit**2
     expected = max(abs(flux), abs(at_rest)) / VACUUM_PERMITTIVITY
-    assert plate_reach(stator, static, depth.length_unit) == pytest.approx(expected, rel=1e-7)
+    assert plate_reach(stator, static, depth.length_unit, stator.thickness) == pytest.approx(expected, rel=1e-7)
 
 
 def test_height_is_part_of_the_refinement():
     solid = PLATE.solid
-    heights = [needed_height(PLATE, medium(solid, fields(solid)), level, 1e-3)[0] for level in LEVELS]
+    heights = [needed_height(PLATE, [medium(solid, fields(solid))], level, 1e-3)[0] for level in LEVELS]
     assert np.diff(np.log2(heights)) == pytest.approx(np.ones(5))
     closed = Stator(solid=solid, length=0.05, thickness=1e-3, ends="free", above="vacuum")
-    assert needed_height(closed, medium(solid, fields(solid)), LEVELS[0], 1e-3) == (pytest.approx(200.0), True)
+    assert needed_height(closed, [medium(solid, fields(solid))], LEVELS[0], 1e-3) == (pytest.approx(200.0), True)

@@ -25,7 +25,7 @@ def test_slowest_modes(solid, level):
     stator = plate(solid, thickness=0.2, length=400.0, above="vacuum")
     depth = discretise(stator, LEVELS[level], wavelength=stator.length / 400, surface_scale=np.inf)
     modes = guided_modes(depth, FREQUENCY)
-    height, reach = depth.breakpoints[-1], plate_reach(stator, depth.solid, depth.length_unit)
+    height, reach = depth.breakpoints[-1], plate_reach(stator, depth.solid, depth.length_unit, stator.thickness)
     index = np.sqrt(LAST_ALONG)
 
     def equation(x):  # x = kappa times the height; free of poles

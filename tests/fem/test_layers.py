@@ -1,0 +1,158 @@
+"""Stators with layers: against the impedance recursion of analytic/layered.py, the direct solve, and one solid.
+
+The recursion (free waves) and the sparse direct solve (fingers at any interface) share no mesh and no condensation with
+the section.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fem
+from fem.direct import direct_solution
+from fem.discretize.grading import Resolution
+from fem.results.power_balance import power_balance
+from tests.fem.stators import FREQUENCY, lossless, solution, wave_of
+
+KOVACS = lossless("LiNbO3 (Kovacs)", "128YX")
+SILICA, SILICON, ALN, PZT = (
+    lossless(name, "Z") for name in ("fused silica", "silicon (cubic)", "AlN (Tsubouchi)", "PZT-8")
+)
+GOLD, EPOXY = lossless("gold", "Z"), lossless("epoxy", "Z")
+F = 10e6
+
+
+def layer(solid, thickness, bond=None):
+    return fem.Layer(solid=solid, thickness=thickness, bond=bond)
+
+
+STACKS = {
+    "SiO2 on 128YX": (KOVACS, [layer(SILICA, 20e-6)]),
+    "LN on SiO2 on Si": (SILICON, [layer(SILICA, 70e-6), layer(KOVACS, 100e-6)]),
+    "AlN on Si, thin": (SILICON, [layer(ALN, 1e-6)]),
+    "PZT on Si": (SILICON, [layer(PZT, 60e-6)]),
+    "thick PZT on silica": (SILICA, [layer(PZT, 220e-6)]),
+    "PZT on gold on Si": (SILICON, [layer(GOLD, 2e-6), layer(PZT, 60e-6)]),
+    "gold on 128YX": (KOVACS, [layer(GOLD, 3e-6)]),
+    "YZ LN on Si": (SILICON, [layer(lossless("LiNbO3 (Kovacs)", "YZ"), 100e-6)]),
+    "X-poled PZT on silica": (SILICA, [layer(lossless("PZT-8", "X"), 100e-6)]),
+    "bonded LN on Si": (SILICON, [layer(KOVACS, 100e-6, fem.Bond(normal=1e15, tangential=3e14))]),
+}
+
+
+def half_space(substrate, layers, **rest) -> fem.Stator:
+    whole = {"length": 3e-3, "thickness": np.inf, "ends": "absorbing", "above": "vacuum"} | rest
+    return fem.Stator(solid=substrate, layers=tuple(layers), **whole)
+
+
+@pytest.mark.parametrize("stack", STACKS)
+@pytest.mark.parametrize("above", ["vacuum", "none"])
+def test_free_wave_is_that_of_the_recursion(stack, above):
+    """Velocity and surface ratio; the error stated is not exceeded."""
+    stator = half_space(*STACKS[stack], above=above)
+    expected = fem.bound_wave(stator, F)
+    wave = fem.free_wave(stator, frequency=F, tolerance=1e-6)
+    error = abs(wave.velocity / expected.velocity - 1)
+    assert error < max(wave.relative_error, 3e-8)
+    assert error < 1e-7
+    assert wave.surface_ratio == pytest.approx(expected.surface_ratio, rel=2e-6)
+
+
+def pair_of(stator, unit):
+    left = fem.Transducer(name="a", center=0.9 * unit, period=unit, finger_pairs=1, metallisation=0.5, aperture=0.02)
+    return left, replace(left, name="b", center=2.4 * unit, period=0.8 * unit, metallisation=0.4)
+
+
+@pytest.mark.parametrize("plane", [0, 1, 2])
+def test_structured_and_direct_solve_agree(plane):
+    """Fingers on the surface and at either interface of a silica and a PZT film on a plate of 128YX."""
+    unit = fem.slowest_wavelength(PZT, FREQUENCY)
+    stator = fem.Stator(
+        solid=KOVACS, length=3.2 * unit, thickness=0.3 * unit, ends="absorbing", plane=plane,
+        layers=(layer(PZT, 0.07 * unit), layer(SILICA, 0.03 * unit)),
+    )  # fmt: skip
+    resolution = Resolution(order=5, edge_layers=1)
+    pair = pair_of(stator, unit)
+    ours = solution(stator, pair, order=5, layers=1)
+    direct = direct_solution(
+        stator, pair, frequency=FREQUENCY, resolution=resolution, wavelength=stator.slowest_wavelength(FREQUENCY),
+        segment_size=0.25, segment_layers=1,
+    )  # fmt: skip
+    own = ours.fields.admittances
+    assert np.abs(own - direct.admittances).max() < 1e-9 * np.abs(own).max()
+    covered = np.array([each.center for each in pair])
+    moved, reference = wave_of(ours).motion(covered), direct.surface(covered) @ ours.circuit.voltages
+    assert abs(moved - reference).max() < 1e-7 * abs(reference).max()
+
+
+def test_equal_layers_are_one_solid():
+    """A film of the substrate's own solid; only the elements differ, by less than the error of the level."""
+    one = fem.Transducer(name="a", center=0.6e-3, finger_pairs=1, period=0.39e-3, metallisation=0.5, aperture=5e-3)
+
+    def answer(layers):
+        drive = {"frequency": F, "drive": "a", "tolerance": 1e-3, "places": (2e-3,)}
+        wave = fem.driven_wave(half_space(KOVACS, layers), (one,), **drive)
+        return np.append(wave.motion(2e-3), wave.admittance)
+
+    assert answer([layer(KOVACS, 7e-6)]) == pytest.approx(answer([]), rel=1e-5)
+
+
+def test_a_slow_film_on_a_fast_substrate_has_the_error_stated():
+    """The absorbing layer and the depth above it are those of the substrate, 4.3 wavelengths of ZnO for one."""
+    stator = half_space(lossless("diamond", "Z"), [layer(lossless("ZnO (Bateman)", "Z"), 60e-6)])
+    one = fem.Transducer(name="a", center=1e-3, finger_pairs=1, period=0.833e-3, metallisation=0.5, aperture=5e-3)
+    x = np.array([2.2e-3])
+    answers = [
+        wave_of(solution(stator, (one,), frequency=F, order=order, layers=edges, absorber=level)).motion(x)
+        for order, edges, level in ((7, 2, 2), (8, 3, 3))
+    ]
+    assert abs(answers[0] - answers[1]).max() < 8e-5 * abs(answers[1]).max()
+
+
+def test_matrices_of_equal_layers_are_those_of_one_solid():
+    """On the same elements, to rounding."""
+    from fem.discretize.depth_mesh import discretise
+
+    unit = fem.slowest_wavelength(KOVACS, F)
+    stator = half_space(KOVACS, [layer(KOVACS, 0.03 * unit), layer(KOVACS, 0.05 * unit)])
+    section = discretise(stator, Resolution(order=5, edge_layers=1), wavelength=unit, surface_scale=0.1 * unit)
+    inside = slice(section.bottom // section.order, section.surface // section.order)
+    media = list(section.media)
+    media[inside] = [media[inside][0]] * len(media[inside])
+    one = replace(section, media=tuple(media))
+    assert len({id(each) for each in section.media[inside]}) == 3
+    for layered, single in zip(section.matrices(F), one.matrices(F), strict=True):
+        assert abs(layered - single).max() < 1e-12 * abs(single).max()
+
+
+@pytest.mark.parametrize("stack", ["SiO2 on 128YX", "PZT on gold on Si", "bonded LN on Si"])
+def test_power_is_balanced_and_transfer_reciprocal(stack):
+    substrate, layers = STACKS[stack]
+    lossy = [replace(each, solid=replace(each.solid, mechanical_quality=400.0)) for each in layers]
+    plane = 1 if stack == "SiO2 on 128YX" else 0
+    stator = half_space(substrate, lossy, plane=plane)
+    one = fem.Transducer(name="a", center=0.7e-3, finger_pairs=1, period=0.37e-3, metallisation=0.5, aperture=5e-3)
+    pair = one, replace(one, name="b", center=1.9e-3, metallisation=0.4)
+    ours = solution(stator, pair, frequency=F, order=5, layers=1)
+    balance = power_balance(ours)
+    assert abs(balance.residual) < 1e-11
+    assert balance.solid > 1e-3 * balance.input
+    admittances = ours.fields.admittances
+    assert abs(admittances[0, 1] - admittances[1, 0]) < 1e-10 * abs(admittances[0, 1])
+
+
+def test_what_a_stator_with_layers_cannot_be():
+    film = layer(SILICA, 1e-6)
+    with pytest.raises(fem.InputError, match=r"transducer\.plane must be surface or the number of layers .* 1 to 1"):
+        half_space(KOVACS, [film], plane=2)
+    with pytest.raises(fem.InputError, match=r"transducer\.plane must be surface where the stator has no layer"):
+        half_space(KOVACS, [], plane=1)
+    with pytest.raises(fem.InputError, match=r"layer\.0\.thickness must be a length in m"):
+        half_space(KOVACS, [fem.Layer(solid=SILICA, wavelengths=0.1)])
+    stator = half_space(SILICON, [layer(PZT, 6e-5), layer(GOLD, 1e-6)])
+    one = fem.Transducer(name="a", center=1e-3, finger_pairs=1, period=0.3e-3, metallisation=0.5, aperture=5e-3)
+    with pytest.raises(fem.InputError, match=r"must not touch a metal layer.*gold"):
+        fem.driven_wave(stator, (one,), frequency=F, drive="a", tolerance=1e-2)
+    with pytest.raises(fem.InputError, match=r"must not touch a metal layer.*gold"):
+        fem.driven_wave(replace(stator, plane=1), (one,), frequency=F, drive="a", tolerance=1e-2)
