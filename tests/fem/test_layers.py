@@ -99,7 +99,7 @@ def test_equal_layers_are_one_solid():
 
 
 def test_a_slow_film_on_a_fast_substrate_has_the_error_stated():
-    """The absorbing layer and the depth above it are those of the substrate, 4.3 wavelengths of ZnO for one."""
+    """Diamond, whose wavelength is 4.3 times that of ZnO; the film has little wave and much static field."""
     stator = half_space(lossless("diamond", "Z"), [layer(lossless("ZnO (Bateman)", "Z"), 60e-6)])
     one = fem.Transducer(name="a", center=1e-3, finger_pairs=1, period=0.833e-3, metallisation=0.5, aperture=5e-3)
     x = np.array([2.2e-3])
@@ -108,6 +108,22 @@ def test_a_slow_film_on_a_fast_substrate_has_the_error_stated():
         for order, edges, level in ((7, 2, 2), (8, 3, 3))
     ]
     assert abs(answers[0] - answers[1]).max() < 8e-5 * abs(answers[1]).max()
+
+
+def test_substrate_and_absorber_are_as_deep_as_without_a_film():
+    from fem.discretize.depth_mesh import discretise
+
+    diamond, zno = lossless("diamond", "Z"), lossless("ZnO (Bateman)", "Z")
+    depths = []
+    for layers in ([], [layer(zno, 60e-6)]):
+        stator = half_space(diamond, layers)
+        resolution = Resolution(order=5, edge_layers=0)
+        unit = stator.slowest_wavelength(F)
+        section = discretise(stator, resolution, wavelength=unit, surface_scale=np.inf)
+        ends = section.breakpoints * unit
+        static = 0.5 * fem.slowest_wavelength(diamond, F) if layers else 0.0  # one more element, see absorber.py
+        depths.append([ends[section.bottom // 5] + stator.coating, ends[0] + stator.coating + static])
+    assert depths[1] == pytest.approx(depths[0], rel=1e-12)
 
 
 def test_matrices_of_equal_layers_are_those_of_one_solid():

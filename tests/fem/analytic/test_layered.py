@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import fem
-from fem.geometry import Bond, Layer
 from fem.analytic.layered_wave import layered_waves, principal_wave, shorted_velocity
+from fem.geometry import Bond, Layer
 from fem.materials import VACUUM_PERMITTIVITY, Solid
 
 
