@@ -29,7 +29,7 @@ def crystal(material: str | PiezoelectricSolid | IsotropicSolid):
         own = {name: getattr(material, name) for name in ("mechanical_quality",) if getattr(material, name) is not None}
         solid = fem.isotropic(
             name=material.name, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio,
-            density=material.density, **own,
+            density=material.density, conducting=material.conducting, **own,
         )  # fmt: skip
         fem.refuse_impossible(solid, material.youngs_modulus)
     else:

@@ -250,6 +250,9 @@ class IsotropicSolid(Block):
     poisson_ratio: Annotated[float, FIELD, "Poisson's ratio."]
     density: DENSITY
     mechanical_quality: QUALITY = None
+    conducting: Annotated[
+        bool, FLAG, "true: a metal. A layer of it has one potential and no net charge; fingers do not touch it."
+    ] = False
     conductivity: CONDUCTIVITY = None
     heat_capacity: HEAT_CAPACITY = None
     velocity_coefficient: VELOCITY_COEFFICIENT = None
