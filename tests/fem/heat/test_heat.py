@@ -195,6 +195,14 @@ def test_sampled_states_and_folds_are_those_of_the_closed_form(number, sign):
         assert [each.stable for each in states] == [True, False, True][: len(exact)]
 
 
+def test_only_a_flank_against_which_the_resonance_moves_folds():
+    """Below the peak the power rises with the frequency: a falling resonance folds there, a rising one does not."""
+    cold = 1e6 * (1.0 + np.linspace(-12.0, -0.1, 1201) / 2e5)
+    held = 10.0 / (1.0 + np.linspace(-12.0, -0.1, 1201) ** 2)
+    assert sampled_foldover_number(cold, held, -2.0 / (2e5 * 10.0)) == pytest.approx(2.0, rel=1e-3)
+    assert sampled_foldover_number(cold, held, 2.0 / (2e5 * 10.0)) == 0.0
+
+
 def test_samples_must_rise():
     with pytest.raises(InputError, match="rises must be at least 4 rising numbers"):
         heated_states([0.0, 1.0, 1.0, 2.0], [1.0] * 4)
