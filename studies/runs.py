@@ -88,6 +88,14 @@ def run(
 
 def _run(scene: Scene, tolerance: float) -> Record:
     written, scene = scene, resolve.resolved(scene)
+    steady = None
+    if scene.stator is not None and scene.stator.temperature == "steady":
+        from studies.solve.steady_temperature import steady_temperature
+
+        steady = steady_temperature(scene, tolerance)
+        scene, written = (
+            replace(each, stator=replace(each.stator, temperature=steady.temperature)) for each in (scene, written)
+        )
     if scene.wave is not None:
         record = _prescribed(scene, tolerance)
     elif scene.transducer:
@@ -102,6 +110,8 @@ def _run(scene: Scene, tolerance: float) -> Record:
         if record.scene.slider is not None:  # so that the stored scene runs to the same intervals
             slider = replace(record.scene.slider, preload=written.slider.preload)
             record = replace(record, scene=replace(record.scene, slider=slider))
+    if steady is not None:
+        record = replace(record, heat=record.heat | steady.block())
     record = with_model_error(record)
     return replace(record, warnings=warnings_of(record))
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import fem
 from studies.model.fem_objects import drive, pieces, port_admittance, solid, stator, transducers, unturned, whole_stator
-from studies.model.materials import crystal_at, knows_temperature, reference_temperature
+from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -43,12 +43,29 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     temperature = None if scene.stator is None else scene.stator.temperature
     if scene.stator is None or temperature is None:
         return _resolved(scene, spread)
-    if temperature != "steady":
+    if temperature == "steady":
+        _check_steady(scene)
+    else:
         solid(scene.stator)
-    elif not knows_temperature(scene.stator):
-        crystal_at(scene.stator, reference_temperature(scene.stator))
     cold = _resolved(replace(scene, stator=replace(scene.stator, temperature=None)), spread)
     return replace(cold, stator=replace(cold.stator, temperature=temperature))
+
+
+def _check_steady(scene: Scene) -> None:
+    """Refuse a steady temperature of a stator that has none, or whose effect is not known."""
+    material, block = thermal_table(scene.stator.material), scene.stator
+    missing = {
+        "needs a drive, whose heat it follows": not scene.transducer,
+        "needs a plate: a half-space never becomes steady": block.thickness == "half-space",
+        f"needs a conductivity, and {crystal(block.material).name} has none": material.get("conductivity") is None,
+    }
+    if scene.transducer:
+        lone = scene.drive.burst is not None and scene.drive.duty is None
+        missing["needs drive.duty beside drive.burst: a lone burst has no steady temperature"] = lone
+    for rule, wrong in missing.items():
+        if wrong:
+            raise SceneError("stator.temperature", f'of "steady" {rule}')
+    crystal_at(block, reference_temperature(block))
 
 
 def _resolved(scene: Scene, spread: bool | None) -> Scene:

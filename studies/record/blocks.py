@@ -96,6 +96,11 @@ class HeatBlock(Values):
     highest_rise_low_K: Number = None
     highest_rise_high_K: Number = None
     hottest_x_m: Number = None
+    steady_temperature_degC: Number = None
+    steady_residual_K: Number = None
+    branch: Text = None
+    other_temperatures_degC: tuple[float, ...] | Any = None
+    fold_frequencies_Hz: tuple[float, ...] | Any = None
     continuous_limit_voltage_V: Number = None
     pulsed_limit_voltage_V: Number = None
     duty_limit: Number = None

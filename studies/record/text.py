@@ -184,6 +184,8 @@ def _heat(block: HeatBlock):
     if block.heating_rate_K_per_s is not None:
         rate, settling = f"{block.heating_rate_K_per_s:.2g} K/s", f"{block.time_constant_s:.3g} s"
         lines.insert(0, f"{how} warms the stator by {rate} at first, with a time constant of {settling}")
+    if block.steady_temperature_degC is not None:
+        lines.append(_steady(block))
     if block.continuous_limit_voltage_V is not None:
         most = quantity("heat.continuous_limit_voltage_V").with_unit(block.continuous_limit_voltage_V)
         share = f"; at {block.voltage_V:g} V a duty of {100 * block.duty_limit:.3g} %" if block.duty_limit < 1.0 else ""
@@ -194,6 +196,19 @@ def _heat(block: HeatBlock):
         more = "" if block.foldover_number is None else f", foldover number {block.foldover_number:.2g}"
         lines.append(f"{drift}, {factor} at a fixed frequency{more}")
     yield "temperature", lines
+
+
+def _steady(block: HeatBlock) -> str:
+    """Return the temperature at which the run is solved, its branch and the folds."""
+    degrees, hertz = quantity("heat.steady_temperature_degC"), quantity("wave.frequency_Hz")
+    text = f"solved at its own steady temperature of {degrees.with_unit(block.steady_temperature_degC)}"
+    if block.branch == "cold":
+        others = ", ".join(degrees.with_unit(each) for each in block.other_temperatures_degC)
+        text += f", to which a cold start comes; {others} is stable too"
+    if block.fold_frequencies_Hz:
+        folds = ", ".join(hertz.with_unit(each) for each in block.fold_frequencies_Hz)
+        text += f"; folds at {folds} (foldover number {block.foldover_number:.3g})"
+    return text
 
 
 def _ripple(record: "Record"):

@@ -260,7 +260,12 @@ def large_strain(record: Record, level: float) -> Effects:
 
 
 def heating(record: Record) -> Effects:
-    """Yield the highest rise of a continuous drive's temperature, or the power where no temperature is known."""
+    """Yield the highest rise of the drive's temperature, or the power where no temperature is known.
+
+    A run at its own steady temperature leaves nothing out.
+    """
+    if record.heat.steady_temperature_degC is not None:
+        return
     if record.heat.highest_rise_K is not None:
         block = record.heat
         where = f"at x = {1e3 * block.hottest_x_m:.3g} mm"

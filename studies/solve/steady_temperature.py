@@ -1,0 +1,183 @@
+"""The temperature that a stator's own heat gives it at a fixed frequency: ``stator.temperature = "steady"``.
+
+Between absorbing ends the power hardly depends on the temperature: the stator is solved at its temperature again until
+it does not change (secants), with the temperature at the driven fingers, whose place detunes. Between reflecting ends a
+resonance moves with the temperature and may have several steady states. Its power over frequency is computed once, at
+the ambient temperature; a stator at a rise t meets the drive f where the cold one meets f F(0)/F(t), F the velocity's
+dependence on the temperature, so that the rise held at every temperature is known and all states and folds are seen
+(`fem.heated_states`). The coolest stable one, to which a cold start comes, is then solved with the constants at its
+temperature until the mean temperature agrees.
+"""
+
+import logging
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import fem
+from studies.model import fem_objects
+from studies.model.fem_objects import relative_frequency
+from studies.model.materials import crystal
+from studies.model.stator_alone import stator_alone
+from studies.record import Record
+from studies.record.blocks import HeatBlock
+from studies.refusal import RunError
+from studies.scene import Scene
+from studies.scene.blocks import Cooling
+from studies.solve.electrical import electrical_block
+from studies.solve.heat import duty, frequency_slope, plate, sources, temperature, thermal_constants
+from studies.solve.spectrum import converged_admittances
+from studies.solve.surface_blocks import surface_columns, wave_block
+from studies.solve.surface_motion import solved_motion
+
+LOGGER = logging.getLogger(__name__)
+
+LARGEST_RISE = 400.0  # K, searched for states where no Curie temperature is known
+PER_WIDTH = 8  # samples in the half-power width f/Q of a resonance: a cubic spline errs by 1e-3 of its peak
+MIN_SAMPLES, MAX_SAMPLES = 33, 2001
+BESIDE = 6.0  # half-power widths that are sampled beyond the coldest and the hottest frequency, where folds may lie
+FITTED = 7  # temperatures at which the velocity is computed; between them a polynomial
+ROUNDS = 8  # solutions of the stator, at most
+ROUNDING = 1e-12
+AGREED = 1e-3  # relative change of the rise, or in K below 1 K, at which the temperature counts as found
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyTemperature:
+    """A stator's steady temperature and what other states there are."""
+
+    temperature: float  # degC
+    residual: float  # K, by which the rise that its powers hold differs
+    others: tuple[float, ...] = ()  # degC, of the other stable states
+    folds: tuple[float, ...] = ()  # Hz, of the drive: at each a stable state vanishes
+    number: float | None = None  # foldover number; None between absorbing ends
+
+    def block(self) -> HeatBlock:
+        """Return the keys of run.json."""
+        branch = "cold" if self.others else "only"
+        return HeatBlock(
+            steady_temperature_degC=self.temperature, steady_residual_K=self.residual, branch=branch,
+            other_temperatures_degC=self.others or None, fold_frequencies_Hz=self.folds or None,
+            foldover_number=self.number,
+        )  # fmt: skip
+
+
+def steady_temperature(scene: Scene, tolerance: float) -> SteadyTemperature:
+    """Return the temperature that a resolved scene's own heat holds at its largest level.
+
+    ``tolerance``: relative, of the surface's motion.
+
+    Raises
+    ------
+    RunError
+        If there is no steady temperature below the Curie temperature, or it is not found.
+    """
+    if not max(scene.levels, default=0.0) > 0.0:
+        return SteadyTemperature(temperature=_ambient(scene), residual=0.0)
+    if scene.stator.ends == "absorbing":
+        return _agreed(scene, tolerance, 0.0, None)
+    frequencies, held = _response(scene, tolerance)
+    rises = _rises(scene)
+    met = scene.frequency / _frequency_factors(scene, rises)
+    if met.min() < frequencies[0] * (1 - ROUNDING) or met.max() > frequencies[-1] * (1 + ROUNDING):
+        raise RunError(f"the stator has no answer at all frequencies from {met.min():.6g} to {met.max():.6g} Hz")
+    at = np.interp(met, frequencies, held)
+    states = fem.heated_states(rises, at)
+    stable = [each.rise for each in states if each.stable]
+    if not stable:
+        limit = _ambient(scene) + rises[-1]
+        raise RunError(f"there is no steady temperature up to {limit:.3g} degC: lower the voltage or cool the stator")
+    slope = float(np.interp(stable[0], rises, np.gradient(at, rises)))
+    found = _agreed(scene, tolerance, stable[0], slope)
+    coefficient = frequency_slope(scene.stator)
+    return replace(
+        found, others=tuple(_ambient(scene) + rise for rise in stable[1:]),
+        folds=fem.drive_folds(frequencies, held, coefficient),
+        number=fem.sampled_foldover_number(frequencies, held, coefficient),
+    )  # fmt: skip
+
+
+def _agreed(scene: Scene, tolerance: float, rise: float, slope: float | None) -> SteadyTemperature:
+    """Return the temperature at which the stator holds its own rise, by secants from a rise in K.
+
+    ``slope``: of the held rise with the rise there; None: the first step takes the held rise.
+    """
+    ambient, tried = _ambient(scene), list[tuple[float, float]]()  # rise, and what the heat holds beyond it, K
+    while len(tried) < ROUNDS and 0.0 <= rise <= _largest_rise(scene):
+        LOGGER.info(f"stator at {ambient + rise:.4g} degC")
+        excess = _held(scene, ambient + rise, tolerance) - rise
+        if abs(excess) <= AGREED * max(rise, 1.0):
+            return SteadyTemperature(temperature=ambient + rise, residual=abs(excess))
+        if tried:
+            slope = 1.0 + (excess - tried[-1][1]) / (rise - tried[-1][0])
+        tried.append((rise, excess))
+        rise += excess if slope is None or slope >= 1.0 else excess / (1.0 - slope)
+    last, excess = tried[-1]
+    raise RunError(
+        f"the steady temperature was not found near {ambient + last:.4g} degC, where the heat holds "
+        f"{ambient + last + excess:.4g} degC: lower the voltage, or give stator.temperature as a number"
+    )
+
+
+def _held(scene: Scene, temperature_degC: float, tolerance: float) -> float:
+    """Return the rise in K that the powers of the stator at a temperature hold: at the fingers, or between ends."""
+    warm = replace(scene, stator=replace(scene.stator, temperature=temperature_degC))
+    motion = solved_motion(
+        stator_alone(warm), scene.positions, tolerance=tolerance, slider=scene.slider is not None, missed=True
+    )
+    record = Record(
+        scene=warm, tolerance=tolerance, wave=wave_block(warm, motion, scene.positions[0], None),
+        electrical=electrical_block(warm, motion), surface=surface_columns(warm, motion),
+    )  # fmt: skip
+    if scene.stator.ends != "absorbing":
+        return _plate(warm, tolerance).steady_rise(sum(each.power for each in sources(record, duty(scene) or 1.0)))
+    warmed = temperature(record)
+    return 0.0 if warmed is None else float(warmed.at(scene.driven_transducer.center_xy[0]))
+
+
+def _response(scene: Scene, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies in Hz and the mean rise in K that the stator at the ambient temperature holds at each."""
+    cold = replace(scene, stator=replace(scene.stator, temperature=_ambient(scene)))
+    quality = scene.stator.mechanical_quality or crystal(scene.stator.material).mechanical_quality
+    met = scene.frequency / _frequency_factors(scene, _rises(scene))
+    margin = BESIDE * scene.frequency / quality if math.isfinite(quality) else 0.0
+    low, high = met.min() - margin, met.max() + margin
+    wanted = PER_WIDTH * (high - low) / (scene.frequency / quality) if math.isfinite(quality) else MAX_SAMPLES
+    at = np.linspace(low, high, int(np.clip(math.ceil(wanted), MIN_SAMPLES, MAX_SAMPLES)))
+    ports, _ = converged_admittances(cold, at, tolerance)
+    transducers, drive = fem_objects.transducers(cold), fem_objects.drive(cold)
+    pairs = zip(ports.matrix, ports.frequency, strict=True)
+    powers = [fem.solve_circuit(y, ports.names, transducers, drive, f).power for y, f in pairs]
+    share = (duty(scene) or 1.0) * max(scene.levels) ** 2
+    return np.asarray(ports.frequency), _plate(cold, tolerance).resistance * share * np.array(powers)
+
+
+def _plate(scene: Scene, tolerance: float) -> fem.HeatedPlate:
+    body = plate(Record(scene=scene, tolerance=tolerance))
+    assert body is not None  # `studies.model.resolve` has refused a scene without
+    return body
+
+
+def _frequency_factors(scene: Scene, rises: np.ndarray) -> np.ndarray:
+    """Return the resonances' frequency at rises in K over that at the ambient temperature."""
+    ambient = _ambient(scene)
+    nodes = np.linspace(0.0, rises[-1], FITTED)
+    values = [
+        relative_frequency(scene.stator, ambient + each) / relative_frequency(scene.stator, ambient) for each in nodes
+    ]
+    return np.polynomial.Polynomial.fit(nodes, values, FITTED - 1)(rises)
+
+
+def _rises(scene: Scene) -> np.ndarray:
+    """Return the rises in K among which states are looked for."""
+    return np.linspace(0.0, _largest_rise(scene), MAX_SAMPLES)
+
+
+def _largest_rise(scene: Scene) -> float:
+    curie = thermal_constants(scene.stator.material)["curie_temperature"]
+    return LARGEST_RISE if curie is None else curie - _ambient(scene)
+
+
+def _ambient(scene: Scene) -> float:
+    return (scene.stator.cooling or Cooling()).ambient
