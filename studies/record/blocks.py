@@ -115,3 +115,13 @@ class ErrorBlock(Values):
     relative: Number = None
     parts: dict | Any = None  # of the stator and of the contact, by these names
     model: Number = None
+
+
+class Effect(Values):
+    """Keys ``model_error.*``: an effect that the model neglects, with its estimated size."""
+
+    effect: Text = None
+    quantity: Text = None  # what it changes
+    size: Number = None  # relative change or, with a unit, change in that
+    source: Text = None
+    unit: Text = None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from studies.record.blocks import ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
+from studies.record.blocks import Effect, ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
 from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.values import Columns, Values
@@ -54,7 +54,7 @@ class Record:
         Effects that the model neglects, and why.
     warnings : tuple of str
         Doubts about the answer, each with its number and a remedy.
-    model_error : tuple of dict
+    model_error : tuple of studies.record.blocks.Effect
         Neglected effects, each with its estimated ``size`` for this scene; not part of ``error``.
     uncertainty : dict
         With [uncertain]: the method of the bands, the tolerances and the effect of each on the velocity.
@@ -100,7 +100,7 @@ class Record:
     seconds: dict = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    model_error: tuple[dict, ...] = ()
+    model_error: tuple[Effect, ...] = ()
     uncertainty: dict = field(default_factory=dict)
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
@@ -118,6 +118,7 @@ class Record:
             if isinstance(each.type, type) and issubclass(each.type, (Values, Columns)):  # a dict is taken too
                 object.__setattr__(self, each.name, each.type.read(getattr(self, each.name)))
         object.__setattr__(self, "points", tuple(map(Point.read, self.points)))
+        object.__setattr__(self, "model_error", tuple(map(Effect.read, self.model_error)))
 
     @property
     def level(self) -> str:

@@ -291,12 +291,12 @@ def sentences(record: "Record") -> tuple[str, ...]:
     """Return a line for every effect above the tolerance, and one that names those below it."""
     lines, small = [], []
     for each in record.model_error:
-        if "unit" in each:
-            lines.append(f"{each['effect']}: up to {each['size']:.2g} {each['unit']}, {each['quantity']}")
-        elif abs(each["size"]) < record.tolerance:
-            small.append(each["effect"])
+        if each.unit is not None:
+            lines.append(f"{each.effect}: up to {each.size:.2g} {each.unit}, {each.quantity}")
+        elif abs(each.size) < record.tolerance:
+            small.append(each.effect)
         else:
-            lines.append(f"{each['effect']}: {percent(each['size'])} of {each['quantity']}")
+            lines.append(f"{each.effect}: {percent(each.size)} of {each.quantity}")
     return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
 
 

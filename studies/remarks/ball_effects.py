@@ -1,4 +1,4 @@
-"""Estimates of the effects that the model of a slider on balls neglects, as fields of `stator_effects.Effect`.
+"""Estimates of the effects that the model of a slider on balls neglects, as fields of `studies.record.blocks.Effect`.
 
 Sources:
 
@@ -19,7 +19,7 @@ from studies.model import fem_objects
 from studies.model.contact import contact_slider
 from studies.record import Record
 from studies.record.point import Point
-from studies.remarks.stator_effects import Effects, amplitude_per_power, wavelength
+from studies.remarks.stator_effects import AMPLITUDE, Effects, amplitude_per_power, wavelength
 
 POINT_ADMITTANCE = 0.93  # Re(v/F) over omega^2 / (2 pi mu c_T) of a point load on a half-space
 NO_FRICTION = 1e-9  # coefficient of a frictionless contact: the averaged equilibrium requires a positive one
@@ -65,7 +65,7 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     some = [positive[number] for number in sorted({round(at) for at in np.linspace(0, len(positive) - 1, LOADS)})]
     sizes = np.interp(voltages, some, wave_load(record, some))
     return [
-        [(LOAD, "u_z", float(size), how)] if voltage > 0.0 else []
+        [(LOAD, AMPLITUDE, float(size), how)] if voltage > 0.0 else []
         for voltage, size in zip(voltages, sizes, strict=True)
     ]
 
@@ -112,4 +112,4 @@ def travel_over_ripple(record: Record, point: Point) -> Effects:
     if abs(point.velocity_m_per_s or 0.0) * scene.burst > wavelength(record) / 4:
         how = "standing-wave ratio, over a travel of more than a quarter of a wavelength"
         effect = "travel of the slider along the rippled field"
-        yield effect, "u_z", (ratio - 1) / (ratio + 1), how
+        yield effect, AMPLITUDE, (ratio - 1) / (ratio + 1), how

@@ -10,27 +10,23 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from studies.record import Record
-from studies.record.blocks import ErrorBlock
+from studies.record.blocks import Effect, ErrorBlock
 from studies.record.point import Point
 from studies.record.text import percent
 from studies.remarks.ball_effects import OVERTONES, loads_on_wave, radiation, travel_over_ripple
-from studies.remarks.stator_effects import Effect, heating, large_strain, stator_effects
+from studies.remarks.stator_effects import AMPLITUDE, heating, large_strain, stator_effects
 
-SHARED = ("u_z", "velocity")  # quantities at the slider whose relative changes add up to the model error
+SHARED = (AMPLITUDE, "velocity")  # quantities at the slider whose relative changes add up to the model error
 NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
 
 
-def model_error(record: Record) -> tuple[dict, ...]:
+def model_error(record: Record) -> tuple[Effect, ...]:
     """Return the neglected effects of a run with a driven stator or a prescribed wave, as in run.json.
 
     An effect that depends on the level has its largest size over the points, or for a slider on pillars its size at the
     largest level.
     """
-    return _entries(_largest(record, *_effects(record)))
-
-
-def _entries(effects: Iterable[Effect]) -> tuple[dict, ...]:
-    return tuple({key: value for key, value in each._asdict().items() if value != ""} for each in effects)
+    return tuple(_largest(record, *_effects(record)))
 
 
 def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...]]]:
@@ -52,7 +48,8 @@ def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...
 
 
 def _finite(effects: list[tuple]) -> tuple[Effect, ...]:
-    return tuple(each for each in (Effect(*fields) for fields in effects) if math.isfinite(each.size))
+    found = (Effect(**dict(zip(Effect.__annotations__, values, strict=False))) for values in effects)
+    return tuple(each for each in found if math.isfinite(each.size))
 
 
 def _largest(record: Record, always: tuple, at_points: list[tuple]) -> list[Effect]:
@@ -100,5 +97,5 @@ def with_model_error(record: Record) -> Record:
             f"({worst.effect}); {100 * NO_ANSWER:g} % or more is refused"
         )
     return replace(
-        record, model_error=_entries(largest), points=tuple(points), error=error, shortfall=shortfall, refused=refused
+        record, model_error=tuple(largest), points=tuple(points), error=error, shortfall=shortfall, refused=refused
     )

@@ -23,7 +23,7 @@ from studies.model import pillars
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance
-from studies.remarks.stator_effects import Effects
+from studies.remarks.stator_effects import AMPLITUDE, Effects
 from studies.solve.pillar_points import PillarContact, bounce_ratio
 from studies.solve.solved_stator import contact_of_run
 
@@ -42,7 +42,7 @@ MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 
 
 def effects_at_points(record: Record) -> list[list[tuple]]:
-    """Return the neglected effects at each point of a run with pillars, each as fields of `stator_effects.Effect`."""
+    """Return the neglected effects at each point of a run with pillars, each as fields of an `Effect`."""
     body, motion = PillarContact.of(contact_of_run(record)), None
     effects: list[list[tuple]] = [[] for _ in record.points]
     for own, point in zip(effects, record.points, strict=True):
@@ -57,7 +57,7 @@ def _at_level(record: Record, body: PillarContact, motion, point: Point) -> Effe
     wave, slider, level = motion.wave, record.scene.slider, point.level
     if body.misfit > 0.0:
         how = "rms misfit of two plane waves to the surface mode under the slider"
-        yield "beating and spreading of the wave under the slider", "u_z", body.misfit, how
+        yield "beating and spreading of the wave under the slider", AMPLITUDE, body.misfit, how
     how = "square of the contact resonance over the wave's frequency"
     yield "the slider's own vibration", "velocity", bounce_ratio(slider, wave.frequency) ** 2, how
     if wave.compliance > 0.0:
@@ -155,12 +155,12 @@ def pillar_warnings(record: Record) -> Iterator[str]:
     `studies.remarks.run_warnings` covers effects that change the velocity; this function covers the other effects.
     """
     for each in record.model_error:
-        quantity, size, source = each["quantity"], each["size"], each["source"]
+        quantity, size, source = each.quantity, each.size, each.source
         if quantity == MARGIN and size >= 1.0:
             remedy = "a smaller preload, a larger area of pillars or a larger amplitude keeps it slower"
             yield f"the loaded wave leaks into bulk waves, which is neglected ({source}): {remedy}"
         if quantity == "the preload" and size >= 0.1:
-            yield f"model error: {each['effect']} would add {100 * size:.3g} % of the preload ({source})"
+            yield f"model error: {each.effect} would add {100 * size:.3g} % of the preload ({source})"
     slider, block = record.scene.slider, record.scene.slider.pillars
     if block.height_scatter > 0.0 and block.seed == pillars.SEED:
         yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"

@@ -151,9 +151,9 @@ def _off_resonance(record: Record) -> Iterator[str]:
 def _section(record: Record) -> Iterator[str]:
     """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
-        if each["effect"] == "finite aperture" and abs(each["size"]) > DECIDES:
+        if each.effect == "finite aperture" and abs(each.size) > DECIDES:
             refused = fem.beam_refusal(fem_objects.whole_stator(record.scene))
-            size = f"{100 * each['size']:+.0f} % of u_z"
+            size = f"{100 * each.size:+.0f} % of u_z"
             remedy = refused or "stator.diffraction = true includes it"
             yield f"the plane section neglects that the aperture is finite, about {size}: {remedy}"
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
@@ -188,12 +188,12 @@ def _section(record: Record) -> Iterator[str]:
 def _left_out(record: Record) -> Iterator[str]:
     """Yield a warning for each neglected effect that changes u_z or the velocity by ``DECIDES`` or more."""
     for each in record.model_error:
-        effect, quantity, size = each["effect"], each["quantity"], each["size"]
+        effect, quantity, size = each.effect, each.quantity, each.size
         # `_section` warns about the finite aperture
         if quantity in SHARED and abs(size) >= DECIDES and effect != "finite aperture":
             yield (
                 f"model error: a neglected effect ({effect}) changes {quantity} by about {percent(size)} "
-                f"({each['source']}); the numerical error does not include it"
+                f"({each.source}); the numerical error does not include it"
             )
 
 

@@ -13,7 +13,6 @@ Sources:
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import NamedTuple
 
 import numpy as np
 
@@ -42,18 +41,8 @@ NONLINEARITY, LISTED = 5.0, 0.01
 USUAL_VELOCITY = 3000.0
 ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
 
-Effects = Iterator[tuple]  # fields of `Effect`
+Effects = Iterator[tuple]  # values of the fields of `studies.record.blocks.Effect`
 AMPLITUDE = "u_z"  # the quantity that most effects change: the normal amplitude under the slider
-
-
-class Effect(NamedTuple):
-    """A neglected effect; its fields are keys of run.json."""
-
-    effect: str
-    quantity: str  # what it changes
-    size: float  # relative change or, with a unit, change in that
-    source: str
-    unit: str = ""
 
 
 def stator_effects(record: Record) -> Effects:
@@ -110,13 +99,13 @@ def _aperture(record: Record, left_out) -> Effects:
         with suppress(fem.BeamError, fem.ConvergenceError):
             worst = max(abs(left_out.motion(x, y)[2]) / section - 1, key=abs)
             how = "the beam of the finite aperture, computed for this line, over the plane section"
-            yield "finite aperture", "u_z", float(worst), how
+            yield "finite aperture", AMPLITUDE, float(worst), how
             return
     if motion.beam is None:
         spreads = [_spread(record, each, *zip(*positions, strict=True)) for each in record.scene.driven_transducers]
         worst = max(np.concatenate(spreads) - 1, key=abs)
         how = "angular spectrum of the driven aperture, on the cut's slowness curve"
-        yield "finite aperture", "u_z", float(worst), how
+        yield "finite aperture", AMPLITUDE, float(worst), how
         return
     if record.scene.crossed:
         yield from _crossed(record, positions)
@@ -125,7 +114,7 @@ def _aperture(record: Record, left_out) -> Effects:
     other = beam.with_side_faces(None if block.mirror_width else block.width)
     worst = max(abs(other.motion(*at)[2] / motion.at(positions)[2]) - 1, key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
-    yield "side faces", "u_z", float(worst), how
+    yield "side faces", AMPLITUDE, float(worst), how
 
 
 def _crossed(record: Record, positions) -> Effects:
@@ -134,11 +123,11 @@ def _crossed(record: Record, positions) -> Effects:
     amplitude, solid = abs(beam.motion(x, y)[2]), fem_objects.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / amplitude).max())
     how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
-    yield "side faces", "u_z", images, how
+    yield "side faces", AMPLITUDE, images, how
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
     phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
     how = "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
-    yield "metal of the transducers in the way of crossing beams", "u_z", phase_shift, how
+    yield "metal of the transducers in the way of crossing beams", AMPLITUDE, phase_shift, how
 
 
 def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
@@ -168,19 +157,19 @@ def _finger_ends(record: Record, left_out) -> Effects:
     covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
     charge_error = None if beam is None or covered else beam.charge_error(*at)
     if charge_error is not None:
-        yield effect, "u_z", float(charge_error.max()), "change by fewer steps of the charge along the fingers"
+        yield effect, AMPLITUDE, float(charge_error.max()), "change by fewer steps of the charge along the fingers"
         return
     if motion.beam is None or covered or record.scene.crossed:
-        yield effect, "u_z", UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
+        yield effect, AMPLITUDE, UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     stator = fem_objects.stator(record.scene.stator)
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
     changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
-    yield effect, "u_z", float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
+    yield effect, AMPLITUDE, float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
     most = max(each.finger_pairs for each in record.scene.driven_transducers)
     remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * most)
     how = f"error that remains with static charge at the ends, {ceramic}"
-    yield "ripple of the charge along the fingers", "u_z", remainder, how
+    yield "ripple of the charge along the fingers", AMPLITUDE, remainder, how
 
 
 def vacuum_effect(record: Record) -> Effects:
@@ -199,7 +188,7 @@ def vacuum_effect(record: Record) -> Effects:
             how = "eps_0 over the permittivity of the solid, times the coupling K2 of the surface wave"
         except fem.ConvergenceError:
             size, how = share, "eps_0 over the permittivity of the solid: K2 of a leaky wave is not known"
-        yield "vacuum above the surface", "u_z", size, how
+        yield "vacuum above the surface", AMPLITUDE, size, how
 
 
 def amplitude_per_power(record: Record) -> float | None:
@@ -235,7 +224,7 @@ def _electrode_mass(record: Record) -> Effects:
     # phase accumulated from the middle of the transducer to its end
     phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
     how = "first-order perturbation of the velocity under the fingers, over half of the row"
-    yield "mass of 100 nm aluminium on the fingers", "u_z", phase, how
+    yield "mass of 100 nm aluminium on the fingers", AMPLITUDE, phase, how
 
 
 def surface_strain(record: Record, level: float) -> float:
@@ -256,7 +245,7 @@ def large_strain(record: Record, level: float) -> Effects:
     if NONLINEARITY * strain >= LISTED:
         name = "k |u_x|" if record.scene.wave is None else "k |u|"
         how = f"the strain {name} = {strain:.2g}, times the nonlinearity parameter of solids, about {NONLINEARITY:g}"
-        yield "nonlinear elasticity", "u_z", NONLINEARITY * strain, how
+        yield "nonlinear elasticity", AMPLITUDE, NONLINEARITY * strain, how
 
 
 def heating(record: Record) -> Effects:

@@ -125,7 +125,9 @@ class Datasheet:
         level = self.record.level.removeprefix("normal_")
         rows = [{key: value for key, value in row._asdict().items() if value not in (None, "")} for row in self.rows]
         whole = {"title": self.record.scene.title, f"rated_{level}": self.rated, "rows": rows}
-        return whole | ({"model_error": self.record.model_error} if self.record.model_error else {})
+        return whole | (
+            {"model_error": [each.to_dict() for each in self.record.model_error]} if self.record.model_error else {}
+        )
 
 
 def datasheet(

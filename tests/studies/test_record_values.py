@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import studies
-from studies.record.blocks import ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
+from studies.record.blocks import Effect, ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
 from studies.record.point import Point
 from studies.record.quantities import quantities, quantity
 from studies.record.values import Complex, Count, Flag, Number, Pair, Text
@@ -19,7 +19,7 @@ from studies.refusal import SceneError
 
 BLOCKS = {
     WaveBlock: ("wave",), ElectricalBlock: ("electrical",), SummaryBlock: ("summary",), HeatBlock: ("heat",),
-    ErrorBlock: ("error",), Point: ("points", "sweep"),
+    ErrorBlock: ("error",), Effect: ("model_error",), Point: ("points", "sweep"),
 }  # fmt: skip
 
 
