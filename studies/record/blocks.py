@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from studies.record.values import Complex, Count, Number, Text, Values
+from studies.record.values import Complex, Count, Number, Pair, Text, Values
 
 
 class WaveBlock(Values):
@@ -115,6 +115,21 @@ class ErrorBlock(Values):
     relative: Number = None
     parts: dict | Any = None  # of the stator and of the contact, by these names
     model: Number = None
+
+
+class UncertaintyBlock(Values):
+    """Keys ``uncertainty.*``: how the bands of a scene with ``[uncertain]`` were found, and those of its limits."""
+
+    method: Text = None
+    level: Number = None
+    tolerances: dict | Any = None  # half width by key of the scene
+    samples: Count = None
+    bent: dict | Any = None  # number of points by key
+    velocity_half_width_m_per_s: dict | Any = None  # by key
+    threshold_amplitude_m: Pair = None
+    release_amplitude_m: Pair = None
+    threshold_voltage_V: Pair = None
+    release_voltage_V: Pair = None
 
 
 class Effect(Values):

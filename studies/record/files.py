@@ -11,6 +11,7 @@ import numpy as np
 import fem
 from studies.record.quantities import described, quantity
 from studies.record.surface_map import surface_map
+from studies.record.values import Columns
 from studies.refusal import RunError
 from studies.results.content import write_json
 from studies.scene import Scene
@@ -56,9 +57,9 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
             write_columns(folder / "surface_map.csv", columns)
 
 
-def flat(values: Mapping) -> dict:
+def flat(values: Mapping) -> Columns:
     """Return numbers or arrays by name: complex ones as ``..._re`` and ``..._im``, lists as ``..._0``, ``..._1``."""
-    columns: dict = {}
+    columns = Columns()
     for key, value in values.items():
         if isinstance(value, (list, tuple)):
             columns |= {f"{key}_{index}": each for index, each in enumerate(value)}
@@ -151,22 +152,22 @@ def _complex(value):
     return complex(*value) if isinstance(value, list) and len(value) == 2 else value
 
 
-def _arrays(columns: dict) -> dict:
+def _arrays(columns: dict) -> Columns:
     """Return columns of numbers of run.json as arrays, their pairs of numbers as complex ones."""
     arrays = {name: np.array(values, dtype=float) for name, values in columns.items()}
-    return {name: values if values.ndim == 1 else values[:, 0] + 1j * values[:, 1] for name, values in arrays.items()}
+    return Columns((key, each if each.ndim == 1 else each[:, 0] + 1j * each[:, 1]) for key, each in arrays.items())
 
 
-def _table(path: Path) -> dict:
+def _table(path: Path) -> Columns:
     """Return the columns of a table of numbers as arrays."""
     with path.open(newline="", encoding="utf-8") as file:
         head, *rows = csv.reader(file)
-    return dict(zip(head, np.array(rows, dtype=float).reshape(len(rows), len(head)).T, strict=True))
+    return Columns(zip(head, np.array(rows, dtype=float).reshape(len(rows), len(head)).T, strict=True))
 
 
-def _columns(path: Path) -> dict:
+def _columns(path: Path) -> Columns:
     """Return the columns of a table, ``..._re`` and ``..._im`` joined to one complex column."""
-    table, columns = _table(path), {}
+    table, columns = _table(path), Columns()
     for name, values in table.items():
         if name.endswith("_re") and f"{name[:-3]}_im" in table:
             columns[name[:-3]] = values + 1j * table[f"{name[:-3]}_im"]

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from studies.record.blocks import Effect, ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
+from studies.record.blocks import (
+    Effect,
+    ElectricalBlock,
+    ErrorBlock,
+    HeatBlock,
+    SummaryBlock,
+    UncertaintyBlock,
+    WaveBlock,
+)
 from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.values import Columns, Values
@@ -56,7 +64,7 @@ class Record:
         Doubts about the answer, each with its number and a remedy.
     model_error : tuple of studies.record.blocks.Effect
         Neglected effects, each with its estimated ``size`` for this scene; not part of ``error``.
-    uncertainty : dict
+    uncertainty : studies.record.blocks.UncertaintyBlock
         With [uncertain]: the method of the bands, the tolerances and the effect of each on the velocity.
     measured : dict
         Measured points beside the predicted ones, from a file of measurements.
@@ -101,7 +109,7 @@ class Record:
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     model_error: tuple[Effect, ...] = ()
-    uncertainty: dict = field(default_factory=dict)
+    uncertainty: UncertaintyBlock = field(default_factory=UncertaintyBlock)
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     refused: bool = field(default=False, repr=False, compare=False)

@@ -111,7 +111,7 @@ def velocity(record: "Record", ax):
         ax.plot(*_shown(missed, *axes), "o", label=f"error above {record.tolerance:g}", **ring)
     banded = sorted((p for p in record.points if p.velocity_low_m_per_s is not None), key=lambda point: point.level)
     if banded:
-        label = f"95 % of the tolerances ({record.uncertainty['method']})"
+        label = f"95 % of the tolerances ({record.uncertainty.method})"
         band = _shown(banded, axes[0], quantity.velocity_low_m_per_s, quantity.velocity_high_m_per_s)
         ax.fill_between(*band, color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label)
     for name, style in (("threshold", ":"), ("release", "--")):

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock
+from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock, UncertaintyBlock
 from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
@@ -254,21 +254,21 @@ def _source(electrical: ElectricalBlock, drive):
         yield "circulation", f"{gives}; gain of the loop {ratio:.4g}, stable below 1"
 
 
-def _uncertainty(block: dict):
+def _uncertainty(block: UncertaintyBlock):
     """Yield name and text of the method of the bands, and of the effect of each tolerance at the highest level."""
     if not block:
         return
     method = "linear, tolerances added in quadrature"
-    if "samples" in block:
-        method = f"percentiles of {block['samples']} samples (Latin hypercube)"
+    if block.samples is not None:
+        method = f"percentiles of {block.samples} samples (Latin hypercube)"
     yield "uncertainty", f"bands of 95 %: {method}"
-    for key, count in block.get("bent", {}).items():
+    for key, count in (block.bent or {}).items():
         at = f" at {count} points" if count else ""
         nonlinear = f"the answer is nonlinear within the tolerance of {key}{at}"
         yield "", f"{nonlinear}: the band includes its middle and its ends;"
         yield "", 'uncertain.method = "sampled" is more accurate'
-    widths, velocity = block.get("velocity_half_width_m_per_s", {}), quantity.velocity_m_per_s
-    for key, size in block["tolerances"].items():
+    widths, velocity = block.velocity_half_width_m_per_s or {}, quantity.velocity_m_per_s
+    for key, size in block.tolerances.items():
         effect = f": +- {velocity.with_unit(widths[key])} at the highest level" if key in widths else ""
         yield "", f"{key} +- {size:.4g}{effect}"
     for limit in map(quantity, LIMITS):

@@ -25,6 +25,7 @@ from scipy.stats import norm, qmc, truncnorm
 
 from studies.model.stator_alone import changes_stator
 from studies.record import Record
+from studies.record.blocks import UncertaintyBlock
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
@@ -93,7 +94,7 @@ def with_bands(record: Record, written: Scene) -> Record:
         point | ({"velocity_low_m_per_s": float(a), "velocity_high_m_per_s": float(b)} if np.isfinite(a + b) else {})
         for point, a, b in zip(record.points, low, high, strict=False)
     )
-    return replace(record, points=points, uncertainty=block)
+    return replace(record, points=points, uncertainty=UncertaintyBlock(**block))
 
 
 def _centre(record: Record) -> np.ndarray:

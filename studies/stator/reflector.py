@@ -15,6 +15,7 @@ from studies.model import fem_objects, resolve
 from studies.model.scene_errors import as_run_errors
 from studies.record.plots import lines
 from studies.record.quantities import quantity
+from studies.record.values import Columns
 from studies.scene import Scene
 from studies.solve import passband
 from studies.study import Answered, Panel, judged, of_record, study
@@ -101,11 +102,11 @@ def stator_beside_pieces(scene: Scene) -> fem.Stator:
     return stator
 
 
-def from_the_left(at: np.ndarray, matrices: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
+def from_the_left(at: np.ndarray, matrices: Sequence[np.ndarray]) -> Columns:
     """Return what scattering matrices over frequencies (Hz) make of the surface wave from the left, for a panel."""
     half = len(matrices[0]) // 2
     reflection, transmission = (np.array([each[row, 0] for each in matrices]) for row in (0, half))
-    return dict(frequency_Hz=at, reflection=reflection, transmission=transmission)
+    return Columns(frequency_Hz=at, reflection=reflection, transmission=transmission)
 
 
 @of_record

@@ -22,6 +22,7 @@ from studies.record import Record
 from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.record.quantities import Quantity, quantity
+from studies.record.values import Columns
 from studies.refusal import SceneError
 from studies.report.page import picture_page
 from studies.solve.solved_stator import contact_of_run
@@ -133,31 +134,31 @@ def _window(history, title: str) -> None:
     pyplot.show()
 
 
-def history_columns(history, contact: int = 0) -> dict[str, np.ndarray]:
+def history_columns(history, contact: int = 0) -> Columns:
     """Return one contact of a `contact.History` (stage "start" or "steady") as columns of a table.
 
     The time starts at an upward zero crossing of u_z under the first contact.
     """
     orbit = history.orbits[contact]
     phase_factor = np.exp(1j * (orbit.omega * history.time - 0.5 * np.pi - np.angle(history.orbits[0].normal)))
-    return {
-        "time_s": history.time,
-        "u_x_m": (orbit.tangential * phase_factor).real,
-        "u_z_m": (orbit.normal * phase_factor).real,
-        "approach_m": history.approach[:, contact],
-        "deformation_m": history.deformation[:, contact],
-        "normal_force_N": history.normal_force[:, contact],
-        "tangential_force_N": history.tangential_force[:, contact],
-        "regime": history.regime[:, contact],
-        "surface_velocity_m_per_s": history.surface_velocity[:, contact],
-        "slider_velocity_m_per_s": history.slider_velocity,
-    }
+    return Columns(
+        time_s=history.time,
+        u_x_m=(orbit.tangential * phase_factor).real,
+        u_z_m=(orbit.normal * phase_factor).real,
+        approach_m=history.approach[:, contact],
+        deformation_m=history.deformation[:, contact],
+        normal_force_N=history.normal_force[:, contact],
+        tangential_force_N=history.tangential_force[:, contact],
+        regime=history.regime[:, contact],
+        surface_velocity_m_per_s=history.surface_velocity[:, contact],
+        slider_velocity_m_per_s=history.slider_velocity,
+    )
 
 
 class SlowMotion:
     """Figure of one contact at a selectable instant, drawn off screen unless ``figure`` belongs to a window."""
 
-    def __init__(self, table: dict, *, title: str, figure=None):
+    def __init__(self, table: Columns, *, title: str, figure=None):
         self.table, self.figure = table, figure or new_figure(9.0, 4.6, rows=0)[0]
         left, right = self.figure.subfigures(1, 2, width_ratios=(1.0, 1.35))
         self._ax = left.subplots()
@@ -177,9 +178,9 @@ class SlowMotion:
         ax.set_xlabel(f"{_drawn('u_x_m').axis}; the ball's radius is not to scale", fontsize="small")
         ax.set_ylabel(_drawn("u_z_m").axis, fontsize="small")
         P, Q = (_drawn(key).with_unit(table[key][index]) for key in ("normal_force_N", "tangential_force_N"))
-        ax.set_title(f"{table['regime'][index]}: P = {P}, Q = {Q}", fontsize="small")
+        ax.set_title(f"{table.regime[index]}: P = {P}, Q = {Q}", fontsize="small")
         for cursor in self._cursors:
-            cursor.set_xdata([table["time_s"][index] * _drawn("time_s").scale] * 2)
+            cursor.set_xdata([table.time_s[index] * _drawn("time_s").scale] * 2)
 
     def image(self, index: int) -> np.ndarray:
         """Return the picture of the instant with this index, shape (height, width, 3)."""
@@ -188,17 +189,17 @@ class SlowMotion:
         return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
 
 
-def strip(table: dict, *, title: str):
+def strip(table: Columns, *, title: str):
     """Draw snapshots of one contact over the traces of the same clock."""
     figure, _ = new_figure(11.0, 6.6, rows=0)
     top, bottom = figure.subfigures(2, 1, height_ratios=(1.0, 2.0))
     shots, axes = top.subplots(1, len(LETTERS)), traces(bottom, table)
-    instants = np.linspace(0, len(table["time_s"]), len(LETTERS), endpoint=False).astype(int)
+    instants = np.linspace(0, len(table.time_s), len(LETTERS), endpoint=False).astype(int)
     for letter, ax, index in zip(LETTERS, shots, instants, strict=True):
         _draw(ax, table, index)
         ax.set(xticks=[], yticks=[])
-        ax.set_title(f"{letter}: {table['regime'][index]}", fontsize="small")
-        time = table["time_s"][index] * _drawn("time_s").scale
+        ax.set_title(f"{letter}: {table.regime[index]}", fontsize="small")
+        time = table.time_s[index] * _drawn("time_s").scale
         for each in axes:
             each.axvline(time, color="black", linestyle=":", linewidth=0.8)
         axes[0].text(time, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small", ha="center")
@@ -207,10 +208,10 @@ def strip(table: dict, *, title: str):
     return figure
 
 
-def traces(figure, table: dict) -> list:
+def traces(figure, table: Columns) -> list:
     """Draw z, x, P, Q and the velocities over time, with the regime as background; return the Axes."""
-    axes, regime, drawn = figure.subplots(len(TRACES), 1, sharex=True), table["regime"], _drawn("time_s")
-    time = table["time_s"] * drawn.scale
+    axes, regime, drawn = figure.subplots(len(TRACES), 1, sharex=True), table.regime, _drawn("time_s")
+    time = table.time_s * drawn.scale
     ends = [0, *np.flatnonzero(regime[1:] != regime[:-1]) + 1, len(time) - 1]
     quantities = [_drawn(key) for key, _ in TRACES]
     for ax, each, (_, curves) in zip(axes, quantities, TRACES, strict=True):
@@ -238,13 +239,13 @@ def _drawn(key: str) -> Quantity:
     return quantity(f"history.{key}")
 
 
-def _draw(ax, table: dict, index: int) -> None:
+def _draw(ax, table: Columns, index: int) -> None:
     """Draw the ball, the surface, the orbit and the forces at one instant."""
     u_x, u_z, approach = (table[key] * _drawn(key).scale for key in ("u_x_m", "u_z_m", "approach_m"))
     x, z = u_x[index], u_z[index]
     scale = max(np.hypot(u_x, u_z).max(), 0.4 * approach.max())
     lowest, half_width, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale
-    ball = {"facecolor": REGIMES[str(table["regime"][index])], "edgecolor": "black", "alpha": 0.9}
+    ball = {"facecolor": REGIMES[str(table.regime[index])], "edgecolor": "black", "alpha": 0.9}
     ax.add_patch(Circle((0.0, z - approach[index] + radius), radius, **ball))
     ax.fill_between([-half_width, half_width], [-9 * scale] * 2, [z] * 2, color="#E6D8C3", linewidth=0, alpha=0.7)
     mark_positions = np.arange(-3, 4) * scale + x

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem import write_instant, write_vtu
 from studies.record.files import write_columns
+from studies.record.values import Columns
 from studies.view.run_field import LINES, RunField
 
 LOGGER = logging.getLogger(__name__)
@@ -69,14 +70,15 @@ def expected_size(field, file: Path, instants: int) -> float:
     return numbers * (instants * INSTANT if kind == ".pvd" else TABLE if kind == ".csv" else COMPLEX)
 
 
-def surface_columns(field) -> dict[str, np.ndarray]:
+def surface_columns(field) -> Columns:
     """Return displacement and potential of the surface as columns, one row for each surface node."""
-    table = dict(x_m=field.x)
+    table = Columns(x_m=field.x)
     table |= {f"u_{axis}_m_per_V": field.displacement[:, -1, k] for k, axis in enumerate("xyz")}
-    return table | {"potential_V_per_V": field.potential[:, -1]}
+    table |= {"potential_V_per_V": field.potential[:, -1]}
+    return table
 
 
-def columns(field) -> dict[str, np.ndarray]:
+def columns(field) -> Columns:
     """Return a field with densities as columns, one row for each node, ordered by x and then by z."""
     x, z = np.meshgrid(field.x, field.z, indexing="ij")
     densities = field.densities
@@ -90,7 +92,7 @@ def columns(field) -> dict[str, np.ndarray]:
     for k, axis in enumerate("xz"):
         table[f"power_flow_{axis}_W_per_m2_per_V2"] = densities.power_flow[..., k]
         table[f"power_flow_{axis}_pulse_W_per_m2_per_V2"] = densities.power_flow_pulse[..., k]
-    return {name: values.ravel() for name, values in table.items()}
+    return Columns((name, values.ravel()) for name, values in table.items())
 
 
 def _write_series(field, file: Path, instants: int) -> None:

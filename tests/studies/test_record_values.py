@@ -11,7 +11,15 @@ from pathlib import Path
 import pytest
 
 import studies
-from studies.record.blocks import Effect, ElectricalBlock, ErrorBlock, HeatBlock, SummaryBlock, WaveBlock
+from studies.record.blocks import (
+    Effect,
+    ElectricalBlock,
+    ErrorBlock,
+    HeatBlock,
+    SummaryBlock,
+    UncertaintyBlock,
+    WaveBlock,
+)
 from studies.record.point import Point
 from studies.record.quantities import quantities, quantity
 from studies.record.values import Complex, Count, Flag, Number, Pair, Text
@@ -19,7 +27,7 @@ from studies.refusal import SceneError
 
 BLOCKS = {
     WaveBlock: ("wave",), ElectricalBlock: ("electrical",), SummaryBlock: ("summary",), HeatBlock: ("heat",),
-    ErrorBlock: ("error",), Effect: ("model_error",), Point: ("points", "sweep"),
+    ErrorBlock: ("error",), Effect: ("model_error",), UncertaintyBlock: ("uncertainty",), Point: ("points", "sweep"),
 }  # fmt: skip
 
 
