@@ -8,6 +8,7 @@ from studies.record.values import Complex, Count, Number, Pair, Text, Values
 class WaveBlock(Values):
     """Keys ``wave.*``: the motion under the slider per volt and the properties of the wave."""
 
+    # wave.*
     frequency_Hz: Number = None
     normal_m_per_V: Complex = None
     tangential_m_per_V: Complex = None
@@ -28,6 +29,7 @@ class WaveBlock(Values):
 class ElectricalBlock(Values):
     """Keys ``electrical.*``: admittance and powers, per squared volt of the source."""
 
+    # electrical.*
     admittance_S: Complex = None
     comb_voltage_per_volt: Complex = None
     power_W_per_V2: Number = None
@@ -51,6 +53,7 @@ class ElectricalBlock(Values):
 class SummaryBlock(Values):
     """Keys ``summary.*``: threshold, release and the range of the velocity over half a wavelength."""
 
+    # summary.*
     threshold_amplitude_m: Number = None
     threshold_voltage_V: Number = None
     release_amplitude_m: Number = None
@@ -68,6 +71,7 @@ class SummaryBlock(Values):
 class HeatBlock(Values):
     """Keys ``heat.*``: where the power goes and how warm the stator becomes."""
 
+    # heat.*
     voltage_V: Number = None
     duty: Number = None
     power_W: Number = None
@@ -112,6 +116,7 @@ class HeatBlock(Values):
 class ErrorBlock(Values):
     """Keys ``error.*``: the error of the last quantity, at the worst point."""
 
+    # error.*
     relative: Number = None
     parts: dict | Any = None  # of the stator and of the contact, by these names
     model: Number = None
@@ -120,21 +125,23 @@ class ErrorBlock(Values):
 class UncertaintyBlock(Values):
     """Keys ``uncertainty.*``: how the bands of a scene with ``[uncertain]`` were found, and those of its limits."""
 
+    # uncertainty.*
     method: Text = None
+    samples: Count = None
     level: Number = None
     tolerances: dict | Any = None  # half width by key of the scene
-    samples: Count = None
-    bent: dict | Any = None  # number of points by key
     velocity_half_width_m_per_s: dict | Any = None  # by key
+    bent: dict | Any = None  # number of points by key
     threshold_amplitude_m: Pair = None
-    release_amplitude_m: Pair = None
     threshold_voltage_V: Pair = None
+    release_amplitude_m: Pair = None
     release_voltage_V: Pair = None
 
 
 class Effect(Values):
     """Keys ``model_error.*``: an effect that the model neglects, with its estimated size."""
 
+    # model_error.*
     effect: Text = None
     quantity: Text = None  # what it changes
     size: Number = None  # relative change or, with a unit, change in that

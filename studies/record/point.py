@@ -6,8 +6,9 @@ from studies.record.values import Complex, Count, Flag, Number, Pair, Text, Valu
 class Point(Values):
     """The answer at one level of the drive, and the quantities that a sweep adds to it.
 
-    The fields are the keys ``points.*`` and ``sweep.*`` of ``quantities.csv``, where their meaning stands; a test
-    compares the two.  A point without an answer has no ``relative_error``, and its ``status`` says why.
+    The fields are the keys ``points.*`` and ``sweep.*`` of ``quantities.csv``, where their meaning stands;
+    ``python -m studies.record.quantities studies/record/point.py`` adds those of new rows.  A point without an answer
+    has no ``relative_error``, and its ``status`` says why.
 
     Examples
     --------
@@ -16,7 +17,7 @@ class Point(Values):
     (0.03, 0.03, 5e-09, False)
     """
 
-    # of every point of a run
+    # points.*
     voltage_V: Number = None
     available_power_W: Number = None
     normal_amplitude_m: Number = None
@@ -85,7 +86,7 @@ class Point(Values):
     after_smallest_gap_s: Number = None
     after_chatter: Flag = None
     after_ledger_relative_residual: Number = None
-    # of a sweep
+    # sweep.*
     frequency_Hz: Number = None
     thrust_N: Number = None
     contact_efficiency: Number = None

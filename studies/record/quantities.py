@@ -2,7 +2,7 @@
 
 The columns of CSV files and tables, the axes of pictures, the goals of a design, the units of data frames and xarray
 objects and the tables of ``studies/README.md`` follow from it.  ``python -m studies.record.quantities FILE`` writes the
-rows of a document's tables anew.
+rows of a document's tables anew, and the fields of the classes in ``point.py`` and ``blocks.py``.
 """
 
 import csv
@@ -23,6 +23,9 @@ ENDINGS = {
     "_W_per_V2": "W/V^2", "_A_per_V": "A/V", "_m_per_V": "m/V", "_m_per_s": "m/s", "_per_m": "1/m", "_per_s": "1/s",
     "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_K": "K", "_kg": "kg", "_m": "m", "_s": "s",
 }  # fmt: skip
+FIELDS = re.compile(
+    r"^    # (\w+)\.\*\n((?:    \w+: .*\n)+)", re.MULTILINE
+)  # of a class whose fields are a block of keys
 ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| [^|]+ \|[^|]*\|$", re.MULTILINE)  # of a table of quantities
 
 
@@ -198,13 +201,25 @@ def described(key: str) -> dict[str, str]:
 
 
 def with_quantities(document: str) -> str:
-    """Return a document with its rows of quantities written anew; a row of an unknown key stays."""
+    """Return a document with its rows of quantities, or the fields of its classes, written anew.
+
+    A row of an unknown key stays; a field that exists keeps its type.
+    """
 
     def row(match: re.Match) -> str:
         each = quantities().get(match[1])
         return match[0] if each is None else f"| `{each.key}` | {each.unit} | {each.meaning} |".replace("|  |", "| |")
 
-    return ROW.sub(row, document)
+    def fields(match: re.Match) -> str:
+        known = {line.split(":")[0].strip(): line for line in match[2].splitlines(keepends=True)}
+        lines = {}
+        for each in quantities().values():
+            block, name, *_ = each.key.split(".") if "." in each.key else ("", each.key)
+            if block == match[1]:
+                lines[name] = known.get(name, f"    {name}: {'Text' if each.unit == '-' else 'Number'} = None\n")
+        return f"    # {match[1]}.*\n{''.join(lines.values())}"
+
+    return FIELDS.sub(fields, ROW.sub(row, document))
 
 
 if __name__ == "__main__":

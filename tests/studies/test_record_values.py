@@ -141,3 +141,21 @@ def test_every_quantity_that_the_source_names_is_in_the_table():
     assert named - {each.column for each in quantities().values() if each.label} == set()
     with pytest.raises(SceneError, match="is no quantity of a record"):
         quantity.velocity_in_knots  # noqa: B018
+
+
+def test_the_fields_of_classes_are_written_from_the_table(monkeypatch):
+    from studies.record import quantities as table
+
+    folder = Path(studies.__file__).parent / "record"
+    for name in ("point.py", "blocks.py"):
+        text = (folder / name).read_text(encoding="utf-8")
+        assert table.with_quantities(text) == text
+    text = (folder / "point.py").read_text(encoding="utf-8")
+    rows, duty = table.quantities(), table.quantities()["points.duty"]
+    more = {"points.jerk_m_per_s3": ("m/s^3", "Number"), "sweep.mood": ("-", "Text")}
+    new = {key: dataclasses.replace(duty, key=key, unit=unit) for key, (unit, _) in more.items()}
+    monkeypatch.setattr(table, "quantities", lambda: {key: rows[key] for key in rows if key != "points.duty"} | new)
+    changed = set(table.with_quantities(text).splitlines()) ^ set(text.splitlines())
+    assert changed == {
+        "    duty: Number = None", *(f"    {key.split('.')[1]}: {kind} = None" for key, (_, kind) in more.items()),
+    }  # fmt: skip
