@@ -14,7 +14,6 @@ from contact import parameter_check
 from contact.answers.load_line import load_line
 from contact.answers.steady import steady
 from contact.averaged.coupled_motion import CoupledSearch
-from contact.exceptions import InputError
 from contact.slider import Slider
 from contact.wave import PassingWave
 
@@ -72,8 +71,7 @@ def balls_of(slider: Slider, x, y=0.0, *, radius=None, weights=1.0) -> Slider:
     >>> float(balls_of(slider, x=[0.0, 1e-3], radius=[1e-3, 4e-3]).normal_stiffness @ [-0.5, 0.25])
     0.0
     """
-    if slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0.0 or slider.friction is not None:
-        raise InputError("slider.law", 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band')
+    slider.refuse_other_laws()
     place = {"x": np.atleast_1d(np.asarray(x, dtype=float)), "y": y, "weights": weights}
     given = {"radius": slider.radius if radius is None else radius, "mass": math.inf, "load": 0.0}
     return replace(slider, **place, **given, contact_damping=0.0, normal_damping=0.0)

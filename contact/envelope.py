@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact import parameter_check
 from contact.exceptions import InputError
 
 
@@ -36,8 +37,7 @@ class Envelope:
             values = getattr(self, name)
             if values.shape != self.time.shape or not np.all(np.isfinite(values)):
                 raise InputError(f"envelope.{name}", "must be finite and as long as envelope.time", values)
-        if np.any(self.amplitude < 0.0):
-            raise InputError("envelope.amplitude", "must be zero or positive", self.amplitude.min())
+        parameter_check.non_negative("envelope.amplitude", float(self.amplitude.min()), "")
 
     def at(self, time: np.ndarray) -> np.ndarray:
         """Return the complex factor at times in s."""

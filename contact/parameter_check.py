@@ -1,10 +1,14 @@
 """Checks of physical parameters.
 
+Rules of several parameters together are methods ``check_...`` of their class, see `Checks`.
 A check that fails raises an `InputError` that names parameter, rule, value and unit:
 ``slider.radius must be positive and finite, got -1e-06 m``.
 """
 
+import cmath
 import math
+from collections.abc import Callable, Iterator
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -28,15 +32,7 @@ def finite(name: str, value: float, unit: str) -> float:
 
 def finite_complex(name: str, value: complex, unit: str) -> complex:
     """Return `value` as a complex number if both its parts are finite, else raise."""
-    if isinstance(value, bool | str) or np.ndim(value) != 0:
-        raise InputError(name, "must be a finite complex number", value, unit)
-    try:
-        number = complex(value)
-    except (TypeError, ValueError):
-        raise InputError(name, "must be a finite complex number", value, unit) from None
-    if not (math.isfinite(number.real) and math.isfinite(number.imag)):
-        raise InputError(name, "must be finite", value, unit)
-    return number
+    return _checked(name, value, unit, "a finite complex number", cmath.isfinite, kind=complex)
 
 
 def count(name: str, value: int, least: int) -> int:
@@ -53,13 +49,32 @@ def choice(name: str, value: str, allowed: tuple[str, ...]) -> str:
     return value
 
 
-def _checked(name, value, unit, rule, holds):
-    if isinstance(value, bool | str | complex) or np.ndim(value) != 0:
-        raise InputError(name, f"must be {rule}", value, unit)
+class Checks:
+    """Base of the classes whose methods ``check_...`` yield a field, and the rest of the sentence about it.
+
+    They use attributes alone, so that they also check anything else that has these, before there is an object.
+    """
+
+    checks: ClassVar[tuple[Callable[[Any], Iterator[tuple[str, str]]], ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        own = tuple(method for name, method in vars(cls).items() if name.startswith("check_"))
+        cls.checks = own or cls.checks
+
+    def _refuse(self, prefix: str) -> None:
+        """Raise the first refusal of the checks, an InputError about a field behind a prefix."""
+        for check in self.checks:
+            for name, sentence in check(self):
+                raise InputError(".".join(filter(None, (prefix, name))), sentence)
+
+
+def _checked(name, value, unit, rule, holds, kind=float):
     try:
-        number = float(value)
+        if isinstance(value, (bool, str) if kind is complex else (bool, str, complex)) or np.ndim(value) != 0:
+            raise TypeError
+        number = kind(value)
+        if not holds(number):
+            raise ValueError
     except (TypeError, ValueError):
         raise InputError(name, f"must be {rule}", value, unit) from None
-    if not holds(number):
-        raise InputError(name, f"must be {rule}", value, unit)
     return number

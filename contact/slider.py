@@ -6,6 +6,7 @@ Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = s
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import SimpleNamespace
@@ -59,7 +60,7 @@ class Contacts(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Slider:
+class Slider(parameter_check.Checks):
     """A slider and its contacts.
 
     Attributes
@@ -153,14 +154,11 @@ class Slider:
             self._set(name, parameter_check.non_negative(f"slider.{name}", getattr(self, name), unit))
         for name, allowed in {"law": LAWS, "shape": normal.SHAPES, "tilt": TILTS, "backing": BACKINGS}.items():
             parameter_check.choice(f"slider.{name}", getattr(self, name), allowed)
-        if self.shape == "punch" and self.law == "hysteretic":
-            raise InputError("slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"')
-        if self.stick_band > 0.0 and self.law == "hysteretic":
-            raise InputError("slider.stick_band", "must be 0 m/s with the hysteretic law", self.stick_band, "m/s")
         if not isinstance(self.reciprocal, bool):
             raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
+        self._refuse("slider")
         self._set_contacts()
-        self._check_body()
+        self._hold_body()
         if self.friction is not None:
             self._check_friction()
 
@@ -192,15 +190,47 @@ class Slider:
             for name, value in (("normal_stiffness", k_n), ("tangential_stiffness", k_t)):
                 self._set(name, value.view(DerivedArray) if np.ndim(value) else Derived(value))
 
-    def _check_body(self):
+    @property
+    def special_friction(self) -> str:
+        """What the friction depends on beside the normal force, in words; empty for Coulomb's law."""
+        return "" if self.friction is None else "a friction that depends on more than the normal force"
+
+    def check_law(self) -> Iterator[tuple[str, str]]:
+        """Require a law, a stick band and a friction that go together."""
+        if self.law == "hysteretic" and self.shape == "punch":
+            yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
+        if self.law == "hysteretic" and self.stick_band > 0:
+            yield "stick_band", f"must be 0 with the hysteretic law, got {self.stick_band:g} m/s"
+        special = f"with {self.special_friction}"
+        if not self.special_friction:
+            return
+        if self.law == "hysteretic":
+            yield "law", f'must be "elastic" {special}'
+        elif self.reciprocal:
+            yield "reciprocal", f"must be false {special}"
+        elif self.stick_band > 0:
+            yield "stick_band", f"must be 0 {special}"
+
+    def check_backing(self) -> Iterator[tuple[str, str]]:
+        """Require a slider that is held on a soft backing."""
+        if self.backing == "soft" and self.tilt != "held":
+            yield (
+                "tilt",
+                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
+            )
+
+    def refuse_other_laws(self, where: str = "") -> None:
+        """Raise an InputError unless the law is Coulomb's with the elastic spring alone."""
+        if self.law != "elastic" or self.reciprocal or self.stick_band > 0.0 or self.friction is not None:
+            rule = 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
+            raise InputError("slider.law", f"{rule}{where}")
+
+    def _hold_body(self):
         """Raise unless the contacts can hold the body, its tilt and a preload beside their centre."""
         for name, unit in (("load_height", "m"), ("curvature", "1/m")):
             self._set(name, parameter_check.finite(f"slider.{name}", getattr(self, name), unit))
         at = tuple(parameter_check.finite("slider.preload_at", each, "m") for each in self.preload_at)
         self._set("preload_at", at)
-        if self.backing == "soft" and self.tilt != "held":
-            rule = 'must be "held" with a soft backing, which has no plane to tilt'
-            raise InputError("slider.tilt", rule, self.tilt)
         if self.tilt == "held":
             return
         for name in ("x",) if self.tilt == "pitch" else ("x", "y"):
@@ -212,10 +242,7 @@ class Slider:
         """Raise if other parameters are not compatible with friction that depends on speed or pressure."""
         if not isinstance(self.friction, FallingFriction | UserLaw):
             raise InputError("slider.friction", "must be a FallingFriction or a UserLaw", self.friction)
-        only = "with a friction that depends on more than the normal force"
-        for name, wanted in (("law", "elastic"), ("reciprocal", False), ("stick_band", 0.0)):
-            if getattr(self, name) != wanted:
-                raise InputError(f"slider.{name}", f"must be {wanted!r} {only}", getattr(self, name))
+        only = f"with {self.special_friction}"
         if not self.even:
             raise InputError("slider.radius", f"must be equal for all contacts {only}, and the weights 1")
         if self.effective_modulus is None:

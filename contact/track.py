@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from contact import parameter_check
 from contact.exceptions import InputError
 from contact.orbit import Orbit
 
@@ -48,8 +49,7 @@ class Track:
         low, high = self.limits
         if not low < 0.0 < high:
             raise InputError("track.limits", "must lie on both sides of 0", self.limits)
-        if not self.spacing > 0.0:
-            raise InputError("track.spacing", "must be positive", self.spacing, "m")
+        parameter_check.positive("track.spacing", self.spacing, "m")
 
     def scaled(self, factor: complex) -> "Track":
         """Return the track with all amplitudes multiplied by a factor; nodes that one knows are known to the other."""

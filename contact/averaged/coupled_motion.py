@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact import parameter_check
 from contact.averaged.coupled_equilibrium import SPEED, Balance, Equilibrium
 from contact.averaged.cycle_mean import Each, MeanForces
 from contact.averaged.equilibrium import balanced_speed, force_left
@@ -178,12 +179,9 @@ class CoupledSearch:
     """
 
     def __init__(self, slider: Slider, wave, harmonics: int = 1, near: WaveRows | None = None):
-        if slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0.0 or slider.friction is not None:
-            rule = 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
-            raise InputError("slider.law", f"{rule}, on a wave that it loads or with a tilt or a soft backing")
+        slider.refuse_other_laws(", on a wave that it loads or with a tilt or a soft backing")
         for name, unit in (("preload", "N"), ("friction_coefficient", "")):
-            if getattr(slider, name) == 0.0:
-                raise InputError(f"slider.{name}", "must be positive", 0.0, unit)
+            parameter_check.positive(f"slider.{name}", getattr(slider, name), unit)
         self.slider, self.wave, self.loads = slider, wave, wave.loaded_by(slider.preload)
         if self.loads and harmonics > 1:
             self.cycle: RowCycle = OvertoneCycle(slider, wave, True, harmonics)

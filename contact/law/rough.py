@@ -156,8 +156,8 @@ class Asperities:
             values = np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
             if values.ndim != 1 or values.shape != np.shape(np.atleast_1d(self.x)):
                 raise InputError(f"asperities.{name}", "must be a list with one value for each asperity")
-            if not np.all(np.isfinite(values)):
-                raise InputError(f"asperities.{name}", "must be finite", values[~np.isfinite(values)].flat[0], "m")
+            for each in values[~np.isfinite(values)][:1]:
+                parameter_check.finite(f"asperities.{name}", each, "m")
             object.__setattr__(self, name, values)
 
     def approaches(self, sphere_radius: float, effective_modulus: float, z: float) -> np.ndarray:

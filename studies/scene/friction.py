@@ -14,6 +14,8 @@ class Friction(Block):
     """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number."""
 
     block: ClassVar[str] = "slider.friction_coefficient"
+    parameters_of = "contact.FallingFriction"
+    keys: ClassVar[dict[str, str]] = {"": "static"}
     static: Annotated[float, Quantity(), "Coefficient at rest and at low pressure."]
     sliding: Annotated[
         float | None,
@@ -34,14 +36,6 @@ class Friction(Block):
         Quantity("Pa"),
         "Mean contact pressure at which half of the difference remains. Requires high_pressure.",
     ] = None
-
-    def check_pairs(self) -> Any:
-        for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
-            for present, missing in ((one, other), (other, one)):
-                if getattr(self, present) is not None and getattr(self, missing) is None:
-                    yield missing, f"is required and missing: {present} is given"
-        if self.sliding is None and self.high_pressure is None and self.speed is None and self.pressure is None:
-            yield "static", "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -44,6 +44,7 @@ class Slider(Block):
     """
 
     block: ClassVar[str] = "slider"
+    parameters_of = "contact.Slider"
     position: Annotated[
         float | tuple[float, float] | Any,
         surface_position(),
@@ -174,26 +175,17 @@ class Slider(Block):
             yield "travel", "must be false or absent with [slider.pillars]"
         if self.backing == "soft" and self.loading == "harmonics":
             yield "loading", 'must be true or false where slider.backing is "soft"'
-        if self.backing == "soft" and self.tilt != "held":
-            rule = 'must be "held" where slider.backing is "soft", which has no plane to tilt'
-            yield "tilt", f'{rule}, got "{self.tilt}"'
-
-    def check_punch(self) -> Any:
-        if self.shape == "punch" and self.law == "hysteretic":
-            yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
 
     def check_friction(self) -> Any:
-        special = [
-            *(["a table of friction_coefficient"] if isinstance(self.friction_coefficient, Friction) else []),
-            *(["a law of one's own"] if isinstance(self.law, LawText) else []),
-        ]
-        if len(special) == 2:
+        if isinstance(self.friction_coefficient, Friction) and isinstance(self.law, LawText):
             yield "friction_coefficient", "must be a number with a law of one's own"
-        if special and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
-            keys = {"law": self.law == "hysteretic", "reciprocal": self.reciprocal, "stick_band": self.stick_band > 0}
-            key = next(name for name, wrong in keys.items() if wrong)
-            allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
-            yield key, f"must be {allowed} with {special[0]}"
+
+    @property
+    def special_friction(self) -> str:
+        """What the friction depends on beside the normal force, in words; empty for Coulomb's law."""
+        if isinstance(self.friction_coefficient, Friction):
+            return "a table of friction_coefficient"
+        return "a law of one's own" if isinstance(self.law, LawText) else ""
 
     def check_heights(self) -> Any:
         if self.heights is None:

@@ -106,9 +106,9 @@ def test_a_dragged_slider_slides_where_friction_and_damper_carry_the_load():
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"friction": SPEED, "stick_band": 0.1}, "slider.stick_band must be 0.0 with a friction that depends"),
-        ({"friction": SPEED, "reciprocal": True}, "slider.reciprocal must be False with a friction"),
-        ({"friction": SPEED, "law": "hysteretic"}, "slider.law must be 'elastic' with a friction"),
+        ({"friction": SPEED, "stick_band": 0.1}, "slider.stick_band must be 0 with a friction that depends"),
+        ({"friction": SPEED, "reciprocal": True}, "slider.reciprocal must be false with a friction"),
+        ({"friction": SPEED, "law": "hysteretic"}, 'slider.law must be "elastic" with a friction'),
         ({"friction": SPEED, "friction_coefficient": 0.0}, "slider.friction_coefficient must be positive"),
         ({"law": "no/such/file.py"}, "slider.law names no/such/file.py, which cannot be read"),
         ({"law": "lawful"}, "slider.law must be one of"),
@@ -122,8 +122,8 @@ def test_what_does_not_go_together_is_refused(given, sentence):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({}, "friction must hold sliding with speed, or high_pressure with pressure"),
-        ({"sliding": 0.1}, "friction.sliding must be given together with friction.speed"),
+        ({}, "friction needs sliding with speed, or high_pressure with pressure"),
+        ({"sliding": 0.1}, "friction.speed is required and missing: sliding is given"),
         ({"sliding": 0.1, "speed": 0.0}, "friction.speed must be positive and finite, got 0.0 m/s"),
     ],
 )

@@ -43,7 +43,7 @@ def test_zero_is_allowed_where_it_means_absence(name):
     ("changed", "sentence"),
     [
         ({"frequency": 0.0}, "orbit.frequency must be positive and finite, got 0.0 Hz"),
-        ({"normal": complex(math.nan, 0)}, "orbit.normal must be finite, got (nan+0j) m"),
+        ({"normal": complex(math.nan, 0)}, "orbit.normal must be a finite complex number, got (nan+0j) m"),
         ({"tangential": "far"}, "orbit.tangential must be a finite complex number, got 'far' m"),
     ],
 )

@@ -352,7 +352,7 @@ def test_a_load_line_ends_at_the_stall_and_both_ends_of_the_band():
         ({"preload": 0.0}, "slider.preload must be positive and finite, got 0.0 N"),
         ({"tilt": "free", "preload_at": (1e-3, 0.0)}, r"must lie .* \(0.001, 0\) m: .* side at smaller x lifts"),
         ({"tilt": "free", "preload_at": (0.0, -1e-3)}, "the side at larger y lifts"),
-        ({"tilt": "pitch", "backing": "soft"}, 'tilt must be "held" with a soft backing'),
+        ({"tilt": "pitch", "backing": "soft"}, 'tilt must be "held" where slider.backing is "soft"'),
         ({"x": 0.0, "y": [0.0, 1.0, 2.0, 3.0]}, "slider.y must hold one position per contact, 1, got 4"),
     ],
 )  # fmt: skip

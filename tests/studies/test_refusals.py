@@ -219,8 +219,9 @@ wave.burst=1e6 | wave.burst ... at most ... 2.2e+12 cycles ... hours ... 1e+06 s
 wave.burst=4; slider.law=hysteretic | wave.burst ... 2.73 s ... got 4 s
 slider.friction_coefficient={static=1, sliding=0.1, speed="3 m"} | slider.friction_coefficient.speed must be a velocity
 slider.friction_coefficient={static=0.3, sliding=0.1} | slider.friction_coefficient.speed is required and missing
-slider.friction_coefficient={static=0.3} | slider.friction_coefficient.static alone is a number
+slider.friction_coefficient={static=0.3} | slider.friction_coefficient.static needs sliding with speed
 slider.friction_coefficient={sliding=0.3, speed=1.0} | slider.friction_coefficient.static is required and missing
+slider.law=hysteretic; slider.stick_band=0.1 | slider.stick_band must be 0 with the hysteretic law, got 0.1 m/s
 FALLING; slider.law=hysteretic | slider.law must be "elastic" with a table
 FALLING; slider.reciprocal=true | slider.reciprocal must be false with a table
 FALLING; slider.stick_band=0.1 | slider.stick_band must be 0 with a table
