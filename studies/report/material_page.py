@@ -66,7 +66,7 @@ def _wave(solid, cut: str) -> dict:
     try:
         wave = fem.rayleigh(lossless, "vacuum")
         coupled = "phi" in fem.fields(lossless)
-        return Columns(velocity_m_per_s=wave.velocity) | ({"coupling_K2": fem.coupling(lossless)} if coupled else {})
+        return dict(velocity_m_per_s=wave.velocity) | ({"coupling_K2": fem.coupling(lossless)} if coupled else {})
     except (fem.ConvergenceError, ValueError) as error:
         return {"refused": " ".join(str(error).split())}
 
@@ -81,6 +81,7 @@ def material_text(answer: dict) -> str:
         ("losses", _losses(answer)),
     ]  # fmt: skip
     for cut, wave in answer["cuts"].items():
+        wave = Columns(wave)
         if "refused" in wave:
             lines.append((cut, wave["refused"]))
             continue

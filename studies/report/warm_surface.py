@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import fem
 from studies.model.materials import solid_at, thermal_table
 from studies.model.scene_errors import as_run_errors
+from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.refusal import SceneError
 from studies.results.content import plain
@@ -79,7 +80,7 @@ def _row(temperature: float, solid: fem.Solid, velocity, length) -> dict[str, fl
     bend = frequency(temperature + WIDE_STEP) - 2 * here + frequency(temperature - WIDE_STEP)
     return {
         "temperature_degC": float(temperature),
-        "velocity_m_per_s": velocity(temperature),
+        quantity.velocity_m_per_s.column: velocity(temperature),
         **({"coupling_K2": fem.coupling(solid)} if "phi" in fem.fields(solid) else {}),
         "TCV_per_K": slope(velocity),
         "TCF_per_K": slope(frequency),
@@ -96,7 +97,7 @@ def warm_answer(answer: dict) -> str:
     coupled = "coupling_K2" in answer["temperatures"][0]
     rows = [[*head, "K2 %"] if coupled else head]
     for row in answer["temperatures"]:
-        cells = [f"{row['temperature_degC']:g}", f"{row['velocity_m_per_s']:.4f}"]
+        cells = [f"{row['temperature_degC']:g}", f"{row[quantity.velocity_m_per_s.column]:.4f}"]
         cells += [f"{1e6 * row[key]:.3f}" for key in ("TCV_per_K", "TCF_per_K")]
         cells += [f"{1e9 * row['second_TCF_per_K2']:.2f}", f"{1e6 * row['expansion_per_K']:.3f}"]
         rows.append([*cells, f"{100 * row['coupling_K2']:.4g}"] if coupled else cells)
