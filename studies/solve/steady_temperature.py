@@ -40,6 +40,7 @@ BESIDE = 6.0  # half-power widths that are sampled beyond the coldest and the ho
 FITTED = 7  # temperatures at which the velocity is computed; between them a polynomial
 ROUNDS = 8  # solutions of the stator, at most
 ROUNDING = 1e-12
+RESPONSE_TOLERANCE = 5e-2  # of the sampled response, whose states are solved again to the tolerance of the run
 AGREED = 1e-3  # relative change of the rise, or in K below 1 K, at which the temperature counts as found
 
 
@@ -145,7 +146,7 @@ def _response(scene: Scene, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     low, high = met.min() - margin, met.max() + margin
     wanted = PER_WIDTH * (high - low) / (scene.frequency / quality) if math.isfinite(quality) else MAX_SAMPLES
     at = np.linspace(low, high, int(np.clip(math.ceil(wanted), MIN_SAMPLES, MAX_SAMPLES)))
-    ports, _ = converged_admittances(cold, at, tolerance)
+    ports, _ = converged_admittances(cold, at, max(tolerance, RESPONSE_TOLERANCE))
     transducers, drive = fem_objects.transducers(cold), fem_objects.drive(cold)
     pairs = zip(ports.matrix, ports.frequency, strict=True)
     powers = [fem.solve_circuit(y, ports.names, transducers, drive, f).power for y, f in pairs]
