@@ -1,9 +1,7 @@
-"""The chain from a scene to its record: surface motion per volt, orbits at each voltage, contact, velocity.
+"""From a scene to its record: surface motion per volt, orbits at each voltage, contact, velocity, remarks.
 
-Only the parts that the scene needs are imported and computed.  The tolerance bounds the error of the last quantity.
-The stator is first solved to a quarter of it.  The contact amplifies the error of the stator, near the threshold by a
-factor of 20.  If the velocity then misses its tolerance, the stator is solved again to the accuracy that the velocity
-needs.
+Only the parts that the scene needs are imported and computed.  The tolerance bounds the error of the last quantity;
+`studies.solve.refinement` says how accurately the stator is solved for it.
 """
 
 import logging
@@ -18,31 +16,27 @@ from studies.model.contact import Contact
 from studies.model.stator_alone import stator_alone
 from studies.progress import reported_to
 from studies.record import Record
-from studies.record.blocks import WaveBlock
+from studies.record.blocks import ErrorBlock, WaveBlock
 from studies.refusal import RunError
 from studies.remarks.left_out import left_out
 from studies.remarks.model_error import with_model_error
 from studies.remarks.run_warnings import warnings_of
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
-from studies.solve.changed_contacts import ChangedContacts
-from studies.solve.contact_at_level import SHARE, SliderAnswer, slider_answer
+from studies.solve.contact_at_level import slider_answer
 from studies.solve.electrical import electrical_block, with_powers
 from studies.solve.free_wave import free_wave_record
 from studies.solve.heat import heat_block
+from studies.solve.point_answer import SliderAnswer
+from studies.solve.refinement import ROUNDS, finer
 from studies.solve.ring_up import RingUp
 from studies.solve.ripple import with_ripple
 from studies.solve.solved_stator import SolvedStator
-from studies.solve.surface_blocks import amplitude_blocks, node, surface_columns, unresolved, wave_block
+from studies.solve.stators import Stators
+from studies.solve.surface_blocks import amplitude_points, node, surface_columns, wave_block
 from studies.solve.surface_motion import SurfaceMotion
 
 LOGGER = logging.getLogger(__name__)
-# If the error of the motion is more than this fraction of that in the round before, no further round is tried, because
-# the remaining error is that of the beam, which a finer section does not reduce.
-STALLED = 0.7
-# If the beam's own error at the best point is more than this multiple of the tolerance, no finer section is tried.
-HOPELESS = 3
-ROUNDS = 3  # largest number of solutions of the stator; each round determines the tolerance of the next
 
 
 def run(
@@ -96,11 +90,10 @@ def _run(scene: Scene, tolerance: float) -> Record:
         scene, written = (
             replace(each, stator=replace(each.stator, temperature=steady.temperature)) for each in (scene, written)
         )
-    if scene.wave is not None:
-        record = _prescribed(scene, tolerance)
+    if scene.slider is not None:
+        record = _with_slider(scene, tolerance)
     elif scene.transducer:
-        contacts = ChangedContacts(scene.to_table(), tolerance=tolerance, as_run=True)
-        record = _driven(scene, contacts)
+        record = _surface_alone(scene, tolerance)
     else:
         record = replace(free_wave_record(scene, tolerance), left_out=left_out(scene))
     if scene.uncertain is not None:
@@ -116,129 +109,99 @@ def _run(scene: Scene, tolerance: float) -> Record:
     return replace(record, warnings=warnings_of(record))
 
 
-def _prescribed(scene: Scene, tolerance: float) -> Record:
-    """Return the record of a scene with a prescribed wave: its orbit, then the contact."""
-    start_time = time.perf_counter()
-    answer = slider_answer(Contact.prescribed(scene), tolerance=tolerance)
-    wave = WaveBlock(frequency_Hz=scene.wave.frequency, surface_ratio=scene.wave.tangential_ratio)
-    seconds = {"contact": time.perf_counter() - start_time}
-    blocks = answer.blocks(tolerance)
-    return Record(scene=scene, tolerance=tolerance, wave=wave, **blocks, seconds=seconds, left_out=left_out(scene))
-
-
-def _driven(scene: Scene, contacts: ChangedContacts) -> Record:
-    """Return the record of a driven stator: the motion of its surface, then the contact under a slider."""
-    start_time, tolerance = time.perf_counter(), contacts.tolerance
-    positions, ringing, seconds = scene.positions, None, {}
-    if scene.slider is None:
-        motion = contacts.motion(stator_alone(scene), positions, tolerance)
-        blocks = amplitude_blocks(scene, motion, positions[0], tolerance)
-    else:
-        motion, answer, ringing, seconds["contact"] = _with_contact(scene, contacts)
-        vanished = "" if scene.on_pillars else node(motion, positions)  # the centre is one position of many pillars
-        refusal = vanished or unresolved(motion, positions)
+def _with_slider(scene: Scene, tolerance: float) -> Record:
+    """Return the record of a slider on a driven stator or a prescribed wave."""
+    start_time, stators = time.perf_counter(), Stators(tolerance=tolerance, slider=True)
+    driven, answer, seconds = _refined(scene, stators)
+    motion, refusal = None, ""
+    if driven.solved is not None:
+        motion = stators.motion_under(driven)
+        vanished = "" if scene.on_pillars else node(motion, scene.positions)  # the centre is one of many pillars
+        refusal = vanished or driven.refusal
         if not refusal:
-            answer = _rippled(scene, motion, answer, tolerance, seconds)
-        blocks = answer.blocks(tolerance)
-        if refusal:
-            blocks |= {"shortfall": f"no answer: {refusal}", "refused": True}
+            contact_start = time.perf_counter()
+            answer = _rippled(answer, driven, motion, tolerance)
+            seconds += time.perf_counter() - contact_start
+    record = Record(
+        scene=scene, tolerance=tolerance, points=answer.points, summary=answer.summary,
+        trajectories=answer.trajectories, pillars=answer.pillars, slider_wave=answer.slider_wave, error=answer.error,
+        shortfall=f"no answer: {refusal}" if refusal else answer.shortfall(tolerance), refused=bool(refusal),
+        seconds={"contact": seconds},
+    )  # fmt: skip
+    if motion is None:
+        wave = WaveBlock(frequency_Hz=scene.wave.frequency, surface_ratio=scene.wave.tangential_ratio)
+        return replace(record, wave=wave, left_out=left_out(scene))
+    return _on_stator(record, motion, start_time, driven.ringing)
+
+
+def _refined(scene: Scene, stators: Stators) -> tuple[Contact, SliderAnswer, float]:
+    """Return the contact, its answers at all levels, and the time in s that they took.
+
+    The stator is solved until it is as accurate as the velocities need.
+    """
+    stator, before = None if scene.wave is not None else stator_alone(scene), None
+    driven = stators.bursting(stators.contact(scene, stator))
+    answer, seconds = _timed_answer(driven, stators.tolerance)
+    for _ in range(ROUNDS - 1):
+        goal = finer(answer.answers, driven, stators.tolerance, before)
+        if goal is None:
+            break
+        before = driven
+        try:
+            driven = stators.bursting(stators.contact(scene, stator, goal))
+        except RunError:
+            break  # the answer of the round before is recorded, with its error
+        answer, more = _timed_answer(driven, stators.tolerance)
+        seconds += more
+    return driven, answer, seconds
+
+
+def _timed_answer(driven: Contact, tolerance: float) -> tuple[SliderAnswer, float]:
+    start_time = time.perf_counter()
+    answer = slider_answer(driven, tolerance=tolerance)
+    return answer, time.perf_counter() - start_time
+
+
+def _surface_alone(scene: Scene, tolerance: float) -> Record:
+    """Return the record of a driven stator without a slider, whose result is the amplitude of its surface."""
+    start_time, stators = time.perf_counter(), Stators(tolerance=tolerance, slider=False)
+    motion = stators.motion(stator_alone(scene), scene.positions)
+    points, error = amplitude_points(scene, motion, scene.positions[0]), motion.relative_error(scene.positions[:1])
+    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
+    record = Record(
+        scene=scene, tolerance=tolerance, points=points, error=ErrorBlock(relative=error, parts={"stator": error}),
+        shortfall=short if error > tolerance else "",
+    )  # fmt: skip
+    return _on_stator(record, motion, start_time)
+
+
+def _on_stator(record: Record, motion: SurfaceMotion, start_time: float, ringing: RingUp | None = None) -> Record:
+    """Return a record with what the motion of its stator's surface adds."""
+    scene = record.scene
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)
-    blocks["points"] = with_powers(blocks["points"], electrical)
     neglected = left_out(
-        scene, beam=motion.beam is not None, reason=motion.reason, ringing=ringing,
-        trajectories=blocks.get("trajectories", ()),
-    )  # fmt: skip
-    record = Record(
-        scene=scene, tolerance=tolerance, wave=wave_block(scene, motion, positions[0], ringing), electrical=electrical,
-        left_out=neglected, surface=surface_columns(scene, motion), surface_motion=motion,
-        meshed_pieces=motion.wave.meshed_pieces, **blocks,
+        scene, beam=motion.beam is not None, reason=motion.reason, ringing=ringing, trajectories=record.trajectories
+    )
+    record = replace(
+        record, scene=scene, wave=wave_block(scene, motion, scene.positions[0], ringing), electrical=electrical,
+        points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(scene, motion),
+        surface_motion=motion, meshed_pieces=motion.wave.meshed_pieces,
     )  # fmt: skip
     record = replace(record, heat=heat_block(record))
-    return replace(record, seconds={"stator": time.perf_counter() - start_time - sum(seconds.values())} | seconds)
+    seconds = time.perf_counter() - start_time - sum(record.seconds.values())
+    return replace(record, seconds={"stator": seconds} | record.seconds)
 
 
-def _rippled(
-    scene: Scene, motion: SurfaceMotion, answer: SliderAnswer, tolerance: float, seconds: dict
-) -> SliderAnswer:
-    """Return the answer with mean and range over half a wavelength; their time is added to the contact's."""
+def _rippled(answer: SliderAnswer, driven: Contact, motion: SurfaceMotion, tolerance: float) -> SliderAnswer:
+    """Return the answer with mean and range of the velocity over half a wavelength."""
     LOGGER.debug("velocities about the position")
-    start_time = time.perf_counter()
+    scene = driven.scene
     solved = SolvedStator.of(motion, scene.positions, nearby=not scene.on_pillars)
     driven = Contact.of_stator(scene, solved, motion)
     if scene.on_pillars:
         from studies.solve.pillar_ripple import with_pillar_ripple
 
-        answer = with_pillar_ripple(answer, driven, tolerance)
-    else:
-        answer = with_ripple(answer, driven, tolerance)
-    seconds["contact"] += time.perf_counter() - start_time
-    return answer
-
-
-def _with_contact(scene: Scene, contacts: ChangedContacts) -> tuple[SurfaceMotion, SliderAnswer, RingUp | None, float]:
-    """Return surface motion, answer, ring-up, and the time in s of the contact.
-
-    The stator is solved in up to ROUNDS rounds, until it is as accurate as the velocity needs.
-    """
-    stator, positions, seconds = stator_alone(scene), scene.positions, 0.0
-    motion = contacts.motion(stator, positions, SHARE * contacts.tolerance)
-
-    def solve_contact() -> tuple[SliderAnswer, RingUp | None]:
-        nonlocal seconds
-        driven = contacts.bursting(Contact.of_stator(scene, SolvedStator.of(motion, positions), motion), motion)
-        contact_start = time.perf_counter()
-        answer = slider_answer(driven, tolerance=contacts.tolerance)
-        seconds += time.perf_counter() - contact_start
-        return answer, driven.ringing
-
-    answer, ringing = solve_contact()
-    for _ in range(ROUNDS - 1):
-        section, whole = motion.wave.relative_error, motion.relative_error(positions)
-        rings = 0.0 if ringing is None else ringing.error
-        goal = needed_section_tolerance(answer, section, contacts.tolerance, rings, beam_share=1 - section / whole)
-        if goal is None:
-            break
-        try:
-            motion = contacts.motion(stator, positions, goal)
-        except RunError:
-            break  # the answer of the round before is recorded, with its error
-        answer, _ = solve_contact()
-        if motion.wave.relative_error >= section or motion.relative_error(positions) > STALLED * whole:
-            break
-    return motion, answer, ringing, seconds
-
-
-def needed_section_tolerance(
-    answer: SliderAnswer, reached: float, tolerance: float, ringing: float, beam_share: float = 0.0
-) -> float | None:
-    """Return the tolerance of the section that the velocity needs; None if the section suffices or cannot help.
-
-    Parameters
-    ----------
-    answer : SliderAnswer
-    reached : float
-        Present error of the section.
-    tolerance : float
-        Tolerance of the velocity.
-    ringing : float
-        Contribution of the ring-up to the stator's part of the velocity's error; a finer section does not reduce it.
-    beam_share : float
-        Fraction of the rest of this part that is the beam's own error; a finer section does not reduce it either.
-
-    Notes
-    -----
-    Let s be the largest stator part of the points that miss the tolerance t, r the ring-up's contribution and
-    b = beam_share (s - r) that of the beam.  The section contributes s - r - b, in proportion to its error.  It may
-    contribute (t - b) / 2 - r, because half of t - b is reserved for the contact.
-    """
-    parts = [stator for stator, contact in answer.parts if stator + contact > tolerance]
-    if not parts or max(parts) <= ringing:
-        return None
-    beam = beam_share * (max(parts) - ringing)
-    allowed = 0.5 * (tolerance - beam) - ringing
-    if allowed <= 0 or beam_share * min(parts) > HOPELESS * tolerance:
-        return None
-    goal = reached * allowed / (max(parts) - ringing - beam)
-    return goal if goal < reached else None
+        return with_pillar_ripple(answer, driven, tolerance)
+    return with_ripple(answer, driven, tolerance)

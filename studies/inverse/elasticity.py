@@ -53,7 +53,7 @@ def numbers(predictor: MeasurementPredictor) -> list[str]:
     Entries of lists are left out.
     """
     left_out = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
-    table = {name: block for name, block in predictor.numbers.items() if name != "uncertain"}
+    table = {name: block for name, block in predictor.scenes.numbers.items() if name != "uncertain"}
     floats = ((key, value) for key, value in walk(table) if isinstance(value, float))
     positive = (key for key, value in floats if value > 0.0 or coordinate(key))
     return [key for key in positive if not key.endswith(left_out) and not key.rpartition(".")[2].isdigit()]
@@ -174,12 +174,13 @@ def answers_at(
     answers = predictor.answers(changes, keywords(columns), tolerance=ACCURACY[names[0]], averaged=True)
     errors = np.zeros(len(answers))
     for k, answer in enumerate(answers):
-        if "relative_error" not in answer and not answer.get("refused"):
-            raise RunError(answer["status"])
-        if answer.get("numerical_error") and answer["velocity_m_per_s"]:
-            velocity, orbits = answer["velocity_m_per_s"], predictor.contact(changes[k]).at(level)
-            errors[k] = answer["numerical_error"] * contact.reference_speed(velocity, orbits) / abs(velocity)
-    return np.abs([[answer.get(column, math.nan) for column in columns] for answer in answers]), errors
+        if not (answer.point.answered or answer.refused):
+            raise RunError(answer.point.status)
+        velocity = answer.point.velocity_m_per_s
+        if not answer.averaged and answer.from_contact and velocity:
+            orbits = predictor.contact(changes[k]).at(level)
+            errors[k] = answer.from_contact * contact.reference_speed(velocity, orbits) / abs(velocity)
+    return np.abs([[answer.point.get(column, math.nan) for column in columns] for answer in answers]), errors
 
 
 def _moved(predictor: MeasurementPredictor, key: str, move: float) -> float:

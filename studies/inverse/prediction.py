@@ -57,7 +57,7 @@ class MeasurementPredictor(Predictor):
             scene.refuse("transducer", "is missing: a driven stator or a [wave] is needed")
         numbers = resolved(scene)
         table = following(numbers, scene).to_table()
-        super().__init__(table, tolerance=tolerance, steps=1, numbers=numbers.to_table())
+        super().__init__(table, tolerance=tolerance, rounds=1, numbers=numbers.to_table())
         self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
         self._countdown: Countdown | None = None
         self._done, self._last_report = 0, 0.0
@@ -78,23 +78,28 @@ class MeasurementPredictor(Predictor):
     @property
     def prescribed_wave(self) -> bool:
         """True if the scene prescribes the surface motion by its [wave]."""
-        return "wave" in self.table
+        return "wave" in self.scenes.table
 
-    def contact(self, changes: dict, step: int = 0) -> Contact:
+    @property
+    def slider(self) -> bool:
+        """True if the scene has a slider."""
+        return self.stators.slider
+
+    def contact(self, changes: dict, goal: float | None = None) -> Contact:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
-        driven, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
+        driven, factor = super().contact(changes, goal), changes.get(AMPLITUDE_FACTOR, 1.0)
         return replace(driven, orbits=driven.at(factor), amplitudes=tuple(each * factor for each in driven.amplitudes))
 
     @property
     def one_by_one(self) -> bool:
         """True on pillars, where velocities are solved one by one (0.06 s for 2500 pillars) and not in one loop."""
-        return "pillars" in self.table.get("slider", {})
+        return "pillars" in self.scenes.table.get("slider", {})
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key as a number; None where it has none."""
         if key in (AMPLITUDE_FACTOR, WAVE_VELOCITY_FACTOR):
             return 1.0
-        value = value_at(self.numbers, key) if "." in key else None
+        value = value_at(self.scenes.numbers, key) if "." in key else None
         return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
     def needs_stator(self, key: str) -> bool:
@@ -115,7 +120,7 @@ class MeasurementPredictor(Predictor):
             if data is not None:
                 answers.append(self._field(measurement, data, numbers))
                 continue
-            self.nearby = self.nearby or measurement.quantity == "mean velocity"
+            self.stators.nearby = self.stators.nearby or measurement.quantity == "mean velocity"
             driven = self.contact(numbers)
             factors = self._factors(measurement, numbers, driven)
             if measurement.quantity == "velocity" and self.one_by_one:
@@ -141,7 +146,7 @@ class MeasurementPredictor(Predictor):
 
         The phase of a scan has an arbitrary origin: the prediction is multiplied by the phase factor that fits best.
         """
-        scene, stator = self.resolved(numbers)
+        scene, stator = self.scenes.resolved(numbers)
         if stator is None:
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
         if isinstance(data, NetworkData):
@@ -189,7 +194,7 @@ class MeasurementPredictor(Predictor):
 
             return np.array([pillar_velocity(driven, level) for driven, level in states])
         answers = steady_answers(states, self.tolerance)
-        return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
+        return np.array([answer.point.get("velocity_m_per_s", math.nan) for answer in answers])
 
     def _mean_velocities(self, driven: Contact, levels: np.ndarray, numbers: dict) -> np.ndarray:
         """Return the mean velocities over place about the slider's position; NaN where there is none."""
@@ -221,7 +226,7 @@ class MeasurementPredictor(Predictor):
             raise SceneError(
                 f"measurements {measurement.name}", f'holds a burst: state its duration after the file, {key}="0.1 s"'
             )
-        driven = self.bursting(driven, self.motion_of(driven))
+        driven = self.stators.bursting(driven)
         if driven.along is not None:
             driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))
         (steady,) = self.velocities([(driven, level)])

@@ -78,7 +78,7 @@ class Fit:
             digits = max(4, 3 + math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12))))  # show the interval
             texts = ("open" if end is None else f"{end * factor:.{digits}g}" for end in (low, high))
             rows.append([each.key, f"{value * factor:.{digits + 1}g}", *texts, unit])
-        title = self.problem.predictor.table.get("title", "") or "no title"
+        title = self.problem.predictor.scenes.table.get("title", "") or "no title"
         return "\n".join([title, "", *table(rows), "", *labelled(self._notes())])
 
     def __repr__(self) -> str:

@@ -76,7 +76,7 @@ def run(scene: Scene, *, outcomes: str | tuple[str, ...] | None = None, toleranc
     outcomes = answers_of_slider(predictor) if outcomes is None else outcomes
     slopes = elasticities(predictor, (outcomes,) if isinstance(outcomes, str) else outcomes, level)
     changes = both_sides(predictor, tuple(name for name, by_key in slopes.items() if by_key), level)
-    title, findings, panels = predictor.table.get("title", ""), [], []
+    title, findings, panels = predictor.scenes.table.get("title", ""), [], []
     for name, by_key in slopes.items():
         findings += without_effect(predictor, name, by_key, level)
         sides = changes.get(name, {})

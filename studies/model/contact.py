@@ -15,6 +15,7 @@ from typing import Any, Self
 
 import contact
 from studies.record import Record
+from studies.record.point import Point
 from studies.scene import Scene
 from studies.scene.drive import Wave
 from studies.scene.friction import Friction, LawText
@@ -122,10 +123,17 @@ class Contact:
         """Normal amplitude |u_z| of `amplitudes`, m."""
         return self.amplitudes[0]
 
-    def amplitudes_at(self, level: float) -> dict[str, float]:
-        """Return the columns of a point with the amplitudes of the surface under the slider at a level, m."""
+    @property
+    def refusal(self) -> str:
+        """Why the stator's motion is not known under a contact; empty where it is."""
+        if self.solved is None:
+            return ""
+        return next((each for position in self.scene.positions if (each := self.solved.at[position].refusal)), "")
+
+    def amplitudes_at(self, level: float) -> Point:
+        """Return the amplitudes of the surface under the slider at a level as values of a point."""
         normal, tangential = self.amplitudes
-        return {"normal_amplitude_m": normal * level, "tangential_amplitude_m": tangential * level}
+        return Point(normal_amplitude_m=normal * level, tangential_amplitude_m=tangential * level)
 
     @property
     def levels(self) -> tuple[float, ...]:

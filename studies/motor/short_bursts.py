@@ -14,7 +14,7 @@ from studies.model.stator_alone import changes_stator
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
 from studies.solve.burst_steps import Steps
-from studies.solve.changed_contacts import ChangedContacts
+from studies.solve.predictor import Predictor
 from studies.solve.uncertainty import sampled, without_level
 
 LOGGER = logging.getLogger(__name__)
@@ -63,11 +63,11 @@ def step_scatter(scene: Scene, motor: AveragedMotor) -> tuple[float, float] | No
     inputs = tuple(each for each in tolerances(resolved(scene)) if each.key in LEVELS or not changes_stator(each.key))
     if not inputs:
         return None
-    contacts = ChangedContacts(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2)
+    predictor = Predictor(resolved(replace(scene, uncertain=None)).to_table(), tolerance=1e-2)
     steps = []
     for sample in sampled(inputs, DRAWS):  # as if the inputs varied from step to step by their uncertainty
         factor, changes = without_level(sample)
-        driven = contacts.contact(changes)
+        driven = predictor.contact(changes)
         step = contact.step(driven.slider, driven.at(factor * motor.levels[-1]), cycles=SCATTER_CYCLES)
         steps.append(step.displacement)
     return float(np.mean(steps)), float(np.std(steps, ddof=1))

@@ -19,7 +19,7 @@ from studies.model.contact import scaled
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.solve.steady_states import averaged
+from studies.solve.averaged_states import averaged_states
 from studies.solve.stroke_speed import slider_range
 from studies.solve.travel import WaveAlong
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
@@ -65,7 +65,7 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
         velocities[name] = places.velocities(along, slider, level)
         paths[name], speeds[name], sentence = _path(driven, along, level, duration)
         said += [(f"path, {name}", sentence)] if sentence else []
-    ((velocity_at_center, *_),) = averaged([(slider, along.orbits([0.0])[0], 0.0, level)])
+    ((velocity_at_center, *_),) = averaged_states([(slider, along.orbits([0.0])[0], 0.0, level)])
     balls = np.array([x for x, _ in resolved_scene.slider.contact_positions])[:, None]
     size = places.statistics(lambda shifts: np.abs(along.track.at(shifts)[1]).mean(axis=0))
     section = places.statistics(lambda shifts: np.abs(motion.wave.motion(balls + shifts)[1]).mean(axis=0))
@@ -170,7 +170,7 @@ def _steady(slider, orbits: list[tuple], level: float) -> np.ndarray:
 
     A place without any answer gets that of its neighbours.
     """
-    velocity = np.array([each for each, *_ in averaged([(slider, balls, 0.0, level) for balls in orbits])])
+    velocity = np.array([each for each, *_ in averaged_states([(slider, balls, 0.0, level) for balls in orbits])])
     for k in np.flatnonzero(np.isnan(velocity)):
         with suppress(contact.ConvergenceError):
             velocity[k] = contact.steady(slider, scaled(orbits[k], level), tolerance=UNKNOWN_TOLERANCE).velocity

@@ -343,14 +343,15 @@ def _under_load(record: Record, rated: float, load: float) -> tuple[tuple[Row, .
         return (), ()
     (answer,) = Predictor.of_record(record).answers([{record.scene.level_key: rated, "slider.load": load}])
     name, stated = "speed under load", f"slider.load = {si(load, 'N')}"
-    if "velocity_m_per_s" not in answer:
-        return (), (f"the datasheet has no {name}, {stated}: {answer['status']}",)
+    point = answer.point
+    if not point.answered:
+        return (), (f"the datasheet has no {name}, {stated}: {point.status}",)
     free = next(each for each in record.points if each.level == rated)
-    velocity = answer["velocity_m_per_s"] * float(np.sign(free.velocity_m_per_s)) + 0.0
+    velocity = point.velocity_m_per_s * float(np.sign(free.velocity_m_per_s)) + 0.0
     condition = f"under {stated}, steady"
     if velocity <= 0.0:
         condition += ": held" if velocity == 0.0 else ": dragged back"
-    return (Row("speed", name, velocity, "m/s", _velocity_error(record, Point.read(answer)) or None, condition),), ()
+    return (Row("speed", name, velocity, "m/s", _velocity_error(record, point) or None, condition),), ()
 
 
 def _velocity_error(record: Record, point: Point) -> float:

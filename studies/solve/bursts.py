@@ -8,10 +8,11 @@ import numpy as np
 
 import contact
 from studies.model.contact import Contact
+from studies.record.point import Point
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.solve.travel import MIN_TRAVEL
 
+MIN_TRAVEL = 0.1  # wavelengths: a shorter travel is neglected
 FAR = 2.0  # wavelengths: a slider that comes this far at its steady velocity is followed along the field at once
 SAMPLES = 2000  # instants of a stored trajectory; they do not affect the integration
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
@@ -27,15 +28,15 @@ def followed_burst(driven: Contact, level: float, velocity: float, tolerance: fl
     """
     orbits, along = driven.at(level), driven.along
     if along is None or level == 0.0:
-        return _burst(driven, orbits, velocity, tolerance, after), {}
+        return _burst(driven, orbits, velocity, tolerance, after), Point()
     if driven.scene.slider.travel is None and abs(velocity) * driven.scene.burst <= FAR * along.wavelength:
         trajectory = _burst(driven, orbits, velocity, tolerance, after)
         if _travel(trajectory) <= MIN_TRAVEL * along.wavelength:
-            return trajectory, {}
+            return trajectory, Point()
     trajectory = _burst(driven, orbits, velocity, tolerance, after, along.track.scaled(level))
     during = trajectory.time <= trajectory.duration * (1 + 1e-12)
-    values = {"travel_m": float(trajectory.displacement[during][-1])}
-    return trajectory, values | ({"way_ends_after_s": float(trajectory.time[-1])} if trajectory.ended else {})
+    end = float(trajectory.time[-1]) if trajectory.ended else None
+    return trajectory, Point(travel_m=float(trajectory.displacement[during][-1]), way_ends_after_s=end)
 
 
 def _travel(trajectory) -> float:

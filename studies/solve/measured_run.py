@@ -62,7 +62,8 @@ def _velocities_at(record: Record, levels: tuple[float, ...], column: str) -> li
     if missing:
         changes = [{record.scene.level_key: level} for level in missing]
         also = () if column == "velocity_m_per_s" else ("ripple",)
-        answers |= zip(missing, Predictor.of_record(record).answers(changes, also), strict=True)
+        found = Predictor.of_record(record).answers(changes, also)
+        answers |= {level: answer.point for level, answer in zip(missing, found, strict=True)}
     return [answers[level].get(column, answers[level].get("velocity_m_per_s")) for level in levels]
 
 

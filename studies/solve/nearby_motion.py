@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studies.solve import chebyshev
-from studies.solve.surface_blocks import unresolved
 
 if TYPE_CHECKING:
     from studies.solve.surface_motion import SurfaceMotion
@@ -69,7 +68,7 @@ def _span(motion: "SurfaceMotion", position: tuple[float, float], reach: float) 
 
     def alike(displacement: float) -> bool:
         place = (x + displacement, y)
-        return 0.0 <= place[0] <= length and motion.covered(place) == covered and not unresolved(motion, [place])
+        return 0.0 <= place[0] <= length and motion.covered(place) == covered and not motion.unresolved([place])
 
     ends = []
     for side in (-reach, reach):

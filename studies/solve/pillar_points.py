@@ -11,8 +11,10 @@ import contact
 from studies.model import pillars
 from studies.model.contact import Contact
 from studies.model.scene_errors import slider_keys
+from studies.record.point import Point
 from studies.record.status import Status
 from studies.solve.event_counts import burst_values
+from studies.solve.point_answer import PointAnswer
 from studies.solve.velocity_error import judged
 
 SENSITIVITY_STEP = 1e-3  # relative step of the amplitude
@@ -80,25 +82,24 @@ def moves(driven: Contact, level: float) -> bool:
     return abs(pillar_velocity(driven, level)) > 0.0
 
 
-def point_of(motion) -> dict:
+def point_of(motion) -> Point:
     """Return the values of a point of run.json from a `contact.PillarMotion`."""
     slips = "slip" if motion.share_in_contact == 1.0 and motion.duty > HOPS else "intermittent"
-    point = {
-        "velocity_m_per_s": motion.velocity, "regime": "stick" if motion.held else slips, "approach_m": motion.approach,
-        "tilt_rad": list(motion.tilt), "share_in_contact": motion.share_in_contact, "duty": motion.duty,
-        "friction_power_W": motion.friction_power, "thrust_power_W": motion.thrust_power,
-        "exit_over_entry": motion.exit_over_entry, "reflected_over_entry": motion.reflected_over_entry,
-    }  # fmt: skip
+    point = Point(
+        velocity_m_per_s=motion.velocity, regime="stick" if motion.held else slips, approach_m=motion.approach,
+        tilt_rad=list(motion.tilt), share_in_contact=motion.share_in_contact, duty=motion.duty,
+        friction_power_W=motion.friction_power, thrust_power_W=motion.thrust_power,
+        exit_over_entry=motion.exit_over_entry, reflected_over_entry=motion.reflected_over_entry,
+    )  # fmt: skip
     if motion.wave.compliance > 0.0:
-        point |= {
-            "wave_power_in_W": motion.wave_power_in, "wave_power_out_W": motion.wave_power_out,
-            "loading_number": motion.loading_number, "overtone_ratio": motion.overtone,
-            "harmonics": motion.harmonics,
-        }  # fmt: skip
-    return point | {"ledger_relative_residual": abs(motion.ledger_residual)}
+        point |= Point(
+            wave_power_in_W=motion.wave_power_in, wave_power_out_W=motion.wave_power_out,
+            loading_number=motion.loading_number, overtone_ratio=motion.overtone, harmonics=motion.harmonics,
+        )  # fmt: skip
+    return point | Point(ledger_relative_residual=abs(motion.ledger_residual))
 
 
-def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
+def at_the_transducers(body: PillarContact, motion, level: float) -> Point:
     """Return the effects of the loaded wave on the transducers, as values of a point.
 
     The first effect is the change of admittance of the driven transducer. By reciprocity, a force F on the stator
@@ -109,16 +110,16 @@ def at_the_transducers(body: PillarContact, motion, level: float) -> dict:
     """
     wave, scene = motion.wave, body.driven.scene
     if scene.stator is None or not motion.loading:
-        return {}
+        return Point()
     backward_change, forward_change = motion.backward[0] - wave.backward, motion.forward[-1] - wave.forward
     # sum (P_1 u_z + Q_1 u_x) i Gamma/w
     reaction = wave.forward * backward_change + wave.backward * forward_change
-    values = {"admittance_change_S": -wave.omega * wave.strip_width / wave.compliance * reaction / level**2}
+    change = -wave.omega * wave.strip_width / wave.compliance * reaction / level**2
     direction = 1.0 if abs(wave.forward) >= abs(wave.backward) else -1.0
     centre, driven = scene.slider.center[0], scene.drive.driven
-    if any((each.center_xy[0] - centre) * direction > 0.0 and not driven.get(each.name) for each in scene.transducer):
-        values["received_over_free"] = motion.exit_over_entry
-    return values
+    behind = (each for each in scene.transducer if (each.center_xy[0] - centre) * direction > 0.0)
+    received = motion.exit_over_entry if any(not driven.get(each.name) for each in behind) else None
+    return Point(admittance_change_S=change, received_over_free=received)
 
 
 def pillar_tables(motion) -> dict[str, dict]:
@@ -133,11 +134,11 @@ def pillar_tables(motion) -> dict[str, dict]:
     return {"pillars": of_pillars, "slider_wave": of_wave}
 
 
-def pillar_point(driven: Contact, level: float, tolerance: float, *, bursting: bool) -> tuple:
-    """Return the values of a point, the parts of its error, its trajectory and its `contact.PillarMotion`."""
+def pillar_point(driven: Contact, level: float, tolerance: float, *, bursting: bool) -> PointAnswer:
+    """Return the answer at a level."""
     if level == 0.0:
-        values = {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": Status.OK.value}
-        return values, (0.0, 0.0), None, None
+        rest = Point(velocity_m_per_s=0.0, regime="stick", relative_error=0.0, status=Status.OK.value)
+        return PointAnswer(point=rest)
     body = PillarContact.of(driven)
     motion = body.motion(level)
     point, trajectory = point_of(motion) | at_the_transducers(body, motion, level), None
@@ -146,11 +147,12 @@ def pillar_point(driven: Contact, level: float, tolerance: float, *, bursting: b
     from_stator, from_contact = driven.stator_error * sensitivity, motion.relative_error
     if bursting and driven.scene.burst is not None:
         trajectory = burst(body, level, motion, driven.scene.burst)
-        point |= burst_values(trajectory) | {"burst_method": trajectory.method}
+        point |= burst_values(trajectory) | Point(burst_method=trajectory.method)
         from_contact = max(from_contact, trajectory.relative_error)
-    point["amplitude_sensitivity"] = sensitivity
-    point |= judged(tolerance, from_stator, from_contact)
-    return point, (from_stator, from_contact), trajectory, motion
+    point |= Point(amplitude_sensitivity=sensitivity) | judged(tolerance, from_stator, from_contact)
+    return PointAnswer(
+        point=point, from_stator=from_stator, from_contact=from_contact, trajectory=trajectory, motion=motion
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

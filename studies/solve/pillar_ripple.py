@@ -9,7 +9,6 @@ motion is part of the error.
 """
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
@@ -17,9 +16,11 @@ import numpy as np
 
 import contact
 from studies.model.contact import Contact
-from studies.solve.contact_at_level import SliderAnswer
+from studies.record.blocks import SummaryBlock
+from studies.record.point import Point
 from studies.solve.pillar_points import PillarContact
-from studies.solve.ripple import ANSWERED, COLUMNS, ERROR_COLUMN, Ripple
+from studies.solve.point_answer import SliderAnswer
+from studies.solve.ripple import Ripple
 
 PLACES = (10, 20)  # in half a wavelength
 # Ratio of two pairs of harmonics that the estimate takes at least and at most: they fall like powers where the slider
@@ -70,14 +71,12 @@ def _left_out(sizes: np.ndarray) -> float:
     return 2.0 * last * ratio / (1.0 - ratio)
 
 
-def pillar_columns(
-    body: PillarContact, level: float, point: Mapping, tolerance: float
-) -> tuple[dict[str, float], float]:
-    """Return the columns of a point with an answer, and the range over the reference speed."""
-    ripple, reference = pillar_ripple(body, level, point["velocity_m_per_s"], tolerance)
-    from_wave = (body.driven.stator_error + body.misfit) * point.get("amplitude_sensitivity", 1.0)
-    columns = dict(zip(COLUMNS, (ripple.mean, ripple.lowest, ripple.highest), strict=True))
-    return columns | {ERROR_COLUMN: ripple.error / reference + from_wave}, ripple.range / reference
+def pillar_ripple_point(body: PillarContact, level: float, point: Point, tolerance: float) -> tuple[Point, float]:
+    """Return the ripple as values of a point with an answer, and its range over the reference speed."""
+    ripple, reference = pillar_ripple(body, level, point.velocity_m_per_s, tolerance)
+    sensitivity = 1.0 if point.amplitude_sensitivity is None else point.amplitude_sensitivity
+    from_wave = (body.driven.stator_error + body.misfit) * sensitivity
+    return ripple.point(reference, from_wave), ripple.range / reference
 
 
 def mean_velocity(driven: Contact, level: float, velocity: float, tolerance: float) -> float:
@@ -95,20 +94,21 @@ def with_pillar_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) 
 
     The columns are added if the range exceeds the tolerance at one point or more.
     """
-    body, level_key = PillarContact.of(driven), driven.scene.level_column
+    body = PillarContact.of(driven)
     sizes = sorted((abs(body.wave.forward), abs(body.wave.backward)))
     bound = BOUND * sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
-    points, found = list(answer.points), []
-    for k, point in enumerate(answer.points):
-        if ANSWERED in point and point[level_key] > 0.0 and bound > tolerance:
-            with suppress(contact.ConvergenceError):  # a point without an answer at a place has no columns
-                columns, size = pillar_columns(body, point[level_key], point, tolerance)
-                points[k] = point | columns
+    answers, found = list(answer.answers), []
+    for k, each in enumerate(answer.answers):
+        if each.point.answered and each.point.level > 0.0 and bound > tolerance:
+            with suppress(contact.ConvergenceError):  # a point without an answer at a place has no ripple
+                point, size = pillar_ripple_point(body, each.point.level, each.point, tolerance)
+                answers[k] = replace(each, point=each.point | point)
                 found.append(size)
     if not found and bound > tolerance:
         return answer
     size = max(found, default=bound)
     quarter, center = 0.25 * body.wave.wavelength, driven.scene.slider.center[0]
-    ends = {"ripple_from_m": center - quarter, "ripple_to_m": center + quarter}
-    rippled = tuple(points) if size > tolerance else answer.points
-    return replace(answer, points=rippled, summary=answer.summary | {"velocity_ripple": size} | ends)
+    summary = answer.summary | SummaryBlock(
+        velocity_ripple=size, ripple_from_m=center - quarter, ripple_to_m=center + quarter
+    )
+    return replace(answer, answers=tuple(answers) if size > tolerance else answer.answers, summary=summary)

@@ -1,33 +1,42 @@
 """Answers of one motor for other values of some keys of its scene; a solved stator is reused wherever it still holds.
 
-Sweeps, fits, tolerances, measured curves, sensitivities and design searches take their answers from here; a run takes
-its contact from `studies.solve.changed_contacts` as they do.  Near the threshold the contact amplifies the stator's
-error: such a point is solved again on a stator ten times as accurate, with at most ``STEPS`` accuracies.  The last step
-of a point depends on that point alone, so that its answer does not depend on its neighbours.
+Sweeps, fits, tolerances, measured curves, sensitivities and design searches take their answers from here. A point where
+the velocity misses its tolerance is solved again on a more accurate stator, as in a run (`studies.solve.refinement`).
+Which stator that is depends on the point alone, so that its answer does not depend on its neighbours.
 """
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import NamedTuple
 
+import fem
 from studies.model import resolve
+from studies.model.changed_scenes import ChangedScenes
 from studies.model.contact import Contact
 from studies.record import Record
+from studies.record.point import Point
 from studies.record.status import Status
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.solve.changed_contacts import ChangedContacts
 from studies.solve.contact_at_level import point_answer
 from studies.solve.free_wave import free_wave_record
-from studies.solve.requested_quantities import FREE, amplitudes, with_outcomes
-from studies.solve.solved_stator import SolvedStator
-from studies.solve.steady_states import averaged_answers, rated, steady_answer
+from studies.solve.point_answer import PointAnswer
+from studies.solve.refinement import ROUNDS, finer
+from studies.solve.requested_quantities import FREE, amplitudes, requested_quantities
+from studies.solve.stators import UNSHARED, Shared, Stators
+from studies.solve.steady_states import averaged_answers
 
-STEPS = 3  # accuracies of the stator, the first included
+
+class _Solved(NamedTuple):
+    """The answer of a point and the contact that gave it; without a contact where there is none."""
+
+    answer: PointAnswer
+    driven: Contact | None = None
 
 
-class Predictor(ChangedContacts):
+class Predictor:
     """Answers of one scene with some of its keys changed.
 
     Parameters
@@ -36,15 +45,24 @@ class Predictor(ChangedContacts):
         The scene's TOML document.
     tolerance : float
         Of the velocity, over its reference speed.
-    steps : int
-        Number of accuracies that the stator may be solved with, each ten times the one before; 1: no finer stator.
-    **options
-        As of `ChangedContacts`.
+    rounds : int
+        Largest number of solutions of a stator, each more accurate than the one before.
+    shared : Shared
+        What one solution of the stator is computed for.
+    coarse : bool
+        True takes the stator's coarsest discretisation.
+    numbers : dict, optional
+        As for `ChangedScenes`.
     """
 
-    def __init__(self, table: dict, *, tolerance: float, steps: int = STEPS, **options: Any) -> None:
-        super().__init__(table, tolerance=tolerance, **options)
-        self.steps = 1 if self.coarse else steps
+    def __init__(
+        self, table: dict, *, tolerance: float, rounds: int = ROUNDS, shared: Shared = UNSHARED, coarse: bool = False,
+        numbers: dict | None = None,
+    ) -> None:  # fmt: skip
+        self.tolerance, self.rounds = tolerance, 1 if coarse else rounds
+        self.scenes = ChangedScenes(table, numbers)
+        slider = "slider" in table if shared.slider is None else shared.slider
+        self.stators = Stators(tolerance=tolerance, slider=slider, shared=shared, coarse=coarse)
         self.free = "wave" not in table and not table.get("transducer")
 
     @classmethod
@@ -58,18 +76,38 @@ class Predictor(ChangedContacts):
         if scene.burst is not None:
             scene = scene.with_source(burst=None)
         table = resolve.following(scene, written or scene).to_table()
-        predictor = cls(table, tolerance=record.tolerance, steps=1, numbers=scene.to_table())
-        resolved, stator = predictor.resolved({})
+        predictor = cls(table, tolerance=record.tolerance, rounds=1, numbers=scene.to_table())
+        resolved, stator = predictor.scenes.resolved({})
         if stator is not None:
-            positions = resolved.positions
-            motion = record.surface_motion
-            predictor._solved[stator, positions, 0, False] = SolvedStator.of(motion, positions)
-            predictor._latest = (stator, positions, predictor._goal(stator, positions, 0)), motion
+            predictor.stators.know(stator, resolved.positions, record.surface_motion)
         return predictor
 
+    def scene(self, changes: dict) -> Scene:
+        """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
+        return self.scenes.scene(changes)
+
+    def contact(self, changes: dict, goal: float | None = None) -> Contact:
+        """Return the contact with some keys changed; its stator is solved unless a solution is known.
+
+        ``goal``: of its section, by default that of the first round.
+
+        Raises
+        ------
+        SceneError
+            If the text or the physics refuses a value.
+        RunError
+            If the stator has no solution, or the model does not resolve the motion under a contact.
+        """
+        scene, stator = self.scenes.resolved(changes)
+        driven = self.stators.contact(scene, stator, goal)
+        if driven.refusal and scene.slider is not None:
+            raise RunError(driven.refusal)
+        return driven
+
     def answers(
-        self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None, averaged: bool = False
-    ) -> list[dict]:
+        self, many: Sequence[dict], also: Sequence[str] = (), *, tolerance: float | None = None, quick: bool = False,
+        averaged: bool = False,
+    ) -> list[PointAnswer]:  # fmt: skip
         """Return the motor's answer for each of several sets of changed keys.
 
         Parameters
@@ -77,71 +115,118 @@ class Predictor(ChangedContacts):
         many : sequence of dict
             Each maps keys of the scene to values and leaves one voltage, power or amplitude.
         also : sequence of str
-            Outcomes other than the velocity, of `studies.solve.requested_quantities.ALSO`.
+            Quantities other than the velocity, of `studies.solve.requested_quantities.ALSO`.
         tolerance : float, optional
-            Of the velocity and the other outcomes; by default the predictor's own, which is always that of the stator.
+            Of the velocity and the other quantities; by default the predictor's own, which is always that of the
+            stator.
+        quick : bool
+            True takes averaged steady states, microseconds each, where their error is a quarter of the tolerance or
+            less; False solves each steady state as a run does, with the same answer to the last bit.
         averaged : bool
             True accepts averaged steady states of any error: they are smooth functions of the numbers, as derivatives
             require.
 
         Returns
         -------
-        list of dict
-            Columns by name; ``status`` is the text of a `studies.record.status.Status`.  Without an answer
-            ``relative_error`` is absent; ``refused`` is true where the scene was refused.
+        list of PointAnswer
+            The ``status`` of a point is the text of a `studies.record.status.Status`.
         """
-        self.nearby = self.nearby or "ripple" in also
-        answers: list[dict] = [{} for _ in many]
-        todo = list(range(len(many)))
-        for step in range(self.steps):
-            self.solve_together((many[at] for at in todo), step)
-            some = [many[at] for at in todo]
-            results = self._answers_of(some, also, step, tolerance or self.tolerance, averaged)
-            for at, answer in zip(todo, results, strict=True):
+        tolerance = tolerance or self.tolerance
+        accepted = math.inf if averaged else tolerance if quick else None
+        self.stators.nearby = self.stators.nearby or "ripple" in also
+        found: dict[int, _Solved] = {}
+        goals: dict[int, float | None] = dict.fromkeys(range(len(many)))
+        for _ in range(self.rounds):
+            with fem.blas_on_one_thread():  # as a run: the number of threads changes the last digits
+                results = self._solved([many[at] for at in goals], list(goals.values()), tolerance, accepted)
+            again = {}
+            for at, solved in zip(goals, results, strict=True):
+                before = found.get(at)
                 # if the more accurate stator has no answer, the previous answer is returned
-                if "relative_error" in answer or not answers[at]:
-                    answers[at] = answer
-            todo = [at for at, answer in zip(todo, results, strict=True) if answer.get("finer")]
-        return answers
+                if before is None or solved.answer.point.answered:
+                    found[at] = solved
+                if solved.driven is not None:
+                    again[at] = finer([solved.answer], solved.driven, tolerance, before and before.driven)
+            goals = {at: goal for at, goal in again.items() if goal is not None}
+            if not goals:
+                break
+        return [_with_quantities(found[at], also, tolerance, averaged) for at in range(len(many))]
 
-    def _answers_of(self, many: list[dict], also: Any, step: int, tolerance: float, averaged: bool) -> list[dict]:
-        """Return the answers on the stator of a step; ``finer`` is true where a more accurate one would help."""
-        answers: list[dict] = [{} for _ in many]
-        ready: dict[int, Contact] = {}
-        for at, changes in enumerate(many):
+    def _solved(
+        self, many: list[dict], goals: list[float | None], tolerance: float, accepted: float | None
+    ) -> list[_Solved]:
+        """Return the answers on stators solved to some goals; ``accepted``: tolerance of averaged states, or None."""
+        self._solve_together(many, goals)
+        results: list[_Solved | None] = [None] * len(many)
+        contacts: dict[int, Contact] = {}
+        for k, (changes, goal) in enumerate(zip(many, goals, strict=True)):
             try:
                 if self.free:
-                    answers[at] = _free_answer(self.scene(changes), self.tolerance)
-                    continue
-                driven = self.contact(changes, step)
-                if (count := len(driven.scene.levels)) != 1:
-                    raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
-                ready[at] = driven
-            except Exception as error:
-                answers[at] = {"status": reason(error), "refused": isinstance(error, SceneError)}
-        steady = [at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None]
-        states = [(ready[at], ready[at].level) for at in steady]
-        side_by_side = dict(zip(steady, averaged_answers(states, math.inf if averaged else tolerance), strict=True))
-        for at, driven in ready.items():
-            try:
-                if at in side_by_side:
-                    answer = side_by_side[at] or steady_answer(driven, driven.level, tolerance)
+                    results[k] = _Solved(_free_answer(self.scene(changes), self.tolerance))
                 else:
-                    answer = self._alone(driven, step, tolerance)
-                answers[at] = amplitudes(driven) | with_outcomes(also, tolerance, driven, answer, averaged=averaged)
+                    contacts[k] = self._contact_at_one_level(changes, goal)
             except Exception as error:
-                answers[at] = {"status": reason(error), "refused": isinstance(error, SceneError)}
-        return answers
+                results[k] = _failed(error)
+        steady = [k for k, each in contacts.items() if accepted is not None and _is_steady(each)]
+        states = [(contacts[k], contacts[k].level) for k in steady]
+        side_by_side = dict(zip(steady, averaged_answers(states, accepted or 0.0), strict=True))
+        for k, driven in contacts.items():
+            try:
+                results[k] = _Solved(side_by_side.get(k) or self._alone(driven, tolerance), driven)
+            except Exception as error:
+                results[k] = _failed(error)
+        return [each for each in results if each is not None]
 
-    def _alone(self, driven: Contact, step: int, tolerance: float) -> dict:
-        """Return the answer of a burst, or of a stator without a slider, as in a run."""
-        error, status = driven.stator_error, Status.OK.value
+    def _solve_together(self, many: list[dict], goals: list[float | None]) -> None:
+        """Solve the frequencies of one geometry side by side, where they make a band."""
+        resolved = []
+        for changes, goal in zip(many, goals, strict=True) if self.stators.limits else ():
+            with suppress(SceneError):  # raised again when the point is answered
+                resolved.append((*self.scenes.resolved(changes), goal))
+        self.stators.solve_together(resolved)
+
+    def _contact_at_one_level(self, changes: dict, goal: float | None) -> Contact:
+        """Return `contact`; SceneError if the changed scene has several levels."""
+        driven = self.contact(changes, goal)
+        if (count := len(driven.scene.levels)) != 1:
+            raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
+        return driven
+
+    def _alone(self, driven: Contact, tolerance: float) -> PointAnswer:
+        """Return the answer of one contact, or of a stator without a slider, as in a run."""
         if driven.scene.slider is None:
+            error, status = driven.stator_error, Status.OK.value
             if error > tolerance:
                 status = Status.ABOVE_TOLERANCE.because(f"the stator's error is {error:.1e}")
-            return {"relative_error": error if driven.level else 0.0, "status": status}
-        point = point_answer(self.bursting(driven, self.motion_of(driven, step)), driven.level, tolerance)
-        return rated(point.values, point.parts, tolerance)
+            error = error if driven.level else 0.0
+            return PointAnswer(point=Point(relative_error=error, status=status), from_stator=error)
+        answer = point_answer(self.stators.bursting(driven), driven.level, tolerance)
+        if answer.point.answered:
+            return answer
+        return replace(answer, point=Point(status=Status.NO_ANSWER.because(answer.point.status)))
+
+
+def _is_steady(driven: Contact) -> bool:
+    return driven.scene.slider is not None and driven.scene.burst is None
+
+
+def _with_quantities(solved: _Solved, also: Sequence[str], tolerance: float, averaged: bool) -> PointAnswer:
+    """Return an answer with the amplitudes of the surface and the requested quantities."""
+    answer, driven = solved
+    if driven is None:
+        return answer
+    try:
+        point = amplitudes(driven) | answer.point
+        if also and answer.point.velocity_m_per_s is not None:
+            point |= requested_quantities(also, tolerance, driven, answer, averaged=averaged)
+        return replace(answer, point=point)
+    except Exception as error:
+        return _failed(error).answer
+
+
+def _failed(error: Exception) -> _Solved:
+    """Return the answer of a point that has none."""
+    return _Solved(PointAnswer(point=Point(status=reason(error)), refused=isinstance(error, SceneError)))
 
 
 def reason(error: Exception) -> str:
@@ -154,8 +239,9 @@ def reason(error: Exception) -> str:
     return (Status.REFUSED if isinstance(error, SceneError) else Status.NO_ANSWER).because(text)
 
 
-def _free_answer(scene: Scene, tolerance: float) -> dict:
+def _free_answer(scene: Scene, tolerance: float) -> PointAnswer:
     """Return the answer of a scene without transducers: its free wave."""
     record = free_wave_record(resolve.resolved(scene), tolerance)
-    answer = {name: record.wave[name] for name in FREE}
-    return answer | {"relative_error": record.error["relative"], "status": Status.OK.value}
+    values = {name: record.wave[name] for name in FREE}
+    point = Point(**values, relative_error=record.error.relative, status=Status.OK.value)
+    return PointAnswer(point=point, from_stator=record.error.relative)

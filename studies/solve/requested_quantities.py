@@ -8,24 +8,28 @@ import numpy as np
 
 import contact
 from studies.model.contact import Contact
+from studies.record.point import Point
 from studies.refusal import SceneError
 from studies.solve.contact_at_level import contact_load
 from studies.solve.electrical import source_power
-from studies.solve.ripple import COLUMNS as RIPPLE_COLUMNS
-from studies.solve.ripple import ERROR_COLUMN, Known, NearbyContact, columns_of, ripples
+from studies.solve.point_answer import PointAnswer
+from studies.solve.ripple import Known, NearbyContact, ripple_point, ripples
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
 
 # columns of a sweep, by the keyword that requests them
 ALSO = {
-    "ripple": (*RIPPLE_COLUMNS, ERROR_COLUMN, "velocity_ripple"),
+    "ripple": (
+        "mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s", "mean_velocity_relative_error",
+        "velocity_ripple",
+    ),
     "limits": ("threshold_factor", "release_factor"),
     "thrust": ("thrust_N",),
     "pressure": ("contact_pressure_Pa", "stick_margin"),
     "start-up": ("start_up_time_s",),
     "step": ("step_m",),
     "efficiency": ("contact_efficiency", "motor_efficiency"),
-}
+}  # fmt: skip
 OF_PILLARS = ("ripple", "thrust", "efficiency")  # keywords of ALSO that apply to a slider on pillars
 FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
 AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
@@ -44,83 +48,86 @@ def keywords(columns: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words))
 
 
-def amplitudes(driven: Contact) -> dict:
+def amplitudes(driven: Contact) -> Point:
     """Return the amplitudes at a point and, for a stator, the driven transducer's admittance and the sources' power."""
-    outcomes, solved = driven.amplitudes_at(driven.level), driven.solved
+    point, solved = driven.amplitudes_at(driven.level), driven.solved
     if solved is None:
-        return outcomes
-    values = solved.frequency, solved.admittance.real, solved.admittance.imag, solved.power * driven.level**2
-    return outcomes | dict(zip(ELECTRICAL, values, strict=True))
+        return point
+    return point | Point(
+        frequency_Hz=solved.frequency, conductance_S=solved.admittance.real, susceptance_S=solved.admittance.imag,
+        power_W=solved.power * driven.level**2,
+    )  # fmt: skip
 
 
-def with_outcomes(also, tolerance: float, driven: Contact, answer: dict, *, averaged: bool = False) -> dict:
-    """Return the answer with the quantities that the keywords in ``also`` (keys of ``ALSO``) request.
+def requested_quantities(
+    also, tolerance: float, driven: Contact, answer: PointAnswer, *, averaged: bool = False
+) -> Point:
+    """Return the quantities that the keywords in ``also`` (keys of ``ALSO``) request of an answer with a velocity.
 
     Forces and powers are totals over all contacts. ``averaged``: True computes the start-up by averaging wherever that
     is applicable, whatever its error.
     """
-    if not also or "velocity_m_per_s" not in answer:
-        return answer
     if driven.scene.slider.pillars is not None:
-        return answer | _of_pillars(also, driven, answer, tolerance)
-    if "ripple" in also:
-        answer |= _ripple(driven, answer, tolerance)
+        return _of_pillars(also, driven, answer.point, tolerance)
+    point = _ripple(driven, answer, tolerance) if "ripple" in also else Point()
     slider, orbits = driven.slider, driven.at(driven.level)
     threshold = contact.threshold_factor(slider, orbits) if {"limits", "pressure"} & set(also) else 0.0
     if "limits" in also:
-        answer |= zip(ALSO["limits"], (threshold, contact.release_factor(slider, orbits)), strict=True)
+        point |= Point(threshold_factor=threshold, release_factor=contact.release_factor(slider, orbits))
     if "pressure" in also:
-        answer |= contact_load(slider, orbits, threshold)
-    # `driven.slider` is one of `share` equal parts of the slider
-    share, thrust = driven.scene.slider.share, answer.pop("thrust_N", None)
+        point |= contact_load(slider, orbits, threshold)
     with suppress(contact.ConvergenceError):
         if "step" in also:
-            answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
+            point |= Point(step_m=abs(contact.step(slider, orbits, cycles=1).displacement))
     if not {"thrust", "efficiency", "start-up"} & set(also):
-        return answer
+        return point
+    # `driven.slider` is one of `share` equal parts of the slider
+    share, thrust = driven.scene.slider.share, answer.thrust
     try:
         thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0) if thrust is None else thrust
     except contact.ConvergenceError:
-        return answer  # start-up and efficiency need the thrust
-    answer["thrust_N"] = thrust * share
+        return point  # start-up and efficiency need the thrust
+    point |= Point(thrust_N=thrust * share)
     # each is suppressed separately, so that one is returned where the other has no answer
     if "start-up" in also:
         with suppress(contact.ConvergenceError):
-            final = abs(answer["velocity_m_per_s"])
+            final = abs(answer.point.velocity_m_per_s)
             time = start_up_time(slider, orbits, final, thrust, tolerance, averaged=averaged)
-            answer |= {} if time is None else {"start_up_time_s": time}
+            point |= Point(start_up_time_s=time)
     if "efficiency" in also:
         with suppress(contact.ConvergenceError):
             power_out, efficiency = half_thrust(slider, orbits, thrust, tolerance)
-            answer |= _efficiencies(driven, power_out * share, efficiency)
-    return answer
+            point |= _efficiencies(driven, power_out * share, efficiency)
+    return point
 
 
-def _ripple(driven: Contact, answer: dict, tolerance: float) -> dict:
+def _ripple(driven: Contact, answer: PointAnswer, tolerance: float) -> Point:
     """Return mean and range of the velocity over half a wavelength; along a prescribed wave all places are alike."""
-    velocity = answer["velocity_m_per_s"]
     if driven.solved is None:
-        return _alike(answer)
-    nearby = NearbyContact.of(driven, tolerance)
-    share = answer["relative_error"] / driven.stator_error if driven.stator_error else 0.0
-    found = {} if nearby is None else ripples(nearby, {driven.level: Known(velocity, share)})
-    if driven.level not in found:
-        return {}
-    columns, size = columns_of(found[driven.level], driven.at(driven.level))
-    return columns | {"velocity_ripple": size}
+        return _alike(answer.point)
+    nearby, level = NearbyContact.of(driven, tolerance), driven.level
+    share = answer.point.relative_error / driven.stator_error if driven.stator_error else 0.0
+    found = {} if nearby is None else ripples(nearby, {level: Known(answer.point.velocity_m_per_s, share)})
+    if level not in found:
+        return Point()
+    point, size = ripple_point(found[level], driven.at(level))
+    return point | Point(velocity_ripple=size)
 
 
-def _alike(answer: dict) -> dict:
+def _alike(point: Point) -> Point:
     """Return the columns of the keyword ripple where all places are alike."""
-    velocity = answer["velocity_m_per_s"]
-    return dict(zip(ALSO["ripple"], (velocity, velocity, velocity, answer["relative_error"], 0.0), strict=True))
+    velocity = point.velocity_m_per_s
+    return Point(
+        mean_velocity_m_per_s=velocity, lowest_velocity_m_per_s=velocity, highest_velocity_m_per_s=velocity,
+        mean_velocity_relative_error=point.relative_error, velocity_ripple=0.0,
+    )  # fmt: skip
 
 
-def _efficiencies(driven: Contact, power: float, efficiency: float) -> dict:
+def _efficiencies(driven: Contact, power: float, efficiency: float) -> Point:
     """Return the efficiency of the contact and that of the motor: mechanical ``power`` in W over that of the source."""
     solved, scene = driven.solved, driven.scene
     electrical = 0.0 if solved is None else source_power(scene, solved) * driven.level**2
-    return {"contact_efficiency": efficiency} | ({"motor_efficiency": power / electrical} if electrical > 0.0 else {})
+    return Point(contact_efficiency=efficiency, motor_efficiency=power / electrical if electrical > 0.0 else None)
 
 
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
@@ -139,35 +146,34 @@ def refuse_of_pillars(also: Iterable[str]) -> None:
             raise SceneError("also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}")
 
 
-def _of_pillars(also: Iterable[str], driven: Contact, answer: dict, tolerance: float) -> dict:
+def _of_pillars(also: Iterable[str], driven: Contact, answer: Point, tolerance: float) -> Point:
     """Return ripple, thrust and efficiency of all pillars on the wave that they load."""
     from studies.solve.pillar_points import PillarContact
 
     refuse_of_pillars(also)
-    body, velocity = PillarContact.of(driven), answer["velocity_m_per_s"]
-    outcomes: dict = {}
+    body, point = PillarContact.of(driven), Point()
     if "ripple" in also:
-        outcomes |= _ripple_of_pillars(body, answer, tolerance)
+        point |= _ripple_of_pillars(body, answer, tolerance)
     if not {"thrust", "efficiency"} & set(also):
-        return outcomes
+        return point
     thrust, power, efficiency = 0.0, 0.0, 0.0  # without motion
-    if velocity != 0.0:
+    if answer.velocity_m_per_s != 0.0:
         line = body.load_line(driven.level, points=3)  # at 0, half of the stall load, stall load
         thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
-    outcomes["thrust_N"] = thrust
-    return outcomes | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
+    point |= Point(thrust_N=thrust)
+    return point | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
 
 
-def _ripple_of_pillars(body, answer: dict, tolerance: float) -> dict:
+def _ripple_of_pillars(body, answer: Point, tolerance: float) -> Point:
     """Return the columns of ``ALSO`` for the keyword ripple."""
-    from studies.solve.pillar_ripple import pillar_columns
+    from studies.solve.pillar_ripple import pillar_ripple_point
 
     if body.driven.solved is None or body.driven.level == 0.0:
         return _alike(answer)
     with suppress(contact.ConvergenceError):
-        columns, size = pillar_columns(body, body.driven.level, answer, tolerance)
-        return columns | {"velocity_ripple": size}
-    return {}
+        point, size = pillar_ripple_point(body, body.driven.level, answer, tolerance)
+        return point | Point(velocity_ripple=size)
+    return Point()
 
 
 def start_up_time(

@@ -19,11 +19,14 @@ import numpy as np
 import contact
 from studies.model.contact import Contact, scaled
 from studies.model.scene_errors import slider_keys
+from studies.record.blocks import SummaryBlock
+from studies.record.point import Point
 from studies.solve import chebyshev
+from studies.solve.averaged_states import AveragedState, averaged_states
 from studies.solve.bursts import STEADY_METHODS, method_of
-from studies.solve.contact_at_level import SHARE, SliderAnswer
 from studies.solve.nearby_motion import NearbyMotion
-from studies.solve.steady_states import averaged
+from studies.solve.point_answer import SliderAnswer
+from studies.solve.refinement import SHARE
 
 PLACES = 17  # velocities in an interval, of which every second makes the polynomial of comparison
 # Where averaging does not apply, each place needs the motion itself: its places are taken until the polynomials agree
@@ -33,9 +36,6 @@ CORRECTED = (4, 2)
 HALVINGS = 5  # of the interval, to 1/64 wavelength; the velocity has kinks where the slider begins to stick
 DRAWN = 129  # places of the polynomial at which its extremes are looked for; they miss 1e-4 of a ripple of one period
 MAX_UNKNOWN = 4  # of PLACES without an averaged state that are solved one by one
-COLUMNS = ("mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s")
-ERROR_COLUMN = "mean_velocity_relative_error"
-ANSWERED = "relative_error"  # a point without an answer lacks this column
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +52,16 @@ class Ripple:
     def range(self) -> float:
         """Highest less lowest velocity, m/s."""
         return self.highest - self.lowest
+
+    def point(self, reference: float, from_wave: float = 0.0) -> Point:
+        """Return the ripple as values of a point.
+
+        ``reference``: speed in m/s of its error; ``from_wave``: further error over that speed.
+        """
+        return Point(
+            mean_velocity_m_per_s=self.mean, lowest_velocity_m_per_s=self.lowest,
+            highest_velocity_m_per_s=self.highest, mean_velocity_relative_error=self.error / reference + from_wave,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,33 +120,35 @@ def with_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> Slid
 
     The columns are added if the range exceeds the tolerance at one point or more.
     """
-    nearby, level_key = NearbyContact.of(driven, tolerance), driven.scene.level_column
-    answered = [(p, of_stator) for p, (of_stator, _) in zip(answer.points, answer.parts, strict=True) if ANSWERED in p]
+    nearby, answered = NearbyContact.of(driven, tolerance), [each for each in answer.answers if each.point.answered]
     if nearby is None or not answered:
         return answer
     error = driven.stator_error or 1.0
-    known = {point[level_key]: Known(point["velocity_m_per_s"], of_stator / error) for point, of_stator in answered}
-    found, sizes, points = ripples(nearby, known), [], []
-    for point in answer.points:
-        ripple = found.get(point[level_key]) if ANSWERED in point else None
+    known = {each.point.level: Known(each.point.velocity_m_per_s, each.from_stator / error) for each in answered}
+    found, sizes, answers = ripples(nearby, known), [], []
+    for each in answer.answers:
+        ripple = found.get(each.point.level) if each.point.answered else None
         if ripple is not None:
-            columns, size = columns_of(ripple, driven.at(point[level_key]))
+            point, size = ripple_point(ripple, driven.at(each.point.level))
             sizes.append(size)
-            point = point | columns
-        points.append(point)
+            each = replace(each, point=each.point | point)
+        answers.append(each)
     if not sizes:
         return answer
     center = driven.scene.slider.center[0]
-    ends = {"ripple_from_m": center + nearby.low, "ripple_to_m": center + nearby.high}
-    summary = answer.summary | {"velocity_ripple": max(sizes)} | ends
-    return replace(answer, points=tuple(points) if max(sizes) > tolerance else answer.points, summary=summary)
+    summary = answer.summary | SummaryBlock(
+        velocity_ripple=max(sizes), ripple_from_m=center + nearby.low, ripple_to_m=center + nearby.high
+    )
+    return replace(answer, answers=tuple(answers) if max(sizes) > tolerance else answer.answers, summary=summary)
 
 
-def columns_of(ripple: Ripple, orbits: tuple) -> tuple[dict[str, float], float]:
-    """Return the columns of a point with these orbits at its position, and the range over the reference speed."""
+def ripple_point(ripple: Ripple, orbits: tuple) -> tuple[Point, float]:
+    """Return the ripple as values of a point with these orbits at its position, and its range over the speed of these.
+
+    That speed is the reference of the error.
+    """
     reference = contact.reference_speed(ripple.mean, orbits) or 1.0
-    columns = dict(zip(COLUMNS, (ripple.mean, ripple.lowest, ripple.highest), strict=True))
-    return columns | {ERROR_COLUMN: ripple.error / reference}, ripple.range / reference
+    return ripple.point(reference), ripple.range / reference
 
 
 def ripples(nearby: NearbyContact, known: dict[float, Known]) -> dict[float, Ripple]:
@@ -162,7 +174,7 @@ def _halved(nearby: NearbyContact, waiting: list[tuple]) -> list[tuple]:
     contacts = [
         (slider, balls, error, search.level) for search, *ends in waiting for balls, error in orbits[tuple(ends)]
     ]
-    states, halves = averaged(contacts) if contacts else [], []
+    states, halves = averaged_states(contacts) if contacts else [], []
     for k, (search, low, high) in enumerate(waiting):
         try:
             wide = search.take(low, high, orbits[low, high], states[k * PLACES : (k + 1) * PLACES])
@@ -196,19 +208,21 @@ class _Search:
         # exact less averaged velocity at Chebyshev points of the whole interval, m/s, and the error of its polynomial
         self._correction, self._correction_error = np.zeros(3), 0.0
 
-    def take(self, low: float, high: float, orbits: list[tuple[tuple, float]], states: list[tuple]) -> bool:
+    def take(self, low: float, high: float, orbits: list[tuple[tuple, float]], states: list[AveragedState]) -> bool:
         """Add the averaged states in an interval; return True, without adding them, if it must be halved."""
         allowed = SHARE * self.nearby.tolerance * self.scale
-        unknown = [k for k, (_, regime, *_) in enumerate(states) if regime == "unknown"]
+        unknown = [k for k, state in enumerate(states) if state.regime == "unknown"]
         whole = (low, high) == (self.nearby.low, self.nearby.high)
         if whole and len(unknown) > MAX_UNKNOWN:
             self._take_exactly(allowed)
             return False
         speeds = [
-            contact.reference_speed(v, scaled(balls, self.level))
-            for (balls, _), (v, *_) in zip(orbits, states, strict=True)
+            contact.reference_speed(state.velocity, scaled(balls, self.level))
+            for (balls, _), state in zip(orbits, states, strict=True)
         ]
-        velocity, of_contact, of_stator = (np.array([each[k] for each in states], dtype=float) for k in (0, 2, 3))
+        velocity, of_contact, of_stator = np.array(
+            [(state.velocity, state.from_contact, state.from_stator) for state in states], dtype=float
+        ).T
         of_contact, of_stator = of_contact * speeds, of_stator * speeds
         if whole and not unknown and of_contact.max() > allowed:
             self._correct(orbits, velocity, allowed)

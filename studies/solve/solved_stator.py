@@ -7,7 +7,6 @@ import contact
 from studies.model.contact import Contact
 from studies.record import Record
 from studies.solve.nearby_motion import NearbyMotion, nearby_motions
-from studies.solve.surface_blocks import unresolved
 from studies.solve.surface_motion import SurfaceMotion
 
 COARSE_ERROR = 0.05  # relative error of the coarsest discretisation, which has no own estimate; 1.7 to 4.5 % measured
@@ -29,26 +28,31 @@ class SolvedStator:
     """Motion at some positions and admittance of a solved stator, per volt of the source."""
 
     at: dict[tuple[float, float], LocalMotion]  # by position (x, y) in m
+    section_error: float  # relative, of the section alone; that of a beam is larger
+    goal: float  # that the section was solved to
     frequency: float  # Hz
     admittance: complex  # S
     power: float  # mean, from all sources into the stator, W per V^2
     currents: dict[str, complex]  # into the positive electrode of each transducer, A per V
 
     @classmethod
-    def of(cls, motion: SurfaceMotion, positions, *, coarse: bool = False, nearby: bool = False) -> "SolvedStator":
+    def of(
+        cls, motion: SurfaceMotion, positions, *, goal: float = 0.0, coarse: bool = False, nearby: bool = False
+    ) -> "SolvedStator":
         """Evaluate a surface motion at positions (x, y) in m.
 
-        ``coarse``: it is that of the coarsest discretisation; ``nearby``: also about each position.
+        ``goal``: of the section; ``coarse``: it is that of the coarsest discretisation; ``nearby``: also about
+        each position.
         """
         tangential, _, normal = motion.at(positions)
         errors = [COARSE_ERROR] * len(positions) if coarse else motion.errors(positions)
         about = nearby_motions(motion, positions) if nearby else {}
         at = {}
         for position, u_x, u_z, error in zip(positions, tangential, normal, errors, strict=True):
-            covered, refusal = motion.covered(position), unresolved(motion, [position])
+            covered, refusal = motion.covered(position), motion.unresolved([position])
             at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal, about.get(position))
         return cls(
-            at=at, frequency=float(motion.wave.frequency),
+            at=at, section_error=float(motion.wave.relative_error), goal=goal, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,
             currents=dict(zip(motion.circuit.names, motion.circuit.currents.tolist(), strict=True)),
         )  # fmt: skip

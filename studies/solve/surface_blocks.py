@@ -2,8 +2,7 @@
 
 import numpy as np
 
-import fem
-from studies.record.blocks import ErrorBlock, WaveBlock
+from studies.record.blocks import WaveBlock
 from studies.record.point import Point
 from studies.record.status import Status
 from studies.record.values import Columns
@@ -57,33 +56,17 @@ def node(motion: SurfaceMotion, positions) -> str:
     )
 
 
-def unresolved(motion: SurfaceMotion, positions) -> str:
-    """Return why the beam model does not resolve the field at one of some positions, otherwise an empty string."""
-    beam = motion.beam
-    for x, y in positions:
-        if isinstance(beam, fem.SurfaceBeam) and beam.unresolved(x, y):
-            wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
-            return (
-                f"in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of their ends "
-                f"is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
-            )
-    return ""
-
-
-def amplitude_blocks(scene: Scene, motion: SurfaceMotion, position: tuple[float, float], tolerance: float) -> dict:
-    """Return the blocks points, error and shortfall of a scene without a slider, whose result is a wave."""
+def amplitude_points(scene: Scene, motion: SurfaceMotion, position: tuple[float, float]) -> tuple[Point, ...]:
+    """Return the points of a scene without a slider, whose result is the amplitude at a position (x, y) in m."""
     tangential, _, normal = (float(size) for size in abs(motion.at([position])[:, 0]))
     error = motion.relative_error([position])
-    points = tuple(
+    return tuple(
         Point(
             voltage_V=voltage, normal_amplitude_m=normal * voltage, tangential_amplitude_m=tangential * voltage,
             relative_error=error if voltage else 0.0, status=Status.OK.value,
         )
         for voltage in scene.levels
     )  # fmt: skip
-    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
-    block = ErrorBlock(relative=error, parts={"stator": error})
-    return {"points": points, "error": block, "shortfall": short if error > tolerance else ""}
 
 
 def surface_columns(scene: Scene, motion: SurfaceMotion) -> Columns:

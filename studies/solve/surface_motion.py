@@ -71,6 +71,17 @@ class SurfaceMotion:
         """Whether a position lies under a transducer or on a meshed piece of the section."""
         return self.wave.covered(self.in_section(position))
 
+    def unresolved(self, positions) -> str:
+        """Return why the beam model does not resolve the field at one of some positions, otherwise an empty string."""
+        for x, y in positions:
+            if isinstance(self.beam, fem.SurfaceBeam) and self.beam.unresolved(x, y):
+                wavelength = abs(self.wave.phase_velocity) / self.wave.frequency
+                return (
+                    f"in this cut the field beside the fingers and within a wavelength, {wavelength:.4g} m, of their "
+                    f"ends is not known, and a contact lies there, at ({x:g}, {y:g}) m: choose another slider.position"
+                )
+        return ""
+
     def _evaluated_at(self, positions) -> list:
         """Return motion and error at each position; those that are new are computed together."""
         new = [position for position in dict.fromkeys(positions) if position not in self.evaluated]

@@ -14,7 +14,6 @@ from studies.model.free_way import FreeWay, free_way
 from studies.scene import Scene
 from studies.solve.surface_motion import SurfaceMotion
 
-MIN_TRAVEL = 0.1  # wavelengths: a shorter travel is neglected
 PER_WAVELENGTH = 32  # nodes of the field; the error of the motion between them is 3e-7
 LEAST_WAY = 1e-9  # m: a slider nearer to fingers than this cannot travel
 

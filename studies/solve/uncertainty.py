@@ -151,13 +151,13 @@ class _Answers:
             factors.append(factor)
             points += [other_changes | {key: level * factor} for level in levels]
             tops.append(other_changes | {key: top})
-        answers = self.predictor.answers(points)
-        velocities = np.reshape([each.get("velocity_m_per_s", np.nan) for each in answers], (len(changes), len(levels)))
+        answers = self.predictor.answers(points, quick=True)
+        velocities = [each.point.get("velocity_m_per_s", np.nan) for each in answers]
         limits = []
-        for answer, factor in zip(self.predictor.answers(tops, ("limits",)), factors, strict=True):
-            ratios = np.array([answer.get(f"{name}_factor", np.nan) for name in LIMITS])
-            limits.append([*(ratios * answer.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
-        return np.column_stack([velocities, np.array(limits)])
+        for answer, factor in zip(self.predictor.answers(tops, ("limits",), quick=True), factors, strict=True):
+            ratios = np.array([answer.point.get(f"{name}_factor", np.nan) for name in LIMITS])
+            limits.append([*(ratios * answer.point.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
+        return np.column_stack([np.reshape(velocities, (len(changes), len(levels))), np.array(limits)])
 
     def _with_weight(self, changed: dict[str, float]) -> dict[str, float]:
         """Return a set of changed numbers in which a changed preload adds to the weight of a changed mass."""
@@ -176,6 +176,6 @@ class _Answers:
         for changed in changes:
             with suppress(SceneError):  # refused again where it is answered
                 positions |= dict.fromkeys(self.predictor.scene(without_level(changed)[1]).positions)
-        new = not set(positions) <= {*self.record.scene.positions, *self.predictor.positions}
+        new = not set(positions) <= {*self.record.scene.positions, *self.predictor.stators.positions}
         if new and len(positions) <= MAX_POSITIONS:
-            self.predictor.positions = tuple(positions)
+            self.predictor.stators.positions = tuple(positions)

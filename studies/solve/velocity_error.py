@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import contact
+from studies.record.point import Point
 from studies.record.status import Status
 
 # Larger over smaller amplitude of an orbit; of a more slender orbit the relative error of the smaller amplitude is
@@ -20,8 +21,8 @@ MAX_AXIS_RATIO = 1e3
 MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
-def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "") -> dict:
-    """Return ``relative_error`` and ``status`` of a velocity whose error has two parts, over the reference speed.
+def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "") -> Point:
+    """Return error and status of a velocity whose error has two parts, over the reference speed.
 
     ``why``: reasons for the contact's part, which follow the sizes of both in the status.
     """
@@ -29,7 +30,7 @@ def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "")
     if error > tolerance:
         sizes = f"stator {of_stator:.1e}, contact {of_contact:.1e}"
         status = Status.ABOVE_TOLERANCE.because(f"{sizes}; {why}" if why else sizes)
-    return {"relative_error": error, "status": status}
+    return Point(relative_error=error, status=status)
 
 
 def velocity_sensitivities(

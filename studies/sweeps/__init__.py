@@ -3,7 +3,7 @@
 ``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
 with some keys changed; its row holds what a run of that scene would answer.  What several points share is computed
 once in each worker: the stator for each frequency and geometry, then the contact for batches of points
-(``changed_contacts``).
+(`studies.solve.stators`).
 A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
 missing, and with points that were lost with their worker.
 """

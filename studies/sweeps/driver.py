@@ -17,8 +17,8 @@ from functools import lru_cache
 
 from studies.record.status import Status
 from studies.refusal import RunError
-from studies.solve.changed_contacts import Shared
 from studies.solve.predictor import Predictor
+from studies.solve.stators import Shared
 from studies.sweeps.plan import Design, Question
 from studies.sweeps.store import Store
 from studies.sweeps.workers import Workers
@@ -139,19 +139,19 @@ def solved_points(
     ``threads``: of the compiled loop, None for all processors.
     """
     start_time, predictor = time.perf_counter(), _predictor(question)
-    before = predictor.seconds
+    before = predictor.stators.seconds
     if threads is not None:
         from fem import set_workers
 
         set_workers(threads)
         os.environ["SAWMOTOR_THREADS"] = str(threads)
     changes = [dict(zip(question.keys, each, strict=True)) for each in values]
-    answers = predictor.answers(changes, question.also)
+    answers = predictor.answers(changes, question.also, quick=True)
     rows = [
-        (point, *(_finite(answer.get(name)) for name in question.outcomes))
+        (point, *(_finite(answer.point.get(name)) for name in question.outcomes))
         for point, answer in zip(points, answers, strict=True)
     ]
-    return rows, time.perf_counter() - start_time, predictor.seconds - before
+    return rows, time.perf_counter() - start_time, predictor.stators.seconds - before
 
 
 @lru_cache(2)

@@ -22,12 +22,12 @@ SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose s
 @pytest.fixture(autouse=True, scope="session")
 def _fields_are_solved_once():
     """Let tests that ask for the same field share its solution."""
-    from studies.solve import changed_contacts
+    from studies.solve import stators
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("driven_wave", "frequency_band", "port_admittance"):
             patch.setattr(fem, name, solved_once(getattr(fem, name)), raising=False)
-        patch.setattr(changed_contacts, "ring_up", solved_once(changed_contacts.ring_up))
+        patch.setattr(stators, "ring_up", solved_once(stators.ring_up))
         yield
 
 

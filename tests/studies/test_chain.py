@@ -9,16 +9,19 @@ import pytest
 import contact
 from studies import Scene, Wave, runs
 from studies.__main__ import main
-from studies.model.contact import prescribed_orbits
+from studies.model.contact import Contact, prescribed_orbits
+from studies.record.point import Point
 from studies.record.text import answer
 from studies.refusal import RunError
 from studies.results.content import plain
-from studies.runs import needed_section_tolerance, run
+from studies.runs import run
 from studies.scene import read_table
-from studies.solve import changed_contacts
-from studies.solve.changed_contacts import ChangedContacts
-from studies.solve.contact_at_level import SliderAnswer
-from studies.solve.solved_stator import contact_of_run
+from studies.solve import stators
+from studies.solve.point_answer import PointAnswer
+from studies.solve.predictor import Predictor
+from studies.solve.refinement import finer
+from studies.solve.ring_up import RingUp
+from studies.solve.solved_stator import SolvedStator, contact_of_run
 from tests.studies.settings import changed
 
 
@@ -55,10 +58,10 @@ def test_the_stators_of_a_run_are_freed_with_it():
     """No cycle of references keeps them until the next search for garbage: gigabytes in a loop over many scenes."""
     gc.disable()
     try:
-        contacts = ChangedContacts(read_table("twente-contact"), tolerance=0.1)
-        contacts.contact({"slider.friction_coefficient": 0.1})
-        kept = weakref.ref(contacts)
-        del contacts
+        predictor = Predictor(read_table("twente-contact"), tolerance=0.1)
+        predictor.contact({"slider.friction_coefficient": 0.1})
+        kept = weakref.ref(predictor)
+        del predictor
         assert kept() is None
     finally:
         gc.enable()
@@ -172,14 +175,14 @@ def test_the_error_holds_against_a_sharper_run(chip, driven):
 
 
 def test_a_stator_that_is_too_rough_for_the_slider_is_solved_again(chip, monkeypatch):
-    monkeypatch.setattr(runs, "SHARE", 30.0)
-    solved, goals = changed_contacts.solved_motion, []
+    monkeypatch.setattr(stators, "SHARE", 30.0)
+    solved, goals = stators.solved_motion, []
 
     def noted(scene, places, *, tolerance, **given):
         goals.append(tolerance)
         return solved(scene, places, tolerance=tolerance, **given)
 
-    monkeypatch.setattr(changed_contacts, "solved_motion", noted)
+    monkeypatch.setattr(stators, "solved_motion", noted)
     record = run(chip, tolerance=1e-3)
     assert len(goals) == 2
     assert goals[1] < 1e-3 < goals[0]
@@ -213,16 +216,37 @@ def test_what_is_not_finite_never_leaves(value):
         plain("points", [{"velocity_m_per_s": value}])
 
 
-def test_a_finer_stator_is_asked_for_only_where_it_helps():
-    def needed(*parts, ringing=0.0):
-        answer = SliderAnswer(points=(), parts=parts, summary={}, trajectories=())
-        return needed_section_tolerance(answer, 1e-4, 1e-3, ringing)
+def on_a_stator(section, whole, ringing=0.0):
+    """Return a contact whose stator has these errors: of its section, of the motion, of the ring-up."""
+    solved = SolvedStator(at={}, section_error=section, goal=1.0, frequency=1e6, admittance=0j, power=0.0, currents={})
+    scene = Scene.load("twente-contact")
+    return Contact(
+        scene=scene, orbits=(), amplitudes=(1.0, 1.0), stator_error=whole, solved=solved, ringing=RingUp(error=ringing)
+    )
 
-    assert needed((2e-3, 1e-6), (5e-4, 0.0)) == pytest.approx(1e-4 * 0.5e-3 / 2e-3, rel=1e-12, abs=0)
-    assert needed((9e-4, 0.0)) is None
-    assert needed((5.2e-3, 0.0), ringing=5e-3) is None  # the ringing alone is too much
-    assert needed((1.9e-3, 0.0), ringing=1e-4) == pytest.approx(1e-4 * 0.4e-3 / 1.8e-3, rel=1e-12, abs=0)
-    assert needed((3e-4, 9e-4)) is None  # the contact limits
+
+def test_a_finer_stator_is_asked_for_only_where_it_helps():
+    def goal(*parts, section=1e-4, whole=1e-4, ringing=0.0, before=None):
+        answers = [PointAnswer(point=Point(), from_stator=each[0], from_contact=each[1]) for each in parts]
+        return finer(answers, on_a_stator(section, whole, ringing), 1e-3, before)
+
+    def below(needed):
+        """Return the largest of 1/4, 1/8, ... of the tolerance that is not above what the velocity needs."""
+        return max(0.25e-3 / 2**k for k in range(20) if 0.25e-3 / 2**k <= needed)
+
+    assert goal((2e-3, 1e-6), (5e-4, 0.0)) == pytest.approx(below(1e-4 * 0.5e-3 / 2e-3), rel=1e-12, abs=0)
+    assert goal((9e-4, 0.0)) is None
+    assert goal((5.2e-3, 0.0), ringing=5e-3) is None  # the ringing alone is too much
+    assert goal((1.9e-3, 0.0), ringing=1e-4) == pytest.approx(below(1e-4 * 0.4e-3 / 1.8e-3), rel=1e-12, abs=0)
+    assert goal((3e-4, 9e-4)) is None  # the contact limits
+    # half of the error is the beam's, of which 8e-4 is left to the velocity
+    half = goal((1.6e-3, 0.0), section=1e-4, whole=2e-4)
+    assert half == pytest.approx(below(1e-4 * 0.5 * (1e-3 - 8e-4) / 8e-4), rel=1e-12, abs=0)
+    assert goal((7e-3, 0.0), section=1e-4, whole=2e-4) is None  # the beam's own error is 3.5 times the tolerance
+    # a round that did not help is the last
+    assert goal((2e-3, 0.0), before=on_a_stator(1e-4, 2e-4)) is None
+    assert goal((2e-3, 0.0), section=0.9e-4, whole=1e-4, before=on_a_stator(1e-4, 1.1e-4)) is None
+    assert goal((2e-3, 0.0), section=0.5e-4, whole=0.5e-4, before=on_a_stator(1e-4, 1e-4)) is not None
 
 
 def test_a_stator_too_thick_to_solve_is_no_defect_of_the_program(capsys):

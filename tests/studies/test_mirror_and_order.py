@@ -107,7 +107,10 @@ def test_a_run_and_its_burst(turn, sign):
 def test_the_answers_of_sweeps_fits_and_designs(turn, sign):
     also = ("limits", "thrust", "efficiency", "start-up")
     points = [{"drive.voltage": 40.0}, {"drive.voltage": 60.0, "slider.load": 2e-5, "slider.mass": 1.2e-4}]
-    here, there = (Predictor.of_record(record(each, burst=1e-4)).answers(points, also) for each in ("", turn))
+    here, there = (
+        [answer.point for answer in Predictor.of_record(record(each, burst=1e-4)).answers(points, also)]
+        for each in ("", turn)
+    )
     for one, other in zip(here, there, strict=True):
         assert one["status"].split(":")[0] in ("ok", "above tolerance")
         assert min(one[key] for key in ("thrust_N", "contact_efficiency", "start_up_time_s")) > 0.0

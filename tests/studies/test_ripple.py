@@ -18,13 +18,14 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement_csv import read_measured
 from studies.model.contact import Contact
 from studies.model.resolve import resolved
+from studies.record.point import Point
 from studies.record.run_pictures import velocity as draw_velocity
 from studies.remarks.run_warnings import warnings_of
 from studies.solve import chebyshev
 from studies.solve.measured_run import measured_block
 from studies.solve.nearby_motion import nearby_motions
 from studies.solve.pillar_points import PillarContact
-from studies.solve.pillar_ripple import pillar_columns
+from studies.solve.pillar_ripple import pillar_ripple_point
 from studies.solve.ripple import Known, NearbyContact, ripples
 from studies.solve.solved_stator import SolvedStator, contact_of_run
 
@@ -277,8 +278,8 @@ def test_pillars_on_waves_from_both_sides_have_the_range_of_displaced_pillars():
     body = PillarContact.of(Contact.prescribed(resolved(scene)))
     body = replace(body, wave=replace(body.wave, forward=0.2 * body.wave.backward))  # it runs to -x
     level = 20e-9
-    point = {"velocity_m_per_s": body.motion(level).velocity}
-    columns, size = pillar_columns(body, level, point, 1e-3)
+    point = Point(velocity_m_per_s=body.motion(level).velocity)
+    columns, size = pillar_ripple_point(body, level, point, 1e-3)
     velocities = []
     for shift in body.wave.wavelength / 2 * np.arange(48) / 48:
         moved = replace(body.pillars, x=np.array(body.pillars.x) + shift)

@@ -97,8 +97,8 @@ def test_an_averaged_start_is_the_exact_one(predictor):
     (averaged,), (exact,) = (
         predictor.answers(changes, ("start-up",), tolerance=1e-6, averaged=way) for way in (True, False)
     )
-    assert averaged["start_up_time_s"] == pytest.approx(exact["start_up_time_s"], rel=2e-3)
-    assert averaged["start_up_time_s"] != exact["start_up_time_s"]
+    assert averaged.point.start_up_time_s == pytest.approx(exact.point.start_up_time_s, rel=2e-3)
+    assert averaged.point.start_up_time_s != exact.point.start_up_time_s
 
 
 @pytest.mark.slow
@@ -202,9 +202,9 @@ def test_a_state_that_averaging_does_not_give_is_judged_by_the_tolerance_of_the_
     scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["3 nm"]}, slider={"method": "exact"})
     predictor = MeasurementPredictor(scene, tolerance=1e-2)
     loose, tight = (predictor.answers([{}], tolerance=each)[0] for each in (None, 1e-11))
-    assert loose["status"] == "ok"
-    assert tight["status"].startswith("above tolerance")
-    assert tight["velocity_m_per_s"] == loose["velocity_m_per_s"]
+    assert loose.point.status == "ok"
+    assert tight.point.status.startswith("above tolerance")
+    assert tight.point.velocity_m_per_s == loose.point.velocity_m_per_s
 
 
 def test_the_error_of_an_exact_state_s_elasticity_holds_its_numerical_error(predictor):
@@ -214,7 +214,7 @@ def test_the_error_of_an_exact_state_s_elasticity_holds_its_numerical_error(pred
     )
     averaged = MeasurementPredictor(Scene.load("twente-contact").replace(wave={"normal_amplitude": "8 nm"}))
     one, other = (elasticities(each, ("velocity",), 8e-9)["velocity"] for each in (exact, averaged))
-    stated = exact.answers([{}], tolerance=1e-11)[0]["numerical_error"]
+    stated = exact.answers([{}], tolerance=1e-11)[0].from_contact
     for key, (value, error) in one.items():
         # the term of the rounding: 8 of the answers' errors over the step, the fifth root of 1e-11
         assert error > 8 * 0.5 * stated / 1e-11**0.2, key

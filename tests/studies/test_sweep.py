@@ -22,9 +22,9 @@ from studies.report.explanation import long_sweep
 from studies.runs import run
 from studies.scene import Scene, read_table
 from studies.scene.override import replaced
-from studies.solve import changed_contacts, requested_quantities
-from studies.solve.changed_contacts import Shared
+from studies.solve import requested_quantities, stators
 from studies.solve.predictor import Predictor
+from studies.solve.stators import Shared
 from studies.sweeps import driver, sweep
 from studies.sweeps.axes import axis
 from studies.sweeps.plan import designed
@@ -193,13 +193,13 @@ def test_every_bad_point_is_a_row_with_its_reason():
 
 def counted(monkeypatch):
     """Return a list that fills with frequency and tolerance of every stator that is solved."""
-    solved, solve = [], changed_contacts.solved_motion
+    solved, solve = [], stators.solved_motion
 
     def noted(scene, *rest, tolerance, **options):
         solved.append((scene.frequency, tolerance))
         return solve(scene, *rest, tolerance=tolerance, **options)
 
-    monkeypatch.setattr(changed_contacts, "solved_motion", noted)
+    monkeypatch.setattr(stators, "solved_motion", noted)
     return solved
 
 
@@ -282,13 +282,13 @@ def test_a_point_where_the_beam_is_not_resolved_has_no_answer_as_a_run_has_none(
     monkeypatch.setattr("fem.SurfaceBeam.unresolved", lambda self, x, y: x == 7e-3)
     record = run(Scene.from_table("", spread), tolerance=0.1)
     (answer,) = Predictor(spread, tolerance=0.1).answers([{"drive.voltage": 30.0}])
-    assert answer["status"] == record.shortfall
+    assert answer.point.status == record.shortfall
     assert record.shortfall.startswith("no answer: in this cut the field beside the fingers")
 
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.solve.changed_contacts.SHARE", 1.0)
+    monkeypatch.setattr("studies.solve.stators.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -330,7 +330,7 @@ def test_what_has_no_answer_is_said_each_time_and_tried_once(monkeypatch):
         raise RunError("its error stays large")
 
     tried, motors = [], Predictor(PLANE, tolerance=3e-2, coarse=True)
-    monkeypatch.setattr(changed_contacts, "solved_motion", failing)
+    monkeypatch.setattr(stators, "solved_motion", failing)
     for _ in range(2):
         with pytest.raises(RunError, match="stays large"):
             motors.contact({"slider.mass": 1e-4})
@@ -585,7 +585,7 @@ def test_a_ball_beside_the_axis_changes_no_other_point():
     for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
         moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})
         assert moved.stator.length == length
-        assert {across for _, across in predictor.shared_positions(moved)} == expected
+        assert {across for _, across in predictor.stators.shared_positions(moved)} == expected
 
 
 def test_a_table_is_a_value_like_others():
@@ -700,8 +700,8 @@ def test_an_outcome_without_an_answer_does_not_hide_the_others(monkeypatch):
             (answer,) = Predictor(read_table("twente-contact"), tolerance=1e-2).answers(
                 [wave], ("thrust", "start-up", "efficiency")
             )
-        assert answer["thrust_N"] > 0.0
-        assert {name for name in names.values() if name in answer} == set(names.values()) - {column}
+        assert answer.point.thrust_N > 0.0
+        assert {name for name in names.values() if name in answer.point} == set(names.values()) - {column}
 
 
 def test_a_start_against_a_load_is_followed_to_its_end():
@@ -710,13 +710,13 @@ def test_a_start_against_a_load_is_followed_to_its_end():
     light["slider.damping.normal"] = 0.02
     motor = Predictor(read_table("twente-contact"), tolerance=1e-3)
     (free,) = motor.answers([light], ("thrust", "start-up"), averaged=True)
-    loaded = light | {"slider.load": 0.85 * free["thrust_N"]}
+    loaded = light | {"slider.load": 0.85 * free.point.thrust_N}
     (answer,) = motor.answers([loaded], ("start-up",), averaged=True)
     driven = motor.contact(loaded)
     path = contact.burst(
-        driven.slider, driven.at(driven.level), duration=6 * answer["start_up_time_s"], after=0.0, tolerance=1e-3,
+        driven.slider, driven.at(driven.level), duration=6 * answer.point.start_up_time_s, after=0.0, tolerance=1e-3,
         samples=4000, method="averaged",
     )  # fmt: skip
-    risen = np.interp(0.632, np.abs(path.velocity) / abs(answer["velocity_m_per_s"]), path.time)
+    risen = np.interp(0.632, np.abs(path.velocity) / abs(answer.point.velocity_m_per_s), path.time)
     assert answer["start_up_time_s"] == pytest.approx(float(risen), rel=5e-3)
     assert answer["start_up_time_s"] > 1.5 * free["start_up_time_s"]

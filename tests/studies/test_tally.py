@@ -7,12 +7,12 @@ import contact
 from studies.record.files import write_run
 from studies.runs import run
 from studies.scene import Scene
-from studies.solve.event_counts import EVENTS, burst_tally, steady_tally
+from studies.solve.event_counts import EVENTS, burst_events, steady_events
 from tests.contact.motors import orbit, slider
 
 
 def test_a_steady_point_counts_a_cycle():
-    parted = steady_tally(contact.steady(slider(), orbit(10e-9), tolerance=1e-3))
+    parted = steady_events(contact.steady(slider(), orbit(10e-9), tolerance=1e-3))
     assert (parted["contact_per_cycle"], parted["release_per_cycle"]) == (1.0, 1.0)
     assert parted["ledger_relative_residual"] < 1e-8
     assert 0.0 < parted["smallest_gap_s"] < 1.0 / 2.2e6
@@ -21,24 +21,24 @@ def test_a_steady_point_counts_a_cycle():
 
 
 def test_a_hop_in_two_cycles_is_half_a_contact_per_cycle():
-    found = steady_tally(contact.steady(slider(), orbit(3e-9, frequency=12e3), tolerance=1e-3))
+    found = steady_events(contact.steady(slider(), orbit(3e-9, frequency=12e3), tolerance=1e-3))
     assert found["period_cycles"] == 2
     assert found["contact_per_cycle"] == 0.5
 
 
 def test_where_the_wave_does_no_work_there_is_no_residual_to_state():
-    held = steady_tally(contact.steady(slider(), orbit(0.5e-9), tolerance=1e-3))
+    held = steady_events(contact.steady(slider(), orbit(0.5e-9), tolerance=1e-3))
     assert "ledger_relative_residual" not in held
-    assert steady_tally(contact.steady(slider(), orbit(0.0), tolerance=1e-3)) == {}
+    assert steady_events(contact.steady(slider(), orbit(0.0), tolerance=1e-3)) == {}
 
 
 def test_a_burst_counts_what_was_followed():
     asked = {"duration": 5e-5, "after": 1e-3, "tolerance": 1e-3, "samples": 9}
-    exact = burst_tally(contact.burst(slider(), orbit(10e-9), method="exact", **asked))
+    exact = burst_events(contact.burst(slider(), orbit(10e-9), method="exact", **asked))
     assert {f"burst_{name}" for name in EVENTS} <= set(exact)
     assert exact["burst_contact"] > 0
     assert max(exact["burst_ledger_relative_residual"], exact["after_ledger_relative_residual"]) < 1e-8
-    stepped = burst_tally(contact.burst(slider(), orbit(10e-9), method="stepped", **asked))
+    stepped = burst_events(contact.burst(slider(), orbit(10e-9), method="stepped", **asked))
     assert stepped["burst_method"] == "stepped"
     assert "burst_contact" not in stepped
     assert "burst_ledger_relative_residual" not in stepped

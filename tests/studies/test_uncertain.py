@@ -16,7 +16,7 @@ from studies.record.plots import new_figure
 from studies.record.text import answer
 from studies.scene.toml import document
 from studies.scene.uncertain import Tolerance
-from studies.solve import changed_contacts
+from studies.solve import stators
 from studies.solve.uncertainty import sampled, without_level
 
 PRELOAD, MODULUS = 8e-4, 64e9
@@ -181,13 +181,13 @@ def test_a_tolerance_of_the_weight_adds_to_that_of_the_mass():
 def test_an_uncertain_position_is_evaluated_on_one_solution_of_the_stator(monkeypatch, method):
     """Velocities are those of whole runs at the ends; a sample took a stator of its own."""
     small = Scene.from_table("", SMALL)
-    solved, solve = [], changed_contacts.solved_motion
+    solved, solve = [], stators.solved_motion
 
     def counted(scene, positions, **options):
         solved.append(len(positions))
         return solve(scene, positions, **options)
 
-    monkeypatch.setattr(changed_contacts, "solved_motion", counted)
+    monkeypatch.setattr(stators, "solved_motion", counted)
     uncertain = {"slider": {"position": "+- 0.1 mm"}, "method": method, "samples": 40}
     record = run(small.replace(uncertain=uncertain), tolerance=1e-2)
     assert solved[0] == 1
@@ -214,7 +214,7 @@ def test_moduli_follow_a_named_ball_until_one_of_them_is_changed():
     predictor = MeasurementPredictor(Scene.from_table("", SMALL | {"slider": slider | {"ball": "steel"}}))
     moduli = [predictor.value(f"slider.{name}") for name in numbers]
     for changes, material in (({}, "PZT-8"), ({"stator.material": "PZT-4"}, "PZT-4")):
-        slider = predictor.resolved(changes)[0].slider
+        slider = predictor.scenes.resolved(changes)[0].slider
         assert (slider.effective_modulus, slider.tangential_modulus) == pair_moduli("steel", fem.material(material))
-    one = predictor.resolved({"slider.effective_modulus": 70e9})[0].slider
+    one = predictor.scenes.resolved({"slider.effective_modulus": 70e9})[0].slider
     assert (one.ball, one.effective_modulus, one.tangential_modulus) == (None, 70e9, moduli[1])

@@ -333,7 +333,7 @@ def test_a_load_above_friction_is_said_and_a_runaway_has_no_answer(law):
     assert above.points[0]["status"].startswith("runaway: the slider would run at -200.1 m/s, and from 200 m/s on")
     assert (above.exit_code, "velocity_m_per_s" in above.points[0]) == (3, False)
     answer = Predictor(above.scene.to_table(), tolerance=1e-3).answers([{}, {"slider.load": 1.0}])
-    assert all(each["status"].startswith("no answer: runaway") for each in answer)
+    assert all(each.point.status.startswith("no answer: runaway") for each in answer)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,203 @@
+"""Solved stators of one motor: each is solved once, and serves every slider and level that stands on it.
+
+A change of the stator, its transducers or the frequency requires a new solution of the section and its circuit; a
+change of the slider requires a new contact alone; voltage, power and burst require neither.
+"""
+
+import logging
+import math
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import fem
+from studies.model import fem_objects
+from studies.model.contact import Contact
+from studies.model.stator_alone import stator_alone
+from studies.refusal import RunError
+from studies.scene import Scene
+from studies.solve.nearby_motion import POINTS
+from studies.solve.refinement import BAND_SHARE, SHARE
+from studies.solve.ring_up import RingUp, ring_up
+from studies.solve.solved_stator import SolvedStator
+from studies.solve.spectrum import response
+from studies.solve.surface_motion import SurfaceMotion, solved_motion, surface_motion
+from studies.solve.travel import WaveAlong
+
+LOGGER = logging.getLogger(__name__)
+MAX_POSITIONS = 1_000_000  # of all solved stators in memory, about 300 MB
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shared:
+    """The positions and frequencies for which one solution of the stator, or of a band, is computed."""
+
+    positions: tuple[tuple[float, float], ...] = ()  # (x, y) in m of all contacts
+    # lowest and highest frequency in Hz, if there are enough of them to interpolate over a band
+    limits: tuple[float, ...] = ()
+    slider: bool | None = None  # True if it drives sliders; None: if the unchanged scene has one
+
+
+UNSHARED = Shared()
+
+
+class Stators:
+    """Solved stators, and the contacts of resolved scenes on them.
+
+    A stator is the scene of a stator alone (`stator_alone`), a goal the allowed relative error of its section. A
+    solution that misses its goal is used, with its error.
+
+    Parameters
+    ----------
+    tolerance : float
+        Of the velocity, over its reference speed; without a slider, of the amplitude.
+    slider : bool
+        True if the stators drive sliders.
+    shared : Shared
+        What one solution of the stator is computed for.
+    coarse : bool
+        True takes the stator's coarsest discretisation.
+    """
+
+    def __init__(self, *, tolerance: float, slider: bool, shared: Shared = UNSHARED, coarse: bool = False) -> None:
+        self.tolerance, self.slider, self.coarse = tolerance, slider, coarse
+        self.positions, self.limits = shared.positions, shared.limits
+        self.nearby = False  # True evaluates the motion also within a quarter of a wavelength about each contact
+        self.seconds = 0.0  # spent on stators
+        self._count = 0
+        self._solved: dict[tuple, SolvedStator | Exception] = {}
+        self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
+        self._ring_up, self._band = lru_cache(64)(ring_up), lru_cache(4)(response)
+
+    def contact(self, scene: Scene, stator: Scene | None, goal: float | None = None) -> Contact:
+        """Return the contact of a resolved scene on its stator, None for a prescribed wave.
+
+        ``goal``: of the section; by default `first_goal`. RunError if the stator has no solution.
+        """
+        if stator is None:
+            return Contact.prescribed(scene)
+        own, shared = scene.positions, self.shared_positions(scene)
+        try:
+            solved = self._solution(stator, shared, goal, missed=shared == own)
+        except RunError:  # a position at a node of the wave must not fail the others
+            if shared == own:
+                raise
+            solved = self._solution(stator, own, goal)
+        return Contact.of_stator(scene, solved, self.motion(stator, own, goal) if scene.on_pillars else None)
+
+    def motion(self, stator: Scene, positions: Any, goal: float | None = None, missed: bool = True) -> SurfaceMotion:
+        """Return the surface motion of a stator at positions (x, y) in m; only the latest is stored.
+
+        ``missed``: True returns a motion that misses its goal, with its error; False raises RunError.
+        """
+        arguments = stator, positions, self.first_goal(stator, positions) if goal is None else goal, missed
+        latest, motion = self._latest  # read once: a worker may have several threads
+        if latest != arguments:
+            self._count += 1
+            LOGGER.info("stator" if self._count == 1 else f"stator {self._count}")
+            start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
+            try:
+                motion = solve(stator, positions, tolerance=arguments[2], slider=self.slider, missed=missed)
+            finally:
+                self.seconds += time.perf_counter() - start_time
+            self._latest = arguments, motion
+        return motion
+
+    def motion_under(self, driven: Contact) -> SurfaceMotion:
+        """Return the surface motion from which a contact on a stator was made."""
+        solved = driven.solved
+        positions = tuple(solved.at)
+        return self.motion(stator_alone(driven.scene), positions, solved.goal, positions == driven.scene.positions)
+
+    def bursting(self, driven: Contact) -> Contact:
+        """Return a contact with the ring-up of its burst and the orbits along the slider's travel."""
+        scene, along = driven.scene, None
+        if scene.burst is None or driven.solved is None:
+            return driven
+        if scene.slider.travel is not False:
+            along = WaveAlong.under(scene, self.motion_under(driven))
+        return replace(driven, ringing=self.ring_up(driven), along=along)
+
+    def ring_up(self, driven: Contact) -> RingUp | None:
+        """Return the ring-up of a burst; None under a transducer."""
+        center, alone = driven.scene.slider.center, stator_alone(driven.scene)
+        if driven.solved.at[center].covered:
+            return None
+        return self._ring_up(replace(alone, drive=replace(alone.drive, burst=driven.scene.burst)), center)
+
+    def know(self, stator: Scene, positions: Any, motion: SurfaceMotion) -> None:
+        """Take a solved motion at positions (x, y) in m as the solution for the first goal."""
+        goal = self.first_goal(stator, positions)
+        self._latest = (stator, positions, goal, True), motion
+        self._solution(stator, positions, goal)
+
+    def solve_together(self, many: Iterable[tuple[Scene, Scene, float | None]]) -> None:
+        """Solve the frequencies of one geometry side by side, where they make a band.
+
+        ``many``: resolved scene, stator and goal of each contact.
+        """
+        if len(self._solved) * max(1, len(self.positions)) * (POINTS if self.nearby else 1) > MAX_POSITIONS:
+            self._solved.clear()
+        groups: dict = {}
+        for scene, stator, goal in many if self.limits else ():
+            positions = self.shared_positions(scene)
+            goal = self.first_goal(stator, positions) if goal is None else goal
+            key = self._key(stator, positions, goal, positions == scene.positions)
+            if self._in_band(stator, positions) and key not in self._solved:
+                fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
+                groups.setdefault((fixed, positions, goal), {})[stator.frequency] = key
+        for (fixed, positions, goal), keys in groups.items():
+            start_time = time.perf_counter()
+            # a band that fails leaves each of its stators to be solved alone, which says why it fails
+            with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
+                along = tuple(dict.fromkeys(x for x, _ in positions))
+                band = self._band(fixed, *self.limits, positions=along, tolerance=goal)
+                for key, wave in zip(keys.values(), band.waves(list(keys), fem_objects.drive(fixed)), strict=True):
+                    motion = surface_motion(wave, fixed.stator, positions, slider=self.slider)
+                    self._solved[key] = SolvedStator.of(motion, positions, goal=goal, nearby=self.nearby)
+            self.seconds += time.perf_counter() - start_time
+
+    def shared_positions(self, scene: Scene) -> tuple:
+        """Return the positions for which the stator of a scene is solved: the shared ones if they contain its own."""
+        own = scene.positions
+        if scene.slider is None:
+            return own
+        # with all balls on the axis the plane section may be used, which has no motion off the axis
+        off_axis, length = any(y for _, y in own), scene.stator.length
+        shared = tuple((x, y) for x, y in self.positions if 0.0 <= x <= length and (off_axis or not y))
+        return shared if set(own) <= set(shared) else own
+
+    def first_goal(self, stator: Scene, positions: Any) -> float:
+        """Return the goal of the first solution of a stator."""
+        if self.coarse:
+            return math.inf
+        share = BAND_SHARE if self._in_band(stator, positions) else SHARE
+        return self.tolerance * (share if self.slider else 1.0)
+
+    def _solution(self, stator: Scene, positions: Any, goal: float | None, missed: bool = True) -> SolvedStator:
+        """Return the stored solution of a stator, solved by `motion` if necessary, or raise its stored error."""
+        goal = self.first_goal(stator, positions) if goal is None else goal
+        key = self._key(stator, positions, goal, missed)
+        if key not in self._solved:
+            try:
+                motion = self.motion(stator, positions, goal, missed)
+                self._solved[key] = SolvedStator.of(
+                    motion, positions, goal=goal, coarse=self.coarse, nearby=self.nearby
+                )
+            except Exception as error:
+                self._solved[key] = error
+        solution = self._solved[key]
+        if isinstance(solution, Exception):
+            raise solution.with_traceback(None)
+        return solution
+
+    def _key(self, stator: Scene, positions: Any, goal: float, missed: bool) -> tuple:
+        return stator, positions, goal, missed, self.nearby
+
+    def _in_band(self, stator: Scene, positions: Any) -> bool:
+        """Return whether a stator is solved as one of a band: with frequency limits and without finite apertures."""
+        plain = bool(self.limits) and not (stator.crossed or stator.piece)
+        return plain and not fem_objects.spreads(stator.stator, positions if self.slider else None)
