@@ -259,3 +259,19 @@ def test_a_stator_too_thick_to_solve_is_no_defect_of_the_program(capsys):
 def test_a_load_above_friction_has_no_threshold():
     sliding = Scene.load("twente-contact").replace(slider={"load": 0.9}, wave={"normal_amplitude": ["10 nm"]})
     assert "threshold       none: the load exceeds friction" in answer(run(sliding, tolerance=1e-2))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("burst", [None, 1e-4])
+def test_a_run_is_its_prediction_at_one_point_to_the_last_bit(chip, burst, tolerance):
+    """Near the threshold too, where the stator is solved again; with the prescribed wave and with a burst."""
+    scenes = [
+        Scene.load("twente-contact").replace(wave={"normal_amplitude": "3 nm", "burst": burst}),
+        *(chip.replace(drive={"voltage": volts, "burst": burst}) for volts in (20.0, 60.0)),
+    ]
+    for scene in scenes:
+        (point,) = run(scene, tolerance=tolerance).points
+        (predicted,) = Predictor(scene.to_table(), tolerance=tolerance).answers([{}])
+        shared = point.keys() & predicted.point.keys()
+        assert {"velocity_m_per_s", "relative_error", "regime", "normal_amplitude_m", "status"} <= shared
+        assert {key: point[key] for key in shared} == {key: predicted.point[key] for key in shared}

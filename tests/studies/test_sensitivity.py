@@ -12,7 +12,9 @@ from studies.inverse import elasticity
 from studies.inverse.elasticity import answers_at, both_sides, elasticities, numbers
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.sensitivity import run, tables, without_effect
+from studies.record.point import Point
 from studies.refusal import SceneError
+from studies.solve.point_answer import PointAnswer
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +74,8 @@ def test_richardson_s_error_is_that_of_the_last_extrapolation(monkeypatch):
         def answers(self, many, also, *, tolerance, averaged):
             s = np.log([changes["wave.normal_amplitude"] / 6.3e-9 for changes in many])
             speeds = np.exp(s + s**3 + s**5 + size * s**7)
-            return [{"status": "ok", "relative_error": 1e-11, "velocity_m_per_s": speed} for speed in speeds]
+            points = [Point(status="ok", relative_error=1e-11, velocity_m_per_s=speed) for speed in speeds]
+            return [PointAnswer(point=point, averaged=True) for point in points]
 
     monkeypatch.setattr(elasticity, "numbers", lambda predictor: [])
     ((value, error),) = elasticities(Known(), ("velocity",), 6.3e-9)["velocity"].values()
