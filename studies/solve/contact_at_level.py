@@ -10,6 +10,7 @@ from studies.model.scene_errors import slider_keys
 from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
 from studies.record.status import Status
+from studies.record.values import Columns
 from studies.solve.bursts import STEADY_METHODS, followed_burst, method_of
 from studies.solve.event_counts import burst_events, burst_values, steady_events
 from studies.solve.point_answer import PointAnswer, SliderAnswer
@@ -49,7 +50,9 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
         from studies.solve.pillar_points import pillar_tables
 
         tables = pillar_tables(last)
-    return SliderAnswer(answers=tuple(answers), summary=summary, **tables)
+    return SliderAnswer(
+        answers=tuple(answers), summary=summary, **{name: Columns(table) for name, table in tables.items()}
+    )
 
 
 def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:

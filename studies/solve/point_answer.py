@@ -5,6 +5,7 @@ from typing import Any
 
 from studies.record.blocks import ErrorBlock, SummaryBlock
 from studies.record.point import Point
+from studies.record.values import Columns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,8 +29,8 @@ class SliderAnswer:
 
     answers: tuple[PointAnswer, ...]
     summary: SummaryBlock  # threshold, release and ripple
-    pillars: dict = field(default_factory=dict)  # columns of pillars.csv
-    slider_wave: dict = field(default_factory=dict)  # columns of slider_wave.csv
+    pillars: Columns = field(default_factory=Columns)  # columns of pillars.csv
+    slider_wave: Columns = field(default_factory=Columns)  # columns of slider_wave.csv
 
     @property
     def points(self) -> tuple[Point, ...]:

@@ -172,7 +172,8 @@ class Predictor:
         side_by_side = dict(zip(steady, averaged_answers(states, accepted or 0.0), strict=True))
         for k, driven in contacts.items():
             try:
-                results[k] = _Solved(side_by_side.get(k) or self._alone(driven, tolerance), driven)
+                averaged = side_by_side.get(k)
+                results[k] = _Solved(averaged, driven) if averaged else self._alone(driven, tolerance)
             except Exception as error:
                 results[k] = _failed(error)
         return [each for each in results if each is not None]
@@ -192,18 +193,19 @@ class Predictor:
             raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
         return driven
 
-    def _alone(self, driven: Contact, tolerance: float) -> PointAnswer:
+    def _alone(self, driven: Contact, tolerance: float) -> _Solved:
         """Return the answer of one contact, or of a stator without a slider, as in a run."""
         if driven.scene.slider is None:
             error, status = driven.stator_error, Status.OK.value
             if error > tolerance:
                 status = Status.ABOVE_TOLERANCE.because(f"the stator's error is {error:.1e}")
             error = error if driven.level else 0.0
-            return PointAnswer(point=Point(relative_error=error, status=status), from_stator=error)
-        answer = point_answer(self.stators.bursting(driven), driven.level, tolerance)
-        if answer.point.answered:
-            return answer
-        return replace(answer, point=Point(status=Status.NO_ANSWER.because(answer.point.status)))
+            return _Solved(PointAnswer(point=Point(relative_error=error, status=status), from_stator=error), driven)
+        driven = self.stators.bursting(driven)
+        answer = point_answer(driven, driven.level, tolerance)
+        if not answer.point.answered:
+            answer = replace(answer, point=Point(status=Status.NO_ANSWER.because(answer.point.status)))
+        return _Solved(answer, driven)
 
 
 def _is_steady(driven: Contact) -> bool:
