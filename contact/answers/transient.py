@@ -16,6 +16,7 @@ On a `Track` the orbits are those of the place to which the slider has come, wit
 place, by which a moving slider meets another frequency (Doppler). The motion stops where the track ends.
 """
 
+import math
 import time as clock
 from dataclasses import dataclass, replace
 
@@ -24,15 +25,19 @@ import numpy as np
 from contact import parameter_check
 from contact.answers.burst_methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.answers.ledger import Ledger, ledger, together
-from contact.choice import Answer, Answered
+from contact.answers.quasi_static import quasi_static
+from contact.choice import Answer, Answered, refused
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
+from contact.exceptions import InputError
 from contact.orbit import Orbit, towards_plus
 from contact.slider import Slider
 from contact.stepping.along_track import Scaled
 from contact.track import Track
-from contact.wave import Surface, prescribed
+from contact.wave import PassingWave, Surface, coupling, prescribed
+
+QUASI_STATIC = "quasi-static"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +64,7 @@ class Trajectory(Answered):
     answer : Answer
         Velocity at the end of the burst, m/s, with its error, status and reasons.
     method : str
-        "exact", "stepped" or "averaged".
+        "exact", "stepped", "averaged" or "quasi-static".
     ledger : Ledger or None
         Energies of the burst and of the motion after it; None if the method was not "exact" or the surface rang down.
     after_ledger : Ledger or None
@@ -78,7 +83,7 @@ class Trajectory(Answered):
     """
 
     slider: Slider
-    orbits: tuple[Orbit, ...]
+    orbits: tuple[Orbit, ...] | PassingWave
     time: np.ndarray
     velocity: np.ndarray
     position: np.ndarray
@@ -128,11 +133,14 @@ def burst(
     samples : int
         Approximate number of times in the result, distributed over the burst and the time after it by their lengths.
     method : str
-        "exact", "stepped", "averaged" or "auto".
+        "exact", "stepped", "averaged", "quasi-static" or "auto". The last but one, for a `PassingWave`, has height,
+        tilts and wave in equilibrium at all times; it is the only one for a slider that loads the wave, tilts or has a
+        soft backing.
     envelope : Envelope, optional
-        Factor on the orbits during the burst; only the stepped method accepts one.
+        Factor on the orbits during the burst; the stepped and the quasi-static method accept one.
     track : Track, optional
-        Orbits along the slider's way; at the displacement 0 they must be `orbits`. The averaged method accepts none.
+        Orbits along the slider's way; at the displacement 0 they must be `orbits`. Only methods stepped and exact
+        accept one.
 
     Returns
     -------
@@ -144,13 +152,16 @@ def burst(
         Status "not applicable" if the method does not apply, or the status of the solver that failed.
     """
     begun = clock.perf_counter()
-    slider, listed = prescribed(slider, orbits, in_time=True)
     after, fading = after if isinstance(after, tuple) else (after, None)
     parameter_check.positive("duration", duration, "s")
     parameter_check.non_negative("after", after, "s")
     parameter_check.positive("tolerance", tolerance, "")
     parameter_check.count("samples", samples, 2)
-    parameter_check.choice("method", method, METHODS)
+    parameter_check.choice("method", method, (*METHODS, QUASI_STATIC))
+    given = slider
+    if method == QUASI_STATIC or (coupling(slider, orbits) and method in ("auto", "averaged")):
+        return _quasi_static(slider, orbits, duration, after, tolerance, samples, envelope, track, fading, begun)
+    slider, listed = prescribed(slider, orbits, in_time=True)
     frequency = listed[0].frequency
     cycles = max(1, round(duration * frequency))
     share = cycles / frequency / (cycles / frequency + after)
@@ -183,13 +194,33 @@ def burst(
         value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
     ).judged(tolerance, reference_speed(end, listed), _advice(method, envelope))
     motion_after = Trajectory(
-        slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
+        slider=given, orbits=orbits if isinstance(orbits, PassingWave) else listed, time=time,
+        velocity=side * velocity * problem.speed,
         position=position * problem.length,
         duration=cycles / frequency, cycles=cycles, rang=rang, answer=answer, method=method,
         ledger=together(*ledgers) if ledgers and not rang else None, after_ledger=after_ledger, statistics=statistics,
         seconds=clock.perf_counter() - begun,
     )  # fmt: skip
     return motion_after if track is None else _on_track(motion_after, track, way, side * problem.length, asked)
+
+
+def _quasi_static(slider, wave, duration, after, tolerance, samples, envelope, track, fading, begun):
+    """Return the trajectory by the quasi-static method."""
+    why = ("the orbits are prescribed, give a PassingWave",) if not isinstance(wave, PassingWave) else ()
+    why += ("it takes no track",) if track is not None else ()
+    why += ("it takes no ring-down",) if fading is not None else ()
+    if why:
+        raise refused("a burst", {QUASI_STATIC: why}, "leave them out")
+    if slider.mass == math.inf:
+        raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
+    time = np.unique(np.append(np.linspace(0.0, duration + after, samples), duration))
+    answer, velocity, height = quasi_static(slider, wave, time, duration, envelope)
+    return Trajectory(
+        slider=slider, orbits=wave, time=time, velocity=velocity, position=np.full(time.size, -height),
+        duration=duration, cycles=max(1, round(duration * wave.frequency)), rang=0.0, method=QUASI_STATIC,
+        answer=answer.judged(tolerance, reference_speed(answer.value, wave)), ledger=None, after_ledger=None,
+        statistics={}, seconds=clock.perf_counter() - begun,
+    )  # fmt: skip
 
 
 def _on_track(trajectory, track, way, unit, asked):
