@@ -21,7 +21,7 @@ from contact.slider import Slider
 from contact.wave import Surface, coupling, crest_direction
 
 STEP = 2e-3  # of v (relative) and of s; fourth-order differences of forces that are accurate to 1e-11
-# The same of v for many contacts on a passing wave, whose forces are accurate to 1e-12: the longer the step, the more of
+# The same of v for many contacts on a passing wave, with forces accurate to 1e-12: the longer the step, the more of
 # them begin to stick within it. With 50 pillars the derivative is 0.2 % off with 2e-3 and 4e-10 with 1e-4 or 5e-4.
 COUPLED_STEP = 2e-4
 
