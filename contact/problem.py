@@ -3,9 +3,10 @@ r"""The slider's equations in the wave's own units: one named tuple that every k
 Unit of time 1/omega (so time is phase), of length ell = max(rest approach, largest |u_z| or |u_x|), of force
 m omega^2 ell. With approach zeta_i:
 
-    z_s'' = sum kappa p(zeta_i) (1 + chi zeta_i') - d_n z_s' - p_0,    v' = sum Q_i - d_t v - q,
+    z_s'' = sum kappa_i p(zeta_i) (1 + chi zeta_i') - d_n z_s' - p_0,    v' = sum Q_i - d_t v - q,
 
-with p(zeta) the load of `law.normal`, p_0 the preload and zeta_i of `body`.
+with p(zeta) the load of `law.normal`, p_0 the preload and zeta_i of `body`. A contact that stands for w equal ones has
+w times the stiffness of one. Its forces are then those of all w.
 """
 
 import math
@@ -22,10 +23,31 @@ from contact.orbit import Orbit
 from contact.slider import Slider
 
 
+class ContactFactors(NamedTuple):
+    """What distinguishes the contacts of one slider, relative to the numbers of the problem; arrays (n,)."""
+
+    stiffness: np.ndarray  # kappa_i/kappa, the number of equal contacts that it stands for included
+    limit_slope: np.ndarray  # c_i/c
+
+
+class ContactParameters(NamedTuple):
+    """Parameters of one contact, in the units of the problem: what its forces and its law depend on."""
+
+    stiffness: float  # kappa_i
+    limit_slope: float  # c_i
+    friction: float
+    contact_damping: float
+    stick_band: float
+    shape: int
+    length: float
+    omega: float
+    law: Law
+
+
 class Problem(NamedTuple):
     """A dimensionless problem."""
 
-    stiffness: float  # kappa of P = kappa p(z), of one contact
+    stiffness: float  # kappa of P = kappa p(z), of one contact, the stiffest
     contact_damping: float  # chi
     # d_n and d_t
     normal_damping: float
@@ -39,6 +61,7 @@ class Problem(NamedTuple):
     longest: float  # Longest segment of the event-driven solver
     shape: int  # Of each contact, one of `codes.Shape`
     paths: Paths  # Of the contacts
+    factors: ContactFactors  # Of the contacts, on `stiffness` and `limit_slope`
     length: float  # ell, m
     omega: float  # rad/s
     law: Law  # Of the tangential force
@@ -65,7 +88,17 @@ def changed(problem, load, paths):
     return Problem(
         problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload,
         problem.tangential_damping, load, problem.friction, problem.limit_slope, problem.stick_band, problem.longest,
-        problem.shape, paths, problem.length, problem.omega, problem.law,
+        problem.shape, paths, problem.factors, problem.length, problem.omega, problem.law,
+    )  # fmt: skip
+
+
+@formula
+def contact_parameters(problem, i):
+    """Return the parameters of contact i; of a column of contacts the two that may differ are columns."""
+    factors = problem.factors
+    return ContactParameters(
+        problem.stiffness * factors.stiffness[i], problem.limit_slope * factors.limit_slope[i], problem.friction,
+        problem.contact_damping, problem.stick_band, problem.shape, problem.length, problem.omega, problem.law,
     )  # fmt: skip
 
 
@@ -79,8 +112,8 @@ class SliderNumber(IntEnum):
     """Indices of the numbers of a slider (`numbers`), SI units."""
 
     MASS = 0
-    STIFFNESS = 1  # K
-    SLOPE = 2  # c
+    STIFFNESS = 1  # K of the stiffest contact
+    SLOPE = 2  # c, the largest
     PRELOAD = 3
     LOAD = 4
     FRICTION = 5
@@ -94,7 +127,7 @@ class SliderNumber(IntEnum):
 def numbers(s: Slider, contacts: int) -> list[float]:
     """Return what `in_units` takes of a slider, in the order of `SliderNumber`."""
     return [
-        s.unit_mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.static_coefficient, s.contact_damping,
+        s.unit_mass, s.stiffness_unit, s.slope_unit, s.preload, s.load, s.static_coefficient, s.contact_damping,
         s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
     ]  # fmt: skip
 
@@ -106,7 +139,7 @@ def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1
 
 
 @formula
-def in_units(numbers, length, omega, paths, law):
+def in_units(numbers, length, omega, paths, factors, law):
     """Return the problem of a slider with these `numbers` and its law on scaled paths, without a longest segment."""
     mass, shape = numbers[SliderNumber.MASS], int(numbers[SliderNumber.SHAPE])
     unit = mass * omega**2 * length
@@ -114,7 +147,8 @@ def in_units(numbers, length, omega, paths, law):
         numbers[SliderNumber.STIFFNESS] * normal.load(length, shape) / unit, numbers[SliderNumber.CHI] * omega * length,
         numbers[SliderNumber.NORMAL_DAMPING] / (mass * omega), numbers[SliderNumber.PRELOAD] / unit,
         numbers[SliderNumber.TANGENTIAL_DAMPING] / (mass * omega), numbers[SliderNumber.LOAD] / unit,
-        numbers[SliderNumber.FRICTION], numbers[SliderNumber.SLOPE], 0.0, np.inf, shape, paths, length, omega, law,
+        numbers[SliderNumber.FRICTION], numbers[SliderNumber.SLOPE], 0.0, np.inf, shape, paths, factors, length, omega,
+        law,
     )  # fmt: skip
 
 
@@ -127,7 +161,8 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
     length, omega = max(own[SliderNumber.REST], reach, 1e-300), orbits[0].omega
     paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
-    problem = in_units(own, length, omega, paths, slider.tangential_law)
+    factors = ContactFactors(*slider.contact_factors(len(orbits)))
+    problem = in_units(own, length, omega, paths, factors, slider.tangential_law)
     return _with_longest(
         problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
         load=direction * problem.load, stick_band=slider.stick_band / problem.speed,
@@ -136,7 +171,8 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
 
 def largest_resonance(problem: Problem) -> float:
     """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
-    return math.sqrt(problem.contacts * problem.stiffness * float(normal.slope(2.0, problem.shape)))
+    total = float(problem.factors.stiffness.sum()) * problem.stiffness
+    return math.sqrt(total * float(normal.slope(2.0, problem.shape)))
 
 
 def _with_longest(problem, longest, **changed):
@@ -144,7 +180,8 @@ def _with_longest(problem, longest, **changed):
 
     Beyond these lengths the Picard iteration of a segment converges too slowly.
     """
-    damping = max(problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness)
+    stiffness = problem.stiffness * float(problem.factors.stiffness.max())
+    damping = max(problem.normal_damping, problem.tangential_damping, problem.contact_damping * stiffness)
     longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), longest)
     return problem._replace(longest=longest, **changed)
 

@@ -442,7 +442,7 @@ class Slider(parameter_check.Checks):
         if self.even:
             return np.ones((2, contacts))
         own, slope = self.contacts(contacts), self.slope_unit or 1.0
-        return np.array([own.weight * own.normal_stiffness / self.stiffness_unit, own.limit_slope / slope])
+        return np.array([own.weight * (own.normal_stiffness / self.stiffness_unit), own.limit_slope / slope])
 
     @cached_property
     def level(self) -> bool:

@@ -504,7 +504,8 @@ def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
             f"per cycle, more than {MAX_STEP}",
         )
     # the Hunt-Crossley force depends on the approach rate, which the scheme resolves to first order in the step only
-    if step * problem.contact_damping * problem.stiffness * load(2.0, problem.shape) > MAX_DAMPING:
+    stiffness = problem.stiffness * float(problem.factors.stiffness.max())
+    if step * problem.contact_damping * stiffness * load(2.0, problem.shape) > MAX_DAMPING:
         why += (f"the contact's damper is too fast for {per_cycle} steps per cycle",)
     if step * max(problem.normal_damping, problem.tangential_damping) > MAX_STEP:
         why += (f"the dampers are too fast for {per_cycle} steps per cycle",)

@@ -34,6 +34,7 @@ from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
 from contact.orbit import towards_plus
+from contact.problem import contact_parameters
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
 from contact.wave import Surface, prescribed
@@ -303,7 +304,12 @@ class _Quiet:
             return False
         if self.spans >= UNSURE_SPANS:
             return True
-        return _surely_sticks(problem, self.least_approach[holding], self.largest_deformation[holding])
+        contacts = (contact_parameters(problem, i) for i in holding)
+        limits = [
+            slip_limit(each, float(z)) if z > 0.0 else 0.0
+            for each, z in zip(contacts, self.least_approach[holding], strict=True)
+        ]
+        return bool(np.all(self.largest_deformation[holding] < limits))
 
 
 def _stopped(slider, motion):
@@ -372,9 +378,3 @@ def _braking_phase(slider, motion):
     if force <= 0.0:
         force = slider.static_friction(problem.contacts) - slider.load
     return speed * problem.speed * slider.mass / force * problem.omega
-
-
-def _surely_sticks(problem, least_approach, largest_deformation):
-    """Return True if contacts with these least approaches and largest deformations stay below the slip limit."""
-    limits = [slip_limit(problem, float(z)) if z > 0.0 else 0.0 for z in least_approach]
-    return bool(np.all(largest_deformation < limits))

@@ -41,6 +41,7 @@ from contact.body import Coordinates, approach, at_phase, harmonic_response, nor
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native
 from contact.law.protocol import slip_limit
+from contact.problem import contact_parameters
 
 # Largest number of events of a contact in a cycle; phases per cycle at which (3) and (4) of a bent limit are evaluated
 MAX_EVENTS, SCANNED = 60, 128
@@ -392,7 +393,8 @@ def _relative_path(paths, i, h, v, work):
 @native(
     "t f f t t",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.node": "q", "rule.weight": "q",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.factors.stiffness": "n",
+        "problem.factors.limit_slope": "n", "rule.node": "q", "rule.weight": "q",
         "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "3",
         "work.counts": "3", "work.nodes.cos": "k q | 1 0",
     },
@@ -406,7 +408,7 @@ def cycle(problem, h, v, rule, work):
     force = work.force
     _clear(work)
     for i in range(problem.paths.height.size):
-        _add_contact(problem, _relative_path(problem.paths, i, h, v, work), rule, work)
+        _add_contact(contact_parameters(problem, i), _relative_path(problem.paths, i, h, v, work), rule, work)
     work.means[Mean.NORMAL] /= TURN
     work.means[Mean.TANGENTIAL] /= TURN
     for k in range(force.normal_cos.size):
@@ -420,7 +422,8 @@ def cycle(problem, h, v, rule, work):
 @native(
     "t f f1 t t f2",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "v": "n", "rule.node": "q", "rule.weight": "q",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.factors.stiffness": "n",
+        "problem.factors.limit_slope": "n", "v": "n", "rule.node": "q", "rule.weight": "q",
         "work.path.normal_cos": "1", "work.force.normal_cos": "1", "work.means": "3", "work.counts": "3",
         "work.nodes.cos": "1 q | 1 1", "out": "8 n",
     },
@@ -442,7 +445,7 @@ def contact_cycles(problem, h, v, rule, work, out):
         _, _, d, e = at_phase(paths, i, co, si)
         wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (reach, 0.0, d, e)
         path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave, reach, 0.0)
-        half = _add_contact(problem, path, rule, work)
+        half = _add_contact(contact_parameters(problem, i), path, rule, work)
         out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN)
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
         out[Each.NORMAL_COS, i], out[Each.NORMAL_SIN, i] = cos * co - sin * si, cos * si + sin * co

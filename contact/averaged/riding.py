@@ -108,7 +108,7 @@ def mean_load(z: float, a: float, shape: int) -> float:
 @compiled
 def mean_normal_force(problem, h, rule):
     """Return the cycle mean of sum P at constant approach and its derivative in h."""
-    kappa, paths = problem.stiffness, problem.paths
+    paths, factors = problem.paths, problem.factors
     total = steepness = force = rate = 0.0
     last_a, last_z = -1.0, 0.0
     for i in range(paths.height.size):
@@ -116,6 +116,7 @@ def mean_normal_force(problem, h, rule):
         if a != last_a or z != last_z:
             last_a, last_z = a, z
             force, rate = _load_means(z, a, rule, problem.shape)
+        kappa = problem.stiffness * factors.stiffness[i]
         total += kappa * force
         steepness += kappa * rate
     return total, steepness
@@ -128,11 +129,12 @@ def riding(problem, rule):
     The mean load is convex in h, so that Newton's method falls from any h that is too large, until rounding stops it.
     """
     paths, target, n = problem.paths, problem.preload, problem.paths.height.size
-    least, reach = np.inf, 0.0
+    least, reach, number = np.inf, 0.0, 0.0
     for i in range(n):
+        number += problem.factors.stiffness[i]
         least, reach = min(least, paths.height[i]), max(reach, normal_amplitude(paths, i))
     # too large: the mean load is at least that of the mean approach, and no contact is lower than the lowest
-    h = approach_under(target / (problem.stiffness * n), problem.shape) - least
+    h = approach_under(target / (problem.stiffness * number), problem.shape) - least
     for _ in range(80):
         force, steepness = mean_normal_force(problem, h, rule)
         step = (force - target) / steepness if steepness > 0.0 else 0.0

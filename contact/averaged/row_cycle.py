@@ -30,7 +30,7 @@ from contact.body import Coordinates, Paths, tilted
 from contact.codes import Shape, Tangential
 from contact.law.elastic import coulomb
 from contact.law.normal import load
-from contact.problem import Problem
+from contact.problem import ContactFactors, Problem
 from contact.slider import Slider
 from contact.wave import PassingWave
 
@@ -72,8 +72,8 @@ class RowCycle:
         paths = Paths(*np.empty((5, self.x.size)))
         self.problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths, length=1.0,
-            omega=1.0, law=coulomb(Tangential.ELASTIC),
+            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths,
+            factors=ContactFactors(*np.ones((2, self.x.size))), length=1.0, omega=1.0, law=coulomb(Tangential.ELASTIC),
         )  # fmt: skip
         self._rule, self._work = rule, cycle_arrays(1, max(len(rule.node), 1))
         self.reset()

@@ -196,6 +196,7 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
     contacts = len(waves[0])
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
+    contact_factors = np.array([slider.contact_factors(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
     wave_paths = [paths_of(orbits, np.zeros(contacts)) for orbits in driven]
     paths = Paths(*(np.array(field) for field in zip(*wave_paths, strict=True)))
@@ -214,7 +215,9 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
             _fill_closed(sliders[slider], driven[wave], factors[k], out[k])
     errors = np.asarray(wave_errors, float)
     for law, law_numbers, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
-        problems = Sweep(parameters, law_numbers, law, heights, paths, omegas, errors, ratios, which, factors)
+        problems = Sweep(
+            parameters, law_numbers, law, heights, contact_factors, paths, omegas, errors, ratios, which, factors
+        )
         _solve(problems, out, members, harmonics, threads)
     side = np.array(sides)[which[:, 1]]
     for column in (Entry.VELOCITY, Entry.FIRST_ORDER):

@@ -19,7 +19,7 @@ from contact.codes import Status, Steady
 from contact.error_estimate import averaged_stall_error, changed_waves_error, larger_wave, second_order_error
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.protocol import Law, with_numbers
-from contact.problem import SliderNumber, changed, in_units
+from contact.problem import ContactFactors, SliderNumber, changed, in_units
 
 # f_n/f up to which a slider that moves at the larger amplitude is called held, with that velocity as its error.
 # Beyond, averaging cannot tell.
@@ -37,6 +37,7 @@ class Sweep(NamedTuple):
     laws: np.ndarray  # (s, k): numbers of the sliders' laws
     law: Law  # of all sliders, but for its numbers
     heights: np.ndarray  # (s, contacts), m
+    contact_factors: np.ndarray  # (s, 2, contacts): the fields of `problem.ContactFactors`
     paths: Paths  # surface motion of the waves, m; arrays (w, contacts), their heights zero
     omegas: np.ndarray  # (w,), rad/s
     wave_errors: np.ndarray  # (w,), relative
@@ -86,7 +87,9 @@ def _solve_problems(sweep, out, todo, harmonics, first, stride, arrays):
         slider, omega = sweep.sliders[own], sweep.omegas[wave]
         law = with_numbers(sweep.law, sweep.laws[own])
         paths = of_run(sweep.paths, wave)
-        problem = _scaled(slider, law, sweep.heights[own], paths, sweep.factors[k], omega, arrays.paths)
+        length = _scale_paths(slider, sweep.heights[own], paths, sweep.factors[k], arrays.paths)
+        own_factors = ContactFactors(sweep.contact_factors[own, 0], sweep.contact_factors[own, 1])
+        problem = in_units(slider, length, omega, arrays.paths, own_factors, law)
         result, speed = out[k], problem.length * omega
         _solve_problem(problem, sweep.ratios[k], sweep.wave_errors[wave], harmonics, arrays, result)
         result[Entry.VELOCITY] *= speed
@@ -142,8 +145,8 @@ def _solve_problem(problem, ratio, wave_error, harmonics, arrays, result):
 
 
 @compiled
-def _scaled(slider, law, heights, motion, factor, omega, paths):
-    """Return the scaled problem of a slider on the surface motion times a factor; its paths are written to `paths`."""
+def _scale_paths(slider, heights, motion, factor, paths):
+    """Fill the scaled paths of a slider's contacts on the surface motion times a factor; return the unit of length."""
     reach = 0.0
     for i in range(paths.height.size):
         reach = max(reach, factor * tangential_amplitude(motion, i), factor * normal_amplitude(motion, i))
@@ -154,7 +157,7 @@ def _scaled(slider, law, heights, motion, factor, omega, paths):
         paths.normal_sin[i] = motion.normal_sin[i] * factor / length
         paths.tangential_cos[i] = motion.tangential_cos[i] * factor / length
         paths.tangential_sin[i] = motion.tangential_sin[i] * factor / length
-    return in_units(slider, length, omega, paths, law)
+    return length
 
 
 @compiled

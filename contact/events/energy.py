@@ -23,6 +23,7 @@ from contact.jit.compiled import compiled, formula
 from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip
 from contact.law.protocol import slip_limit, slip_rate
+from contact.problem import contact_parameters
 from contact.roots import interpolate
 
 
@@ -75,8 +76,8 @@ def account_slider(problem, grid, state, nodes, segment):
 @compiled
 def account_contact(problem, grid, state, nodes, segment, i):
     """Add the integrals of one contact over one segment."""
-    own, sums, law, last = nodes.contact, state.sums, problem.law, nodes.guard.size - 1
-    regime, sign, friction = state.regime[i], state.sign[i], problem.friction * problem.stiffness
+    own, sums, last, contact = nodes.contact, state.sums, nodes.guard.size - 1, contact_parameters(problem, i)
+    law, regime, sign, friction = contact.law, state.regime[i], state.sign[i], contact.friction * contact.stiffness
     if regime == Regime.SEPARATED:
         return
     rated = regime == Regime.SLIP and law.rated
@@ -95,15 +96,15 @@ def account_contact(problem, grid, state, nodes, segment, i):
         if rated:  # work on spring and slip together; that on the spring is subtracted below
             slip_loss += weighted_q * x_rate
         elif regime != Regime.STICK:
-            slip = slip_rate(problem, sign, point)
+            slip = slip_rate(contact, sign, point)
             if regime == Regime.SLIP or regime == Regime.CREEP:
                 slip_loss += weighted_q * sign * slip
             elif regime == Regime.ANNULUS:
                 slip_loss += weight * friction * annulus_slip(z, own[Plane.FRONT, i, k]) * slip
         if law.kind == Tangential.ELASTIC and not rated:
-            leak -= weight * spring(problem, regime, sign, point)[1] * z_rate
+            leak -= weight * spring(contact, regime, sign, point)[1] * z_rate
     if rated:
-        spring_work, leak = _slip_spring_work(problem, grid, state, nodes, segment, i)
+        spring_work, leak = _slip_spring_work(contact, grid, state, nodes, segment, i)
         slip_loss -= spring_work
     sums[Sum.TANGENTIAL_FORCE] += tangential_sum
     sums[Sum.NORMAL_FORCE] += normal_sum
@@ -115,7 +116,7 @@ def account_contact(problem, grid, state, nodes, segment, i):
 
 
 @compiled
-def _slip_spring_work(problem, grid, state, nodes, segment, i):
+def _slip_spring_work(contact, grid, state, nodes, segment, i):
     """Return (work on the spring of a contact that slips, leak of the law) over a segment, for a rated law.
 
     With the spring's force F and deformation x the work is, by parts,
@@ -129,10 +130,10 @@ def _slip_spring_work(problem, grid, state, nodes, segment, i):
     """
     sign, own, n = state.sign[i], nodes.contact, nodes.guard.size
     force, rate = own[Plane.LEVEL, i], own[Plane.FRONT, i]
-    force[0], x = _spring_force(problem, sign, point_at(nodes, i, 0))
+    force[0], x = _spring_force(contact, sign, point_at(nodes, i, 0))
     at_start = force[0] * x
     for j in range(1, n):
-        force[j], x = _spring_force(problem, sign, point_at(nodes, i, j))
+        force[j], x = _spring_force(contact, sign, point_at(nodes, i, j))
     work, leak = force[n - 1] * x - at_start, 0.0
     for k in range(n):
         rate[k] = 0.0
@@ -147,21 +148,21 @@ def _slip_spring_work(problem, grid, state, nodes, segment, i):
         x_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_X_RATE, i])
         x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Index.VELOCITY])
         point = Point(z, 0.0, z_rate, x_rate)
-        work -= weight * _spring_force(problem, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
+        work -= weight * _spring_force(contact, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
         if segment.map == SMOOTH:  # d tau/d sigma of the map
             slope = 0.5
         else:
             slope = 0.5 * (1.0 + sigma if segment.map == ROOT_AT_START else 1.0 - sigma)
-        leak -= weight * segment.length * slope * spring(problem, Regime.SLIP, sign, point)[1] * z_rate
+        leak -= weight * segment.length * slope * spring(contact, Regime.SLIP, sign, point)[1] * z_rate
     return work, leak
 
 
 @formula
-def _spring_force(problem, sign, point):
+def _spring_force(contact, sign, point):
     """Return the force of the spring of a contact that slips, at most that of the slip limit, and its deformation."""
-    force, x = tangential(problem, Regime.SLIP, sign, point)
-    z, law = point[0], problem.law
-    limit = problem.stiffness * law.stuck(problem, z, slip_limit(problem, z)) if z > 0.0 else 0.0
+    force, x = tangential(contact, Regime.SLIP, sign, point)
+    z, law = point[0], contact.law
+    limit = contact.stiffness * law.stuck(contact, z, slip_limit(contact, z)) if z > 0.0 else 0.0
     return min(abs(force), limit), x
 
 

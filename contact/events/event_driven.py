@@ -31,6 +31,7 @@ from contact.events.transitions import cut, earliest, end_guard, is_sharp, trans
 from contact.events.warm_start import Pattern, blank, matching, recall, store
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.hysteretic import is_full, trim, write_curve
+from contact.problem import contact_parameters
 
 TALLY = len(Event) + len(Count)
 
@@ -195,7 +196,7 @@ def _move_to_end(problem, state, nodes, memory):
     for i in range(state.regime.size):
         state.deformation[i] = own[Plane.X, i, end]
         if memory is not None:
-            grows, c = state.regime[i] == Regime.GROW, problem.limit_slope
+            grows, c = state.regime[i] == Regime.GROW, contact_parameters(problem, i).limit_slope
             if grows:
                 write_curve(memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], c)
             elif state.regime[i] == Regime.ANNULUS:
@@ -336,6 +337,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
     "t t t t t t",
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
+        "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n",
         "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
         "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
         "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",

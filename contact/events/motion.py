@@ -17,7 +17,7 @@ from contact.events.segment import At, Column, Sample
 from contact.events.transitions import open_regimes
 from contact.exceptions import ConvergenceError
 from contact.law import elastic, hysteretic, normal
-from contact.problem import Problem
+from contact.problem import Problem, contact_parameters
 from contact.slider import Slider
 
 FAILURES = {
@@ -173,15 +173,15 @@ class Motion:
         height, normal_velocity, speed = state.slider
         rate, paths = Coordinates(normal_velocity, speed), problem.paths
         approaches = self._approaches(height)
-        stored = problem.stiffness * np.sum(normal.energy(approaches, problem.shape))
+        stored = problem.stiffness * np.sum(problem.factors.stiffness * normal.energy(approaches, problem.shape))
         for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
-            regime, sign = self.regime[i], self.sign[i]
+            regime, sign, contact = self.regime[i], self.sign[i], contact_parameters(problem, i)
             if self.memory is None:
                 z_rate = approach_rate(paths.normal_sin[i], rate)
                 x_rate = travel(paths.tangential_sin[i], rate)
-                stored += elastic.spring(problem, regime, sign, Point(z, x, z_rate, x_rate))[2]
+                stored += elastic.spring(contact, regime, sign, Point(z, x, z_rate, x_rate))[2]
             else:
-                stored += hysteretic.chain_energy(problem, self.memory, i, regime, sign, z, x)
+                stored += hysteretic.chain_energy(contact, self.memory, i, regime, sign, z, x)
         return np.array([stored, problem.preload * height, 0.5 * (normal_velocity**2 + speed**2)])
 
     def _approaches(self, height):
@@ -191,7 +191,7 @@ class Motion:
 
     def _displace(self, before, height, normal_velocity, speed, deformations):
         """Do what `set_state` does for the hysteretic law; `before`: the approaches up to now."""
-        c, state, after = self.problem.limit_slope, self.carried, self._approaches(height)
+        state, after = self.carried, self._approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0
@@ -200,7 +200,7 @@ class Motion:
             if old == new and self.regime[i] != Regime.SEPARATED:
                 continue
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
-                self.memory, i, self.regime[i], self.sign[i], old, new, c
+                self.memory, i, self.regime[i], self.sign[i], old, new, contact_parameters(self.problem, i).limit_slope
             )
         state.slider[:] = height, normal_velocity, speed
 

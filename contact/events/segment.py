@@ -33,6 +33,7 @@ from contact.law.elastic import FAR_SIDE, spring
 from contact.law.hysteretic import moment_rate
 from contact.law.normal import load
 from contact.law.protocol import slip_limit
+from contact.problem import contact_parameters
 from contact.roots import interpolate
 
 MAX_SWEEPS = 25  # of Picard's iteration
@@ -222,8 +223,8 @@ def normal_force(problem, nodes, i, j):
 @compiled
 def contact_forces(problem, grid, state, nodes, i, memory):
     """Fill approach, deformation and forces of one contact."""
-    law, regime, sign, own = problem.law, state.regime[i], state.sign[i], nodes.contact
-    n = grid.sigma.size
+    regime, sign, own = state.regime[i], state.sign[i], nodes.contact
+    contact, n = contact_parameters(problem, i), grid.sigma.size
     for j in range(n):
         own[Plane.Z, i, j] = approach(problem.paths, i, own[Plane.U_Z, i, j], coordinates_at(nodes, j))
         own[Plane.BACK, i, j] = 0.0
@@ -232,21 +233,21 @@ def contact_forces(problem, grid, state, nodes, i, memory):
             own[Plane.P, i, j] = own[Plane.Q, i, j] = own[Plane.X, i, j] = 0.0
         return
     for j in range(n):
-        own[Plane.P, i, j] = problem.stiffness * load(own[Plane.Z, i, j], problem.shape)
+        own[Plane.P, i, j] = contact.stiffness * load(own[Plane.Z, i, j], contact.shape)
     if regime == Regime.SLIP:
         for j in range(n):
-            own[Plane.X, i, j] = sign * slip_limit(problem, own[Plane.Z, i, j])
+            own[Plane.X, i, j] = sign * slip_limit(contact, own[Plane.Z, i, j])
     else:
         for j in range(n):
             own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], coordinates_at(nodes, j))
     for j in range(n):
         level, front = own[Plane.LEVEL, i, j], own[Plane.FRONT, i, j]
-        own[Plane.Q, i, j], own[Plane.FRONT, i, j] = law.force(
-            problem, memory, i, regime, sign, point_at(nodes, i, j), level, front
+        own[Plane.Q, i, j], own[Plane.FRONT, i, j] = contact.law.force(
+            contact, memory, i, regime, sign, point_at(nodes, i, j), level, front
         )
-    if law.kind == Tangential.RECIPROCAL:
+    if contact.law.kind == Tangential.RECIPROCAL:
         for j in range(n):
-            own[Plane.BACK, i, j] = spring(problem, regime, sign, point_at(nodes, i, j))[1]
+            own[Plane.BACK, i, j] = spring(contact, regime, sign, point_at(nodes, i, j))[1]
 
 
 @compiled
@@ -262,7 +263,7 @@ def _moments(problem, grid, state, nodes, segment, memory):
         for j in range(n):
             z = approach(problem.paths, i, own[Plane.U_Z, i, j], coordinates_at(nodes, j))
             x_rate = travel(own[Plane.U_X_RATE, i, j], rate_at(nodes, j))
-            own[Plane.FRONT, i, j] = moment_rate(problem, z, x_rate)
+            own[Plane.FRONT, i, j] = moment_rate(contact_parameters(problem, i), z, x_rate)
         for j in range(n):
             total = 0.0
             for k in range(n):
@@ -401,7 +402,7 @@ def contact_end(problem, state, nodes, i):
     z = approach(problem.paths, i, own[Plane.U_Z, i, n], q)
     own[Plane.Z, i, n] = z
     if state.regime[i] == Regime.SLIP:
-        own[Plane.X, i, n] = state.sign[i] * slip_limit(problem, z)
+        own[Plane.X, i, n] = state.sign[i] * slip_limit(contact_parameters(problem, i), z)
     elif state.regime[i] != Regime.SEPARATED:
         own[Plane.X, i, n] = state.deformation[i] + travel(own[Plane.U_X, i, n], q)
 
@@ -415,9 +416,10 @@ def guards(problem, state, nodes, i, which, memory):
         for j in range(out.size):
             out[j] = FAR_SIDE + side * own[Plane.Z, i, j]
         return
+    contact = contact_parameters(problem, i)
     for j in range(out.size):
         front = own[Plane.FRONT, i, j]
-        out[j] = problem.law.guard(problem, memory, i, regime, which, sign, point_at(nodes, i, j), front)
+        out[j] = contact.law.guard(contact, memory, i, regime, which, sign, point_at(nodes, i, j), front)
 
 
 @compiled

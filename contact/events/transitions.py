@@ -10,6 +10,7 @@ from contact.events.segment import Index, Plane, Segment, guards, point_at
 from contact.jit.compiled import compiled
 from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
+from contact.problem import contact_parameters
 from contact.roots import first_root
 
 
@@ -21,7 +22,7 @@ def open_regimes(problem, phase, state):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = approach(problem.paths, i, u_z, q)
         point = Point(z, state.deformation[i], approach_rate(u_z_rate, rate), travel(u_x_rate, rate))
-        state.regime[i], state.sign[i], state.deformation[i] = regime_at(problem, point)
+        state.regime[i], state.sign[i], state.deformation[i] = regime_at(contact_parameters(problem, i), point)
 
 
 @compiled
@@ -71,15 +72,15 @@ def cut(segment, root, contact, which, sharp, entered):
 @compiled
 def end_guard(problem, state, nodes, i, which, phase, memory):
     """Return a guard at the end of the segment, which is at this phase, and its rate there."""
-    n, regime, sign, law = nodes.guard.size - 1, state.regime[i], state.sign[i], problem.law
+    n, regime, sign, contact = nodes.guard.size - 1, state.regime[i], state.sign[i], contact_parameters(problem, i)
     point = point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
     acceleration = Coordinates(
         nodes.slider[Index.NORMAL_ACCELERATION, n], nodes.slider[Index.TANGENTIAL_ACCELERATION, n]
     )
     second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
-    value = law.guard(problem, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
-    return value, law.guard_rate(problem, memory, i, regime, which, sign, point, second)
+    value = contact.law.guard(contact, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
+    return value, contact.law.guard_rate(contact, memory, i, regime, which, sign, point, second)
 
 
 @compiled
@@ -112,12 +113,13 @@ def enter_next(problem, state, nodes, i, which, memory):
     regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
     end = point_at(nodes, i, n)
     point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
-    law = problem.law
-    before = spring(problem, regime, sign, point)[2] if law.rated else 0.0
+    contact = contact_parameters(problem, i)
+    law = contact.law
+    before = spring(contact, regime, sign, point)[2] if law.rated else 0.0
     state.regime[i], state.sign[i], state.deformation[i], kind = law.follow(
-        problem, memory, i, regime, which, sign, point
+        contact, memory, i, regime, which, sign, point
     )
     if law.rated:  # where slip begins the force falls at once, and the spring's energy with it
         point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
-        state.sums[Sum.SLIP_LOSS] += before - spring(problem, state.regime[i], state.sign[i], point)[2]
+        state.sums[Sum.SLIP_LOSS] += before - spring(contact, state.regime[i], state.sign[i], point)[2]
     return kind

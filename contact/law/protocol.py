@@ -6,7 +6,7 @@ the force is that of a spring; x stays within the slip limit X(z). At the limit 
     w = s (u_x' - v) - dX/dz z' >= 0,   s the sign of the deformation,
 
 and the force is the sliding force. All of it is in the units of `contact.problem`; forces and energies are over the
-stiffness kappa, as `normal.load` is:
+stiffness kappa, as `normal.load` is. `problem` are the parameters of one contact (`contact.problem.ContactParameters`):
 
     coefficient(problem, z)         mu of a contact at rest
     limit_ratio(problem, z)         X/z; `slip_limit` returns X

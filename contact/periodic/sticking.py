@@ -19,7 +19,7 @@ from contact.body import Coordinates, approach, approach_rate, at_phase, contact
 from contact.exceptions import ConvergenceError
 from contact.law.normal import load, slope
 from contact.law.protocol import slip_limit
-from contact.problem import Problem
+from contact.problem import Problem, contact_parameters
 
 # maximum number of iterations, and relative change at which they stop
 MAX_ITERATIONS, CLOSE = 60, 1e-13
@@ -39,16 +39,15 @@ def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion
     """
     phases, every = 2.0 * math.pi * np.arange(samples) / samples, np.arange(problem.contacts)[:, None]
     u_z, u_z_rate, _, _ = at_phase(problem.paths, every, np.cos(phases), np.sin(phases))
-    h = height
+    contact, h = contact_parameters(problem, every), height
     fast: Any = np.zeros(samples)
     fast_rate: Any = np.zeros(samples)
     for _ in range(MAX_ITERATIONS):
         z = approach(problem.paths, every, u_z, Coordinates(fast - h, 0.0))
         rate = approach_rate(u_z_rate, Coordinates(fast_rate, 0.0))
-        normal_force = contact_force(problem, problem.stiffness * load(z, problem.shape), rate).sum(axis=0)
-        step = (problem.preload - normal_force.mean()) / float(
-            problem.stiffness * slope(z, problem.shape).sum(axis=0).mean()
-        )
+        normal_force = contact_force(contact, contact.stiffness * load(z, contact.shape), rate).sum(axis=0)
+        rise = float((contact.stiffness * slope(z, contact.shape)).sum(axis=0).mean())
+        step = (problem.preload - normal_force.mean()) / rise
         moved, fast_rate = _driven(normal_force, problem.normal_damping)
         change, h, fast = float(np.max(np.abs(moved - fast))) + abs(step), h + step, moved
         if not change < 1e6:
@@ -69,7 +68,8 @@ class Room(NamedTuple):
 def room_to_stick(problem: Problem, motion: NormalMotion, side: float) -> Room:
     """Return the room of contacts that always stick, each with the offset nearest to slip in the direction `side`."""
     z, every = motion.approaches, np.arange(problem.contacts)[:, None]
-    limit = slip_limit(problem, z)
+    contact = contact_parameters(problem, every)
+    limit = slip_limit(contact, z)
     _, _, u_x, _ = at_phase(problem.paths, every, np.cos(motion.phases), np.sin(motion.phases))
     fast = np.zeros(z.shape[1])
     for _ in range(MAX_ITERATIONS):
@@ -77,7 +77,7 @@ def room_to_stick(problem: Problem, motion: NormalMotion, side: float) -> Room:
         forward, backward = least(limit - relative), least(limit + relative)
         offset = forward if side > 0.0 else -backward
         x = relative + offset[:, None]
-        total = (np.sign(x) * problem.stiffness * problem.law.stuck(problem, z, abs(x))).sum(axis=0)
+        total = (np.sign(x) * contact.stiffness * contact.law.stuck(contact, z, abs(x))).sum(axis=0)
         moved, _ = _driven(total, problem.tangential_damping)
         change, fast = float(np.max(np.abs(moved - fast))), moved
         if change < CLOSE * (1.0 + float(np.max(np.abs(u_x)))):

@@ -83,8 +83,9 @@ def _tabulate(way, per_cycle, cycle, envelope, table):
 @native(
     "t f1 t t t",
     {
-        "problem.paths.height": "n", "state": "3+n", "task.record": "m 3", "task.envelope.at": "e",
-        "task.envelope.amplitude": "e", "task.envelope.angle": "e", "way.place": "5", "way.nodes": "2 n k",
+        "problem.paths.height": "n", "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n",
+        "state": "3+n", "task.record": "m 3", "task.envelope.at": "e", "task.envelope.amplitude": "e",
+        "task.envelope.angle": "e", "way.place": "5", "way.nodes": "2 n k",
         "way.wave": "2 2 n", "way.circle": "2 s", "way.travelled": "m", "work.table": "4 s n", "work.contact": "3 n",
         "work.slider": "9",
     },

@@ -51,12 +51,12 @@ def edge_excess(theta, h, first, second, shape):
 
 
 @compiled
-def contact_edge(problem, z_rate, z_bend, h):
+def contact_edge(contact, z_rate, z_bend, h):
     """Return the coefficients of p(t) and t p(t) in the elastic force at contact or release, eq. (2).
 
     `z_rate`, `z_bend`: z' and z''. The second term is limited to the first one at t = h.
     """
-    first, half = problem.stiffness * load(z_rate, problem.shape), 0.5 * slope(1.0, problem.shape)
+    first, half = contact.stiffness * load(z_rate, contact.shape), 0.5 * slope(1.0, contact.shape)
     return first, first * min(max(half * z_bend / z_rate, -1.0 / h), 1.0 / h)
 
 
@@ -72,7 +72,7 @@ def closing_share(ratio, shape):
 
 
 @compiled
-def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
+def slip_edge(contact, z_old, z_new, below, above, v_old, v_new, h):
     """Return the excess (1) of the rule for mu P - |Q| if stick ends within the step; 0 if it lasts to the end.
 
     `below` and `above` are |x| - X(z) at the ends of the step, with X = c z the slip limit, and `v_old` and `v_new` are
@@ -89,19 +89,19 @@ def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     """
     if above <= 0.0:
         return 0.0
-    shape = problem.shape
+    shape = contact.shape
     s = rising_root(below, above, h * v_old, h * v_new)
     v_edge = max(v_old + s * (v_new - v_old), 0.0)
     z = max((1.0 - s) * z_old + s * z_new, 1e-6 * max(z_old, z_new))
     # c and mu at this approach: a limit that is not proportional to z is replaced by X = c z near the edge
-    limit = slip_limit(problem, z)
-    c, friction = limit / z, problem.law.stuck(problem, z, limit) / load(z, shape)
+    limit = slip_limit(contact, z)
+    c, friction = limit / z, contact.law.stuck(contact, z, limit) / load(z, shape)
     bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)  # h m z''/(2 z'), with m = p'(1)
-    first = friction * problem.stiffness * load(v_edge / c, shape)
+    first = friction * contact.stiffness * load(v_edge / c, shape)
     excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
-    if problem.law.rated and v_new >= 0.0:
+    if contact.law.rated and v_new >= 0.0:
         # The force drops at once to that of slip at this speed: a = 0 after the edge, zeta(0, 1 - s) = s - 1/2.
-        fall = problem.stiffness * (friction * load(z, shape) - problem.law.sliding(problem, z, v_edge))
+        fall = contact.stiffness * (friction * load(z, shape) - contact.law.sliding(contact, z, v_edge))
         excess += fall * h * (s - 0.5)
     return excess
 

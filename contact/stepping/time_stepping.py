@@ -23,6 +23,7 @@ from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
 from contact.law.normal import force as elastic_force
 from contact.law.protocol import slip_limit, slip_rate
+from contact.problem import contact_parameters
 from contact.stepping import end_corrections as edges
 
 
@@ -134,60 +135,60 @@ def tabulate_cycle(paths, per_cycle, cycle, envelope, j, table):
 
 
 @compiled
-def _slip_speeds(problem, passage, sign):
+def _slip_speeds(contact, passage, sign):
     """Return the speeds of slip of a sign at the ends of the step."""
     before = Point(passage.z_old, 0.0, passage.z_rate_old, passage.x_rate_old)
     after = Point(passage.z_new, 0.0, passage.z_rate_new, passage.x_rate_new)
-    return slip_rate(problem, sign, before), slip_rate(problem, sign, after)
+    return slip_rate(contact, sign, before), slip_rate(contact, sign, after)
 
 
 @compiled
-def _leave_stick(problem, passage, x):
+def _leave_stick(contact, passage, x):
     """Return (sign, excess of Q) of a contact that leaves stick towards where its deformation goes."""
     old, new = passage.z_old, passage.z_new
     sign = 1.0 if x + passage.along > 0.0 else -1.0
-    v_old, v_new = _slip_speeds(problem, passage, sign)
-    below, above = sign * x - slip_limit(problem, old), sign * (x + passage.along) - slip_limit(problem, new)
-    return sign, -sign * edges.slip_edge(problem, old, new, below, above, v_old, v_new, passage.h)
+    v_old, v_new = _slip_speeds(contact, passage, sign)
+    below, above = sign * x - slip_limit(contact, old), sign * (x + passage.along) - slip_limit(contact, new)
+    return sign, -sign * edges.slip_edge(contact, old, new, below, above, v_old, v_new, passage.h)
 
 
 @compiled
-def _release(problem, passage, x, slip):
+def _release(contact, passage, x, slip):
     """Return (x, slip, excess of P, excess of Q) of a contact that opens."""
     h = passage.h
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = edges.rising_root(-passage.z_old, -passage.z_new, -r0, -r1)
     rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-    first, second = edges.contact_edge(problem, rate, passage.z_bend, h)
+    first, second = edges.contact_edge(contact, rate, passage.z_bend, h)
     sign, tangential = 1.0 if x > 0.0 else -1.0, 0.0
     if slip == 0.0:  # it must have slipped before
-        sign, tangential = _leave_stick(problem, passage, x)
-    normal = edges.edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
-    if not problem.law.rated:
-        tangential += sign * problem.friction * edges.edge_excess(s, h, first, second, problem.shape)
+        sign, tangential = _leave_stick(contact, passage, x)
+    normal = edges.edge_excess(s, h, first * (1.0 - contact.contact_damping * rate), second, contact.shape)
+    if not contact.law.rated:
+        tangential += sign * contact.friction * edges.edge_excess(s, h, first, second, contact.shape)
     return 0.0, 0.0, normal, tangential
 
 
 @compiled
-def _stick(problem, passage, x, sticks):
+def _stick(contact, passage, x, sticks):
     """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
-    limit, deformation = slip_limit(problem, passage.z_new), x + passage.along
+    limit, deformation = slip_limit(contact, passage.z_new), x + passage.along
     if sticks:  # past x = 0
         x_rate = passage.x_rate_new
-        friction = problem.stiffness * problem.law.stuck(problem, passage.z_new, limit)
-        bend = edges.curvature(problem.shape) * friction * x_rate * abs(x_rate) / (limit * limit)
+        friction = contact.stiffness * contact.law.stuck(contact, passage.z_new, limit)
+        bend = edges.curvature(contact.shape) * friction * x_rate * abs(x_rate) / (limit * limit)
         return deformation, 0.0, edges.passage_excess(x / (x - deformation), passage.h, bend)
-    sign, excess = _leave_stick(problem, passage, x)
-    _, v_new = _slip_speeds(problem, passage, sign)
+    sign, excess = _leave_stick(contact, passage, x)
+    _, v_new = _slip_speeds(contact, passage, sign)
     # it may slip and stick again within the step
     return sign * limit, sign if v_new >= 0.0 else 0.0, excess
 
 
 @compiled
-def _slip(problem, passage, sign):
+def _slip(contact, passage, sign):
     """Return (x, slip) of a contact that slips at the start of the step."""
-    h, old, new = passage.h, slip_limit(problem, passage.z_old), slip_limit(problem, passage.z_new)
-    v_old, v_new = _slip_speeds(problem, passage, sign)
+    h, old, new = passage.h, slip_limit(contact, passage.z_old), slip_limit(contact, passage.z_new)
+    v_old, v_new = _slip_speeds(contact, passage, sign)
     if v_new >= 0.0:
         return sign * new, sign
     if v_old <= 0.0:  # at its limit at the start of the step, and sticks from there
@@ -197,29 +198,29 @@ def _slip(problem, passage, sign):
 
 
 @compiled
-def _close(problem, passage):
+def _close(contact, passage):
     """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
-    h, shape, law = passage.h, problem.shape, problem.law
-    c = law.limit_rate(problem, 0.0)
+    h, shape, law = passage.h, contact.shape, contact.law
+    c = law.limit_rate(contact, 0.0)
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = edges.rising_root(passage.z_old, passage.z_new, r0, r1)
     y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
     rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
     sign = 1.0 if drift > 0.0 else -1.0
-    first, second = edges.contact_edge(problem, rate, passage.z_bend, h)
-    normal = edges.edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second, shape)
+    first, second = edges.contact_edge(contact, rate, passage.z_bend, h)
+    normal = edges.edge_excess(1.0 - s, h, first * (1.0 + contact.contact_damping * rate), second, shape)
     ratio = min(sign * drift / (c * rate), 1.0)
     (share, steep), turn = edges.closing_share(ratio, shape), 0.0
     if ratio < 1.0:
         turn = steep * (sign * passage.x_bend / c - ratio * passage.z_bend) / rate
         turn = min(max(turn, -1.0 / h), 1.0 / h)
     excess = edges.edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
-    tangential = sign * problem.friction * excess
+    tangential = sign * contact.friction * excess
     if law.rated:
         tangential = 0.0
-    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), slip_limit(problem, passage.z_new)
+    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), slip_limit(contact, passage.z_new)
     if ratio == 1.0:
-        v_old, v_new = sign * drift - c * rate, _slip_speeds(problem, passage, sign)[1]
+        v_old, v_new = sign * drift - c * rate, _slip_speeds(contact, passage, sign)[1]
         if v_new >= 0.0:
             return sign * limit, sign, normal, tangential
         # slip ends within the step: what follows is stick from the limit there
@@ -232,26 +233,26 @@ def _close(problem, passage):
 
 
 @compiled
-def _passed(problem, passage, x, slip, sticks):
+def _passed(contact, passage, x, slip, sticks):
     """Return (x, slip, excess of P, excess of Q) after the step; an excess is that of the trapezoidal sum."""
     if passage.z_new <= 0.0:
-        return _release(problem, passage, x, slip)
+        return _release(contact, passage, x, slip)
     if passage.z_old <= 0.0:
-        return _close(problem, passage)
+        return _close(contact, passage)
     if slip == 0.0:
-        x, slip, excess = _stick(problem, passage, x, sticks)
+        x, slip, excess = _stick(contact, passage, x, sticks)
         return x, slip, 0.0, excess
-    x, slip = _slip(problem, passage, slip)
+    x, slip = _slip(contact, passage, slip)
     return x, slip, 0.0, 0.0
 
 
 @compiled
-def _traction(problem, point, slip):
+def _traction(contact, point, slip):
     """Return Q of a contact that touches, of the sign of its slip or, where that is 0, of its deformation."""
-    law, z = problem.law, point.approach
+    law, z = contact.law, point.approach
     if slip != 0.0:
-        return slip * problem.stiffness * law.sliding(problem, z, max(slip_rate(problem, slip, point), 0.0))
-    force = problem.stiffness * law.stuck(problem, z, min(abs(point.deformation), slip_limit(problem, z)))
+        return slip * contact.stiffness * law.sliding(contact, z, max(slip_rate(contact, slip, point), 0.0))
+    force = contact.stiffness * law.stuck(contact, z, min(abs(point.deformation), slip_limit(contact, z)))
     return force if point.deformation > 0.0 else -force
 
 
@@ -277,7 +278,8 @@ def one_step(problem, k, work):
         along = travel(table[Plane.U_X, k + 1, i] - table[Plane.U_X, k, i], q)
         z_rate = approach_rate(table[Plane.W_Z, k + 1, i], rate_next)
         moved = x + along
-        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < slip_limit(problem, z_new)
+        contact = contact_parameters(problem, i)
+        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < slip_limit(contact, z_new)
         if sticks and x * moved >= 0.0:
             x = moved
         else:
@@ -287,14 +289,14 @@ def one_step(problem, k, work):
                 approach(paths, i, 0.0, q),  # z'' = -u_z at z = 0
                 (table[Plane.W_X, k + 1, i] - table[Plane.W_X, k, i]) / h,
             )  # fmt: skip
-            x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
+            x, slip, normal, tangential = _passed(contact, passage, x, slip, sticks)
             normal_excess += normal
             tangential_excess += tangential
         own[Own.X, i], own[Own.SLIP, i] = x, slip
         if z_new > 0.0:
             point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
-            normal_force += contact_force(problem, elastic_force(problem.stiffness, z_new, problem.shape), z_rate)
-            tangential_force += _traction(problem, point, slip)
+            normal_force += contact_force(contact, elastic_force(contact.stiffness, z_new, contact.shape), z_rate)
+            tangential_force += _traction(contact, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
     slider[Index.POSITION] = q.normal
@@ -307,7 +309,8 @@ def one_step(problem, k, work):
 @native(
     "t f1 t t",
     {
-        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "state": "3+n", "task.record": "m 3",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.factors.stiffness": "n",
+        "problem.factors.limit_slope": "n", "state": "3+n", "task.record": "m 3",
         "task.envelope.at": "k", "task.envelope.amplitude": "k", "task.envelope.angle": "k",
         "work.table": "4 s n", "work.contact": "3 n", "work.slider": "9",
     },
@@ -354,13 +357,14 @@ def begin_steps(problem, state, per_cycle, work):
         x, slip = state[At.DEFORMATIONS + i], 0.0
         z = approach(problem.paths, i, table[Plane.U_Z, 0, i], q)
         if z > 0.0:
-            z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(problem, z)
-            normal_force += contact_force(problem, elastic_force(problem.stiffness, z, problem.shape), z_rate)
+            contact = contact_parameters(problem, i)
+            z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(contact, z)
+            normal_force += contact_force(contact, elastic_force(contact.stiffness, z, contact.shape), z_rate)
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
             if x != 0.0:
                 point = Point(z, x, z_rate, travel(table[Plane.W_X, 0, i], rate))
-                tangential_force += _traction(problem, point, slip)
+                tangential_force += _traction(contact, point, slip)
         own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
     slider[Index.NORMAL], slider[Index.TANGENTIAL] = normal_force, tangential_force
 
