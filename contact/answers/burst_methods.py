@@ -494,7 +494,7 @@ def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
         why += ("slider.stick_band needs the events",)
     if slider.law != "elastic" or slider.reciprocal:
         why += ("it knows the elastic law without its reciprocal force only",)
-    if slider.limit_slope == 0.0:
+    if slider.slope_unit == 0.0:
         why += ("there is no friction",)
     step = 2.0 * math.pi / per_cycle
     turn = step * largest_resonance(problem)

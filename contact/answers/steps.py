@@ -129,7 +129,7 @@ def step(
     )
     # the two displacements may agree by chance, the ways to them do not
     apart = np.abs(fine_way - coarse_way)[fine_way.size // 2 :]
-    scale = max(abs(fine.displacement), abs(fine.during), slider.limit_slope * slider.rest_approach(len(listed)))
+    scale = max(abs(fine.displacement), abs(fine.during), slider.slope_unit * slider.rest_approach(len(listed)))
     amplitude_left = 0.0
     if after is not None:
         largest = max(abs(amplitude) for each in listed for amplitude in (each.normal, each.tangential))

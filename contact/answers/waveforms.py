@@ -120,7 +120,7 @@ def contact_history(
     motion, (z, x, P, Q, regime, v) = motions[0], recorded[0]
     problem, speed = motion.problem, side * v[:, 0] * motion.problem.speed
     error = two_orders_error(float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))), unseen)
-    force = slider.unit_mass * problem.omega**2 * problem.length
+    force = slider.unit_mass * problem.omega**2 * problem.length / slider.contacts(len(listed)).weight
     v_t = at_phase(problem.paths, np.arange(problem.contacts), np.cos(phases)[:, None], np.sin(phases)[:, None])[3]
     return History(
         slider=slider, orbits=listed, time=(phases - begin + turn * skip) / problem.omega,

@@ -44,7 +44,7 @@ def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFE
         why += ("it knows the elastic law without its reciprocal force only",)
     if slider.stick_band > 0.0:
         why += ("slider.stick_band needs the events",)
-    if slider.limit_slope == 0.0 or slider.preload == 0.0:
+    if slider.slope_unit == 0.0 or slider.preload == 0.0:
         why += ("there is no friction force",)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits):
         why += ("there is no wave",)

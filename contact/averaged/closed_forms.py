@@ -71,7 +71,7 @@ def _sliding(slider):
     # the reciprocal force of a slipping contact is proportional to P and carries a part of the preload
     shape = slider.contact_shape
     share = back_load(1.0, 0.0, shape) / load(1.0, shape)
-    back = share * slider.friction_coefficient * slider.limit_slope
+    back = share * slider.friction_coefficient * slider.slope_unit
     return friction / (1.0 + back) if slider.reciprocal and slider.law == "elastic" else friction
 
 
@@ -90,8 +90,10 @@ def _dragged(slider, orbits):
     """Return True if the load pulls the slider so fast that no contact can stick."""
     if slider.friction is not None:  # the sliding force depends on the wave, so that there is no closed form
         return False
+    if slider.reciprocal and np.ptp(slider.limit_slope) > 0.0:  # so does then the reciprocal forces' share of the load
+        return False
     surplus = slider.load - slider.friction_coefficient * slider.preload
-    fastest = max(o.omega * (abs(o.tangential) + slider.limit_slope * abs(o.normal)) for o in orbits)
+    fastest = max(o.omega * (abs(o.tangential) + slider.slope_unit * abs(o.normal)) for o in orbits)
     return surplus > 0.0 and surplus > DRAGGED_RATIO * slider.tangential_damping * fastest and fastest > 0.0
 
 
@@ -103,7 +105,7 @@ def _carried(slider, orbits):
     if slider.law != "elastic":  # an annulus slips under any change of force, which may move the slider
         return None
     resonance = min(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
-    if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits) or slider.heights:
+    if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits) or not slider.level:
         return None
     lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * abs(first.normal)
     pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * abs(first.tangential)

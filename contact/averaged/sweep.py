@@ -160,8 +160,8 @@ def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForc
     velocities = np.full(len(listed), motion.first_order / problem.speed)
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
     contact_cycles(problem, riding_approach(problem), velocities, rule, work, by_contact)
-    force_unit = slider.unit_mass * problem.omega**2 * problem.length
-    return forces_of(by_contact, force_unit, force_unit)
+    force_units = slider.unit_mass * problem.omega**2 * problem.length / slider.contacts(len(listed)).weight
+    return forces_of(by_contact, force_units, force_units)
 
 
 def _coupled(slider, wave):
