@@ -56,9 +56,7 @@ def _friction(slider: Slider):
     if isinstance(law, LawText):
         return contact.UserLaw(law.name, law.source)
     if isinstance(mu, Friction):
-        return contact.FallingFriction(
-            sliding=mu.sliding, speed=mu.speed, high_pressure=mu.high_pressure, pressure=mu.pressure
-        )
+        return contact.FallingFriction(**mu.arguments())
     return None
 
 

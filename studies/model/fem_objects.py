@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import fem
-from studies.model.materials import crystal, crystal_at, frequency_coefficient, reference_temperature
+from studies.model.materials import LOSSES, crystal, crystal_at, frequency_coefficient, reference_temperature
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -27,7 +27,7 @@ def solid(block: Stator):
     warm = None if block.temperature is None else crystal_at(block, block.temperature)
     with stator_keys("stator.material"):
         whole, stretch = warm or (crystal(block.material), 0.0)
-        own = _present(block, "mechanical_quality", "dielectric_loss")
+        own = {name: value for name in LOSSES if (value := getattr(block, name)) is not None}
         cut = fem.rotated(replace(whole, **own) if own else whole, block.cut)
     return fem.in_cold_lengths(cut, stretch) if stretch else cut
 
@@ -57,10 +57,9 @@ def wavelength(scene: Scene) -> float:
 
 def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
-    rotated, own = solid(block), _present(block, "length", "bottom", "ends", "above")
-    thickness = math.inf if block.thickness == "half-space" else block.thickness
+    rotated, thickness = solid(block), math.inf if block.thickness == "half-space" else block.thickness
     with stator_keys("stator"):
-        return fem.Stator(solid=rotated, thickness=thickness, **own)
+        return fem.Stator(**block.arguments() | {"solid": rotated, "thickness": thickness})
 
 
 def whole_stator(scene: Scene):
@@ -161,11 +160,8 @@ def driven(scene: Scene):
 
 def _transducer(block: Transducer, period: float):
     x, y = block.center_xy
-    return fem.Transducer(
-        name=block.name, center=x, center_y=y, angle=math.radians(block.angle % 360), period=period,
-        finger_pairs=block.finger_pairs, metallisation=block.metallisation, aperture=block.aperture,
-        termination=block.termination, pattern=block.pattern, split=block.split,
-    )  # fmt: skip
+    own = {"center": x, "center_y": y, "angle": math.radians(block.angle % 360), "period": period}
+    return fem.Transducer(**block.arguments() | own)
 
 
 def unturned(block: Transducer, period: float):
@@ -230,8 +226,3 @@ def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool |
         whole_stator(scene), section_transducers(scene), frequency=frequency, tolerance=tolerance,
         finite_apertures=diffracts(scene) if spread is None else spread, mirror_width=scene.stator.mirror_width,
     )  # fmt: skip
-
-
-def _present(block, *names: str) -> dict:
-    """Return the keys of a block that are present, with their values."""
-    return {name: getattr(block, name) for name in names if getattr(block, name) is not None}

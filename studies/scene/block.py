@@ -165,6 +165,11 @@ class Block(Checks):
             raise SceneError.together(problems)
         return block
 
+    def arguments(self) -> dict:
+        """Return the present values of the keys that are fields of the block's object, by field."""
+        names = {each.name for each in fields(object_of(type(self)))} & keys_of(type(self)).keys()  # type: ignore[arg-type]
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""
         values = ((name, key.rule, getattr(self, name)) for name, key in keys_of(type(self)).items())
