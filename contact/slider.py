@@ -177,9 +177,9 @@ class Slider(parameter_check.Checks):
         required = ("normal_stiffness", "tangential_stiffness") if not moduli else ("radius",)
         if placed and np.ndim(self.heights) and not len(self.heights):
             self._set("heights", 0.0)
-        for name, (noun, unit) in OWN.items():
+        for name, (_, unit) in OWN.items():
             if getattr(self, name) is not None or name in required:
-                self._set(name, _own_values(name, noun, getattr(self, name), unit, placed))
+                self._set(name, _own_values(name, getattr(self, name), unit, placed))
         if placed is None:
             self._set("heights", tuple(self.heights.tolist()) if self.heights.any() else ())
         for name in moduli:
@@ -389,7 +389,7 @@ class Slider(parameter_check.Checks):
         """Return a value of `OWN` for each of so many contacts."""
         value = getattr(self, name)
         if np.ndim(value) and len(value) != contacts:
-            raise InputError(f"slider.{name}", f"must hold one {OWN[name][0]} per contact, {contacts}", len(value))
+            raise _other_number(name, contacts, len(value))
         return np.broadcast_to(value, (contacts,))
 
     def contacts(self, number: int) -> Contacts:
@@ -579,7 +579,11 @@ class Slider(parameter_check.Checks):
         return self.stiffness_unit * float(np.sum(self.contact_factors(contacts)[0] * ratio * each))
 
 
-def _own_values(name, noun, value, unit, placed):
+def _other_number(name, contacts, got) -> InputError:
+    return InputError(f"slider.{name}", f"must hold one {OWN[name][0]} per contact, {contacts}", got)
+
+
+def _own_values(name, value, unit, placed):
     """Return a value of `OWN` as a float, or as a read-only array with one number for each contact."""
     rule = parameter_check.finite if name in ANY_SIGN else parameter_check.positive
     if np.ndim(value) == 0:
@@ -587,7 +591,7 @@ def _own_values(name, noun, value, unit, placed):
         return value if placed is None else np.broadcast_to(value, (placed,))
     array = np.array(value, dtype=float)
     if array.ndim > 1 or array.size != (placed or array.size) or (array.size == 0 and name != "heights"):
-        raise InputError(f"slider.{name}", f"must hold one {noun} per contact, {placed or 'at least 1'}", array.size)
+        raise _other_number(name, placed or "at least 1", array.size)
     right = np.isfinite(array) if name in ANY_SIGN else np.isfinite(array) & (array > 0.0)
     if not right.all():
         rule(f"slider.{name}", float(array[~right][0]), unit)

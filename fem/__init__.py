@@ -27,7 +27,7 @@ _PUBLIC = {
     "mesh.section_mesh": "MeshError read_mesh SectionMesh",
     "mesh.piece": "MeshPiece",
     "geometry": "Bond covers Layer outer_gaps Stator Transducer",
-    "layout": "check_layout check_plan",
+    "layout": "check_beside_pieces check_layout check_plan",
     "analytic.wave_compliance": "spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.layered_wave": "bound_wave layered_waves LayeredWave principal_wave shorted_velocity",

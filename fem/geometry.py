@@ -311,6 +311,11 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
     return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(specified, ("", ""))}']
 
 
+def on_stator(x, length: float) -> str:
+    """Return the rule that positions x along a stator break, all in m; an empty text if none does."""
+    return "" if np.all((x >= 0) & (x <= length)) else f"must lie on the stator, 0 to {length:g} m"
+
+
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
     """Widest gap between two transducers in m, and the direction of this gap in rad; overlap gives 0 or less.
 

@@ -118,6 +118,12 @@ def check_interfaces(stator: Stator) -> None:
         _check_heights(piece, stator.depth)
 
 
+def check_beside_pieces(stator: Stator) -> None:
+    """Raise an InputError if a meshed piece is the whole stator, so that no wave arrives at it."""
+    if stator.placement.whole is not None:
+        raise InputError("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
+
+
 def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
     if not stator.pieces:
@@ -145,9 +151,13 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
                 f"must be absorbing behind the step of thickness of piece {end.name!r}, got {stator.ends!r}",
             )
         if not 0 < inner < stator.length:
-            _refuse(end, f"must lie on the stator, 0 to {stator.length * 1e3:g} mm, got {end.where}")
+            _refuse(end, _off_stator(end, stator.length))
     if placed.whole is None:
         _check_overlaps(placed, stator.length, transducers)
+
+
+def _off_stator(piece: MeshPiece, length: float) -> str:
+    return f"must lie on the stator, 0 to {length * 1e3:g} mm, got {piece.where}"
 
 
 def _check_outer_end(piece: MeshPiece, index: int, length: float) -> None:
@@ -376,9 +386,7 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
     for piece in placed.between:
         low, high = piece.extent
         if low < -tolerance or high > length + tolerance:
-            got = f"{piece.where}{_millimetre_question(piece, length)}"
-            rule = f"must lie on the stator, 0 to {length * 1e3:g} mm, got {got}"
-            _refuse(piece, rule)
+            _refuse(piece, f"{_off_stator(piece, length)}{_millimetre_question(piece, length)}")
     spans = [_Span(*each.extent, "piece", each.name) for each in placed.between]
     left_end, right_end = placed.ends
     if left_end is not None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from fem.parameters import shown as shown
@@ -58,6 +59,24 @@ class SceneError(ValueError):
         if not self.path.startswith(old):
             return self
         return SceneError(new + self.path.removeprefix(old), self.rule, self.location)
+
+
+def refuse_other(value: str, known: Iterable[str], option: str) -> None:
+    """Raise a SceneError for the value of an option that is none of the known ones."""
+    if value not in known:
+        raise SceneError(option, f"{one_of(known)}, got {value!r}")
+
+
+def one_of(known: Iterable[str]) -> str:
+    """Return the rule of a word that is one of the known ones."""
+    return f"must be one of {', '.join(known)}"
+
+
+def refuse_ending(file: "str | Path", allowed: tuple[str, ...], option: str) -> None:
+    """Raise a SceneError for a file of an option whose name has none of the allowed endings."""
+    if Path(file).suffix.lower() not in allowed:
+        one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
+        raise SceneError(option, f"must end in {one}, got {str(file)!r}")
 
 
 def all_answers(calls: Iterable[Callable[[], Any]]) -> list[Any]:

@@ -28,6 +28,7 @@ from fem.beam.line_source import ModeSource
 from fem.beam.own_aperture import STEPS, sheet_lengths
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
+from fem.geometry import on_stator
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
@@ -329,8 +330,8 @@ class SurfaceBeam:
         return tuple(total.reshape(RULES, 3, *shape))
 
     def _refuse(self, x, y):
-        if not np.all((x >= 0) & (x <= self.wave.length)):
-            raise BeamError(f"x must lie on the stator, 0 to {self.wave.length:g} m")
+        if rule := on_stator(x, self.wave.length):
+            raise BeamError(f"x {rule}")
         limit = np.inf if self.mirror_width is None else self.mirror_width / 2
         if not np.all(np.isfinite(y) & (abs(y) <= limit)):
             raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")

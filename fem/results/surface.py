@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.exceptions import ConvergenceError, InputError
+from fem.geometry import on_stator
 
 MAX_SAMPLES = 50_000  # along the whole surface
 PER_WAVELENGTH = 12  # samples of the surface that a file and a picture show
@@ -182,8 +183,8 @@ class Surface:
     def _gather(self, x, part):
         """Motion ``part(piece, positions)`` of the pieces at positions x, with the errors that `motion` raises."""
         x = np.asarray(x, dtype=float)
-        if not np.all((x >= 0) & (x <= self.length)):
-            raise InputError("x", f"must lie on the stator, 0 to {self.length:g} m", x[()], "m")
+        if rule := on_stator(x, self.length):
+            raise InputError("x", rule, x[()], "m")
         flat = x.reshape(-1)
         out = np.zeros((2, flat.size), dtype=complex)
         starts = np.array([piece.start for piece in self.pieces[1:]])

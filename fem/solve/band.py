@@ -43,6 +43,13 @@ ESTIMATE_EXCESS = 2.0
 MAX_ROUNDS = 3  # discretisations that are tried
 
 
+def refuse_outside(limits: tuple[float, float], frequency: float, *, ends: bool = True) -> None:
+    """Raise an InputError for a frequency outside a band, in Hz; ``ends``: True if the limits belong to it."""
+    low, high = limits
+    if not low <= frequency <= high or (frequency in limits and not ends):
+        raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Band:
     """A stator prepared for any frequency of a band; make it with `frequency_band`.
@@ -119,9 +126,8 @@ class Band:
         solve: Callable[[StatorCascade], PortFields] = StatorCascade.solved,
     ) -> PortFields:
         """Fields of the reduced model or, if its few lines cannot represent the ends, of the full discretisation."""
-        model, (low, high) = self.model, self.limits
-        if not low <= frequency <= high:
-            raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
+        model = self.model
+        refuse_outside(self.limits, frequency)
         try:
             return solve(model.cascade(frequency, forces))
         except ConvergenceError:

@@ -37,8 +37,9 @@ import numpy as np
 from fem.circuit import Drive
 from fem.discretize.error_estimate import refine
 from fem.exceptions import ConvergenceError
-from fem.parameters import InputError, positive
+from fem.parameters import positive
 from fem.results.driven_answer import SurfaceWave
+from fem.solve.band import refuse_outside
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
 NARROWER = 0.5  # width of the narrower band that shows the error, over the width of the band
@@ -210,9 +211,7 @@ def burst_response(
     ConvergenceError
         If the surface rings longer than the largest number of frequencies can resolve.
     """
-    low, high = band.limits
-    if not low < frequency < high:
-        raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
+    refuse_outside(band.limits, frequency, ends=False)
     positive("duration", duration, "s")
     motions = _Motions(band, position, drive, frequency)
     # Gain 2: the coarse level uses every second frequency of the fine one, so the whole difference is the error.

@@ -12,7 +12,7 @@ from fem.circuit import Drive
 from fem.discretize.error_estimate import GAIN_NEAR_FORCE, NEAR_FORCE, refine_stator
 from fem.discretize.grading import Resolution
 from fem.exceptions import refuse_above
-from fem.geometry import Stator, Transducer
+from fem.geometry import Stator, Transducer, on_stator
 from fem.layout import check_layout
 from fem.parameters import InputError, positive
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -128,9 +128,7 @@ def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> None:
     if not forces:
         raise InputError("force", "is missing: at least one must act")
     for each in forces:
-        if not 0 <= each.position <= stator.length:
-            raise InputError(
-                "force.position", f"must lie on the stator, 0 to {stator.length:g} m", each.position, "m", each.name
-            )
+        if rule := on_stator(each.position, stator.length):
+            raise InputError("force.position", rule, each.position, "m", each.name)
     if not any(each.amplitude for each in forces):
         raise InputError("force.amplitude", "must differ from zero for one force at least", 0.0, "N/m")

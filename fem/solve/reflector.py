@@ -17,7 +17,7 @@ from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
 from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
-from fem.layout import check_interfaces
+from fem.layout import check_beside_pieces, check_interfaces
 from fem.mesh.placement import is_step
 from fem.solve.p_matrix import PMatrix, of_segments, waves_of
 from fem.threads import one_blas_thread
@@ -110,8 +110,7 @@ def reflector(stator: Stator, *, frequency: float, tolerance: float) -> Reflecto
     if not stator.pieces:
         raise InputError("piece", "is missing: a reflection needs at least one meshed piece")
     check_interfaces(stator)
-    if stator.placement.whole is not None:
-        raise InputError("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
+    check_beside_pieces(stator)
 
     def at_level(resolution: Resolution) -> Reflector:
         unit = stator.slowest_wavelength(frequency)

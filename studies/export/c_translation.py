@@ -66,7 +66,7 @@ class _Function:
 
     def _type(self, annotation) -> str:
         if not isinstance(annotation, ast.Name) or annotation.id not in TYPES:
-            raise UntranslatableError(f"line {self.node.lineno}: an annotation must be one of {', '.join(TYPES)}")
+            raise UntranslatableError(f"line {self.node.lineno}: an annotation is none of {', '.join(TYPES)}")
         return TYPES[annotation.id]
 
     def _block(self, statements) -> list[str]:

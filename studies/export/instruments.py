@@ -17,7 +17,7 @@ from studies.lab.scan import Scan, scan_csv
 from studies.lab.scan_uff import scan_uff
 from studies.model import fem_objects
 from studies.record.quantities import quantity
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_other
 from studies.report.explanation import band_seconds
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -181,8 +181,7 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
 def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[Scan, tuple[str, ...]]:
     """Return what a vibrometer would record per volt, u_z, and remarks."""
     kind, share = recording.scan or "x", recording.share
-    if kind not in SCANS:
-        raise SceneError("--scan", f"must be one of {', '.join(SCANS)}, got {kind!r}")
+    refuse_other(kind, SCANS, "--scan")
     if recording.band is not None and kind != "frequency":
         raise SceneError("--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}")
     resolved = passband.driven_scene(scene)

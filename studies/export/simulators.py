@@ -9,14 +9,13 @@ from studies.export.fmu import FMI_VERSIONS, fmu
 from studies.export.force_grid import COLUMNS, ROWS
 from studies.export.motor_model import AveragedMotor, force_exponent
 from studies.export.reduced_motor import index
-from studies.refusal import SceneError
+from studies.refusal import refuse_other
 from studies.scene import Scene
 
 
 def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> Exported:
     """Return NAME.fmu of a scene with a slider; ``fmi``: "3" or "2"."""
-    if fmi not in FMI_VERSIONS:
-        raise SceneError("--fmi", f"must be one of {', '.join(FMI_VERSIONS)}, got {fmi!r}")
+    refuse_other(fmi, FMI_VERSIONS, "--fmi")
     motor = averaged_motor(scene, tolerance=tolerance)
     content, remark = fmu(motor, fmi)
     return Exported(files={f"{name}.fmu": content}, answer=_answer(motor), remarks=(remark,) * bool(remark))

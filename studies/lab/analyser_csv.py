@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from studies.lab.analyser_heads import UNITS, Head, head_of, unit_of
-from studies.lab.csv_columns import PHASES, file_error
+from studies.lab.csv_columns import PHASES, above_zero, file_error, finite_number, no_number, other_number
 from studies.lab.network import NetworkData, gains
 from studies.lab.waves import scattering
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError
 
 COMMENTS = ("#", "!", "%", "//", ";")
 SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
@@ -62,9 +62,8 @@ def network_of_text(path: Path, option: str) -> NetworkData:
         remarks.append("its frequencies fall: they are reversed")
     at, values = frequency[order], values[order]
     if at[0] <= 0.0:
-        if at[0] < 0.0 or len(at) == 1:
-            raise reading.error("must have frequencies above 0 Hz")
-        at, values = at[1:], values[1:]
+        kept = above_zero(at, reading.error)
+        at, values = at[kept], values[kept]
         remarks.append("the point at 0 Hz is left out")
     stated = REFERENCE.search(table.texts)
     reference = float(stated[1]) if stated else 50.0
@@ -205,14 +204,11 @@ class _Reading:
     def _number(self, row: tuple[int, list[str]], at: int, head: Head) -> float:
         number, cells = row
         if len(cells) < len(self.table.heads) or len(cells) > len(self.table.heads) + 1:
-            rule = f"line {number}, must have {len(self.table.heads)} values, got {len(cells)}"
+            rule = f"line {number}, {other_number(len(self.table.heads), len(cells))}"
             hint = ": decimal commas need tabs or semicolons between the columns" if self.table.separator == "," else ""
             raise self.error(rule + hint)
         text = cells[at].replace(",", ".") if self.decimal_comma else cells[at]
-        try:
-            value = float(text)
-        except ValueError:
-            value = np.nan
-        if not np.isfinite(value):
-            raise self.error(f"line {number}, {head.text} must be a finite number, got {shown(cells[at])}")
+        value = finite_number(text)
+        if value is None:
+            raise self.error(f"line {number}, {head.text} {no_number(cells[at])}")
         return value

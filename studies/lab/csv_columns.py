@@ -1,6 +1,7 @@
 """Columns of a CSV file by the quantity and the unit in their heads, such as ``x_mm`` or ``u_z_real_nm_per_V``."""
 
 import csv
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -108,10 +109,10 @@ class CsvColumns:
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:
             return None
-        self.refuse_signs(noun, units, "must be positive", zero=False)
+        self.refuse_signs(noun, units, zero=False)
         return self.values(noun, units)
 
-    def refuse_signs(self, noun: str, units: dict[str, float], rule: str, *, zero: bool) -> None:
+    def refuse_signs(self, noun: str, units: dict[str, float], *, zero: bool) -> None:
         """Raise a SceneError for the first negative value of the column ``noun_UNIT``, and unless ``zero`` for a zero.
 
         The value is quoted with the file's line, head and unit.
@@ -123,13 +124,18 @@ class CsvColumns:
         for row in range(len(self.rows)):
             value = self._number(row, at)
             if value < 0.0 or (value == 0.0 and not zero):
-                raise self.error(f"{self.line(row)}{noun}_{unit} {rule}, got {value:g} {written(unit)}")
+                rule = f"{noun}_{unit} must be {'zero or ' * zero}positive"
+                raise self.error(f"{self.line(row)}{rule}, got {value:g} {written(unit)}")
 
     def refuse_uneven(self) -> None:
         """Raise a SceneError for a row with more or fewer values than there are heads."""
         for number, row in enumerate(self.rows):
             if len(row) != len(self.names):
-                raise self.error(f"{self.line(number)}must have {len(self.names)} values, got {len(row)}")
+                raise self.error(self.line(number) + other_number(len(self.names), len(row)))
+
+    def lacking(self, wanted: str, hint: str = "") -> SceneError:
+        """Return the error that the file has not the columns that are wanted."""
+        return self.error(f"must have the columns {wanted}; got {', '.join(self.names)}{hint}")
 
     def error(self, rule: str) -> SceneError:
         """Return the error that this file breaks a rule."""
@@ -141,11 +147,8 @@ class CsvColumns:
 
     def _number(self, row: int, column: int) -> float:
         text = self.rows[row][column] if column < len(self.rows[row]) else ""
-        try:
-            value = float(text)
-        except ValueError:
-            value = np.nan
-        if np.isfinite(value):
+        value = finite_number(text)
+        if value is not None:
             return value
         hint = ": write a decimal point" if "," in text else ""
         try:
@@ -154,7 +157,46 @@ class CsvColumns:
         except ValueError:
             pass
         where = f"{self.line(row)}{self.names[column]}"
-        raise self.error(f"{where} must be a finite number, got {shown(text)}{hint}")
+        raise self.error(f"{where} {no_number(text)}{hint}")
+
+
+def finite_number(text: str) -> float | None:
+    """Return the number of a text; None where it is no finite one."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if np.isfinite(value) else None
+
+
+def no_number(text: str) -> str:
+    """Return the rule that a text breaks which is no finite number."""
+    return f"must be a finite number, got {shown(text)}"
+
+
+def other_number(wanted: int, got: int) -> str:
+    """Return the rule that a line breaks with more or fewer values than are wanted."""
+    return f"must have {wanted} values, got {got}"
+
+
+def finite_numbers(words: list[str], line: str, error: Callable[[str], SceneError]) -> list[float]:
+    """Return the numbers of the words of a line; what ``error`` makes of the rule that they break is raised."""
+    values = []
+    for word in words:
+        try:
+            values.append(float(word))
+        except ValueError:
+            raise error(f"must hold numbers, got {shown(word)}") from None
+    if not np.all(np.isfinite(values)):
+        raise error(f"must hold finite numbers only, got {shown(line)}")
+    return values
+
+
+def above_zero(frequency: np.ndarray, error: Callable[[str], SceneError]) -> np.ndarray:
+    """Return where frequencies are above 0 Hz; what ``error`` makes of the rule is raised for negative ones or none."""
+    if np.any(frequency < 0.0) or not np.any(frequency > 0.0):
+        raise error("must have frequencies above 0 Hz")
+    return frequency > 0.0
 
 
 def written(unit: str) -> str:

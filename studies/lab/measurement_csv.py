@@ -24,7 +24,6 @@ from studies.lab.network_file import read_network
 from studies.lab.scan import Scan, motions, scan_of_columns
 from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.lab.touchstone import TOUCHSTONE
-from studies.refusal import SceneError
 
 
 def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
@@ -51,7 +50,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
     for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
-        table.refuse_signs(noun, units, "must be zero or positive", zero=True)
+        table.refuse_signs(noun, units, zero=True)
     if time is not None:
         fallen = next((k for k in range(1, len(time)) if time[k] <= time[k - 1]), None)
         if fallen is not None:
@@ -80,7 +79,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         wanted += "u_z_imag_m_per_V"
         bracketed = any(sign in name for name in table.names for sign in "[( ")
         hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
-        raise SceneError(option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}{hint}")
+        raise table.lacking(wanted, hint)
     nouns = {
         "amplitude": (("normal_amplitude_standard_deviation",), DISPLACEMENTS),
         "position": (("position_standard_deviation",), DISPLACEMENTS),

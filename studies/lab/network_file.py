@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from studies.lab.analyser_csv import network_of_text
+from studies.lab.csv_columns import above_zero
 from studies.lab.network import NetworkData, gains
 from studies.lab.touchstone import TOUCHSTONE, TouchstoneFile, read_touchstone
 from studies.lab.waves import in_ohm, scattering
@@ -34,10 +35,9 @@ def network_of(file: TouchstoneFile) -> NetworkData:
     if np.any(np.diff(at) <= 0.0) or at[0] < 0.0:
         raise file.error("must have rising frequencies above 0 Hz")
     if at[0] == 0.0:
-        at, values, references = at[1:], values[1:], references[1:]
+        kept = above_zero(at, file.error)
+        at, values, references = at[kept], values[kept], references[kept]
         remarks.append("the point at 0 Hz is left out")
-        if not len(at):
-            raise file.error("must have frequencies above 0 Hz")
     measured = np.any(values != 0.0, axis=0)
     name, target = file.path.name, float(references[0, 0].real)
     if not np.all(measured):

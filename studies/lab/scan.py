@@ -29,6 +29,7 @@ from studies.lab.csv_columns import (
     VELOCITIES,
     VOLTAGES,
     CsvColumns,
+    above_zero,
     csv_text,
     written,
 )
@@ -134,9 +135,7 @@ class Scan:
         """Return the scan without its points at 0 Hz, where no wave is driven and velocities have no displacement."""
         if self.frequency is None or np.all(self.frequency > 0.0):
             return self
-        if np.any(self.frequency < 0.0) or not np.any(self.frequency > 0.0):
-            raise SceneError(option, f"{self.name!r} must have frequencies above 0 Hz")
-        kept = self.frequency > 0.0
+        kept = above_zero(self.frequency, lambda rule: SceneError(option, f"{self.name!r} {rule}"))
         return replace(
             self, x=self.x[kept], y=self.y[kept], values=self.values[kept], frequency=self.frequency[kept],
             deviation=None if self.deviation is None else self.deviation[kept],
@@ -173,14 +172,14 @@ def scan_of_columns(columns: CsvColumns) -> Scan:
     deviation = columns.column(f"{noun}_standard_deviation", units)
     if deviation is not None and deviation[1].endswith("_per_V") != unit.endswith("_per_V"):
         raise columns.error(f"must state {noun} and its standard deviation both per volt, or none of them")
-    columns.refuse_signs(f"{noun}_standard_deviation", units, "must be positive", zero=False)
+    columns.refuse_signs(f"{noun}_standard_deviation", units, zero=False)
     voltage = columns.column("voltage", VOLTAGES)
     if voltage is not None and np.ptp(voltage[0]) > 0.0:
         raise columns.error(
             f"must hold one voltage, got {np.min(voltage[0]):g} to {np.max(voltage[0]):g} V in voltage_{voltage[1]}"
         )
-    columns.refuse_signs("voltage", VOLTAGES, "must be positive", zero=False)
-    columns.refuse_signs("frequency", FREQUENCIES, "must be zero or positive", zero=True)
+    columns.refuse_signs("voltage", VOLTAGES, zero=False)
+    columns.refuse_signs("frequency", FREQUENCIES, zero=True)
     zeros = np.zeros(len(columns.rows))
     # without a column, the position is that of the slider or of the middle of the stator, which the scene states
     unknown = zeros * np.nan
@@ -209,8 +208,8 @@ def _values(columns: CsvColumns, noun: str, units) -> tuple[np.ndarray, str]:
         return real[0] + 1j * imaginary[0], real[1]
     if magnitude is None:
         wanted = f"{noun}_real_UNIT with {noun}_imag_UNIT, or {noun}_magnitude_UNIT"
-        raise columns.error(f"must have the columns {wanted}; got {', '.join(columns.names)}")
-    columns.refuse_signs(f"{noun}_magnitude", units, "must be zero or positive", zero=True)
+        raise columns.lacking(wanted)
+    columns.refuse_signs(f"{noun}_magnitude", units, zero=True)
     return (magnitude[0] if phase is None else magnitude[0] * np.exp(1j * phase[0])), magnitude[1]
 
 

@@ -11,11 +11,12 @@ and frequency in comments: Ansys HFSS.
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from studies.lab.csv_columns import file_error
+from studies.lab.csv_columns import file_error, finite_numbers
 from studies.lab.waves import WAVES
 from studies.refusal import SceneError, shown
 
@@ -241,14 +242,7 @@ def _data(file: TouchstoneFile, lines: list[tuple[int, str]]) -> None:
     if not file.ports:
         raise file.error("must state [Number of Ports], as it has the ending .ts")
     for number, text in lines:
-        values = []
-        for word in text.split():
-            try:
-                values.append(float(word))
-            except ValueError:
-                raise file.error(f"must hold numbers, got {shown(word)}", number) from None
-        if not np.all(np.isfinite(values)):
-            raise file.error(f"must hold finite numbers only, got {shown(text)}", number)
+        values = finite_numbers(text.split(), text, partial(file.error, line=number))
         behind = file.frequency and not record and values[0] * file.unit <= file.frequency[-1]
         if behind and file.ports == 2 and file.version == 1 and len(values) == NOISE_NUMBERS:
             file.has_noise = True

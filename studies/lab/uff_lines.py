@@ -1,11 +1,11 @@
 """Lines of a Universal File, with their numbers: text between delimiters of -1, and numbers in any columns."""
 
-import math
 import re
+from functools import partial
 from pathlib import Path
 
-from studies.lab.csv_columns import file_error
-from studies.refusal import SceneError, shown
+from studies.lab.csv_columns import file_error, finite_numbers
+from studies.refusal import SceneError
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d{1,3})?")
 
@@ -55,11 +55,7 @@ def numbers(reading: UffLines, lines: list[tuple[int, str]]) -> list[float]:
     values: list[float] = []
     for number, text in lines:
         plain = text.replace(",", "." if decimal_comma else " ")
-        rest = NUMBER.sub("", plain).strip()
-        if rest:
-            raise reading.error(f"must hold numbers, got {shown(text.strip())}", number)
-        found = [float(each.upper().replace("D", "E")) for each in NUMBER.findall(plain)]
-        if not all(map(math.isfinite, found)):
-            raise reading.error(f"must hold finite numbers, got {shown(text.strip())}", number)
-        values += found
+        rest = NUMBER.sub("", plain).split()
+        words = rest or [each.upper().replace("D", "E") for each in NUMBER.findall(plain)]
+        values += finite_numbers(words, text.strip(), partial(reading.error, line=number))
     return values

@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from studies.model.resolve import resolved
-from studies.motor.regime_map import finite_lists
+from studies.motor.regime_map import finite_lists, refuse_frictionless
 from studies.record.plots import finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.record.values import Columns
@@ -175,8 +175,7 @@ def contour_levels(values) -> list[float]:
 def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     """Return axes of the level (amplitude or voltage) and of the preload that cover all regimes."""
     preload = scene.slider.preload
-    if preload == 0.0 or scene.slider.static_coefficient == 0.0:
-        scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
+    refuse_frictionless(scene)
     table = replaced(scene.to_table(), level, [max(scene.levels)])
     columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
     factors = columns.threshold_factor[0], columns.release_factor[0]

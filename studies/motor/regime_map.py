@@ -53,8 +53,7 @@ def run(
     if slider.shape != "sphere" or slider.heights:
         resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
     operating_preload = slider.preload
-    if operating_preload == 0.0 or slider.static_coefficient == 0.0:
-        resolved_scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
+    refuse_frictionless(resolved_scene)
     share = resolved_scene.slider.share  # contacts that move alike are computed as one, with its part of the preload
     at, loads, operating = _grid(driven, per_metre, amplitudes, preloads)
     LOGGER.info(f"regime map: {at.size * loads.size} steady states")
@@ -115,6 +114,12 @@ def _grid(driven: Contact, per_metre: tuple, amplitudes: int, preloads: int) -> 
         )
     at = np.geomspace(min(0.4 * threshold, 0.8 * operating[0]), max(6.0 * release, 1.2 * operating[-1]), amplitudes)
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), operating
+
+
+def refuse_frictionless(scene: Scene) -> None:
+    """Raise a SceneError for a slider without preload or friction, which has no regimes."""
+    if scene.slider.preload == 0.0 or scene.slider.static_coefficient == 0.0:
+        scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
 
 
 def finite_lists(values: np.ndarray) -> list:

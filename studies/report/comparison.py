@@ -12,7 +12,7 @@ from studies.record import Record
 from studies.record.plots import COLOURS, PALETTE, finished, saved
 from studies.record.quantities import Quantity, quantities, quantity
 from studies.record.text import labelled, table
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_ending
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -274,8 +274,7 @@ def drawn(compared: Comparison, file: str | Path) -> None:
     SceneError
         If the runs have no slider, or the file has another ending or cannot be written.
     """
-    if Path(file).suffix not in PICTURES:
-        raise SceneError("--picture", f"must end in {', '.join(PICTURES)}, got {str(file)!r}")
+    refuse_ending(file, PICTURES, "--picture")
     try:
         saved(file, compared.plot)
     except OSError as error:

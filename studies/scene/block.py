@@ -14,7 +14,7 @@ from fem import parameters
 from fem.parameters import Checks, Number, Parameters, rules_of
 from studies.refusal import SceneError, nearest, shown, suggestion
 from studies.scene.numbers import Quantity
-from studies.scene.rule import Count, Either, Field, Rule, choice, read_each, signs
+from studies.scene.rule import Count, Either, Field, Rule, as_table, choice, read_each, signs
 from studies.scene.synonyms import key_for
 from studies.scene.uncertain import stated_schema
 
@@ -143,8 +143,7 @@ class Block(Checks):
         SceneError
             For every unknown or missing key, and for every value that breaks its rule.
         """
-        if not isinstance(table, dict):
-            raise SceneError(path, f"must be a block of keys, got {shown(table)}")
+        table = as_table(path, table)
         known, problems, at = keys_of(cls), [], f"{path}." if path else ""
         misspelt = set()
         for word in (word for word in table if word not in known):

@@ -5,12 +5,13 @@ stator's left end, z out of the surface.  The sentence beside each key is its en
 """
 
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar
 
 import fem
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, one_of, shown
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, impedance, matrix, surface_position
 from studies.scene.quantity import si_value
@@ -48,6 +49,14 @@ VELOCITY_COEFFICIENT = Annotated[
 ]
 TEMPERATURE = Quantity("degC", negative=True)
 ABSOLUTE_ZERO, HOTTEST_AMBIENT = -273.15, 250.0  # degC; a number of 250 and more is a room's temperature in K
+
+
+def _no_kelvins(key: str, degrees: float) -> Iterator[tuple[str, str]]:
+    if not ABSOLUTE_ZERO < degrees < HOTTEST_AMBIENT:
+        rule = f"must be above {ABSOLUTE_ZERO:g} and below {HOTTEST_AMBIENT:g} degC"
+        yield key, f"{rule}, got {degrees:g}; 293 K are 20 degC"
+
+
 DENSITY = Annotated[float, Field("fem.Solid.density"), "Mass density."]
 QUALITY = Annotated[
     float | None,
@@ -76,16 +85,14 @@ class TemperatureCoefficients(Block):
     expansion_third: Annotated[tuple | None, AXIAL, "Of third order, 1/K^3."] = None
 
     def check_reference(self) -> Any:
-        if not ABSOLUTE_ZERO < self.reference < HOTTEST_AMBIENT:
-            rule = f"must be above {ABSOLUTE_ZERO:g} and below {HOTTEST_AMBIENT:g} degC"
-            yield "reference", f"{rule}, got {self.reference:g}; 293 K are 20 degC"
+        yield from _no_kelvins("reference", self.reference)
 
     def unknown(self, known: tuple[str, ...]) -> Any:
         """Yield key and rule of each coefficient whose constant is not among the known ones."""
         for order in fem.COEFFICIENT_ORDERS:
             for name, _ in getattr(self, order) or ():
                 if name not in known:
-                    yield f"temperature.{order}.{name}", f"must be one of {', '.join(known)}"
+                    yield f"temperature.{order}.{name}", one_of(known)
 
 
 TEMPERATURE_COEFFICIENTS = Annotated[
@@ -219,7 +226,7 @@ class PiezoelectricSolid(Block):
     def check_units(self) -> Any:
         for key, unit in self.units or ():
             if key not in self.table_units:
-                yield f"units.{key}", f"must be one of {', '.join(self.table_units)}"
+                yield f"units.{key}", one_of(self.table_units)
                 continue
             if key == "permittivity" and unit == "relative":
                 continue
@@ -322,19 +329,15 @@ class Cooling(Block):
     ] = "air"
     ends_heat_stator: Annotated[
         float,
-        Quantity(zero=True),
-        "Share, 0 to 1, of the absorbing ends' heat that the stator takes over its last 5 mm. 0: they are cooled.",
+        Quantity(least=0.0, most=1.0),
+        "Share of the absorbing ends' heat that the stator takes over its last 5 mm. 0: they are cooled.",
     ] = 0.0
     ambient: Annotated[float, TEMPERATURE, "Temperature of the surroundings."] = 20.0
 
     def check_cooled(self) -> Any:
         if self.air == 0.0 and self.bottom == "air":
             yield "air", "must be positive where the bottom is in air: nothing would cool the stator"
-        if not ABSOLUTE_ZERO < self.ambient < HOTTEST_AMBIENT:
-            rule = f"must be above {ABSOLUTE_ZERO:g} and below {HOTTEST_AMBIENT:g} degC"
-            yield "ambient", f"{rule}, got {self.ambient:g}; 293 K are 20 degC"
-        if self.ends_heat_stator > 1.0:
-            yield "ends_heat_stator", f"must be at most 1, got {self.ends_heat_stator:g}"
+        yield from _no_kelvins("ambient", self.ambient)
 
 
 @dataclass(frozen=True, kw_only=True)

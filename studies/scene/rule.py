@@ -161,6 +161,13 @@ class Named(Rule):
         return {"type": "object", "minProperties": 1, "additionalProperties": self.value.schema()}
 
 
+def as_table(path: str, value) -> dict:
+    """Return a table of keys and values; a SceneError for anything else."""
+    if not isinstance(value, dict):
+        raise SceneError(path, f"must be a block of keys, got {shown(value)}")
+    return value
+
+
 def entries_of(value) -> list | None:
     """Return the entries of a list, an array, a range or a complex number; None of anything else."""
     if isinstance(value, complex):

@@ -14,7 +14,7 @@ from studies.scene.numbers import DIGITS, Quantity, units
 from studies.scene.override import replaced, walk
 from studies.scene.quantity import NUMBER, si_value
 from studies.scene.ranges import is_number
-from studies.scene.rule import Count, Rule, choice
+from studies.scene.rule import Count, Rule, as_table, choice
 
 OPTIONS = {"method": choice("linear", "sampled"), "samples": Count(100_000)}
 DEFAULTS = {"method": "linear", "samples": 500}
@@ -38,9 +38,7 @@ class Uncertain(Rule):
 
     def read(self, path, value):
         """Return pairs of key and option or text, in the order of the file."""
-        if not isinstance(value, (dict, tuple)):
-            raise SceneError(path, f"must be a block of keys, got {shown(value)}")
-        pairs = value
+        pairs = value if isinstance(value, tuple) else as_table(path, value)
         if isinstance(value, dict):
             pairs = [(key, each) for key, each in walk(value) if not isinstance(each, dict)]
         for key, each in pairs:

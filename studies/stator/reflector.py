@@ -12,7 +12,7 @@ import numpy as np
 
 import fem
 from studies.model import fem_objects, resolve
-from studies.model.scene_errors import as_run_errors
+from studies.model.scene_errors import as_run_errors, stator_keys
 from studies.record.plots import lines
 from studies.record.quantities import quantity
 from studies.record.values import Columns
@@ -97,8 +97,8 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
 def stator_beside_pieces(scene: Scene) -> fem.Stator:
     """Return the stator of a resolved scene; refuse a piece that is all of it."""
     stator = fem_objects.whole_stator(scene)
-    if stator.placement.whole is not None:
-        scene.refuse("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
+    with stator_keys("piece"):
+        fem.check_beside_pieces(stator)
     return stator
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, refuse_ending, refuse_other, shown
 
 OFFERED = {
     "field": ("screenshot", "movie", "html", "data"),
@@ -54,9 +54,7 @@ class Wanted:
             if option not in OFFERED[show]:
                 raise SceneError(f"--{option}", f"does not go with --show {show}, got {file!r}")
             allowed = (".csv",) if option == "data" and (self.surface or show == "contact") else FORMATS[option]
-            if Path(file).suffix.lower() not in allowed:
-                one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
-                raise SceneError(f"--{option}", f"must end in {one}, got {file!r}")
+            refuse_ending(file, allowed, f"--{option}")
             if not Path(file).absolute().parent.is_dir():
                 raise SceneError(f"--{option}", f"cannot write {file!r}: No such file or directory")
         if self.surface and (self.data is None or show == "contact"):
@@ -71,8 +69,8 @@ class Wanted:
         SceneError
             If the value of an option is invalid; the message names the option and its rule.
         """
-        if arguments.show not in (None, *OFFERED):
-            raise SceneError("--show", f"must be one of {', '.join(OFFERED)}, got {arguments.show!r}")
+        if arguments.show is not None:
+            refuse_other(arguments.show, OFFERED, "--show")
         unchanged = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
         number, positive = "a finite number ({})", "a finite number of at least 0 ({})"
         texts: dict[str, tuple[str, Callable, Callable, str]] = {

@@ -162,7 +162,7 @@ def test_the_text_and_the_files_hold_it(motor, tmp_path):
     ("cooling", "words"),
     [
         ({"air": 0.0}, "stator.cooling.air must be positive"),
-        ({"ends_heat_stator": 1.5}, "stator.cooling.ends_heat_stator must be at most 1"),
+        ({"ends_heat_stator": 1.5}, "stator.cooling.ends_heat_stator must be between 0 and 1, got 1.5"),
         ({"ambient": -300}, "stator.cooling.ambient must be above -273.15 and below 250 degC, got -300"),
         ({"ambient": 293.0}, "stator.cooling.ambient must be above -273.15 and below 250 degC, got 293"),
         ({"air": "10 W"}, "stator.cooling.air must be"),
