@@ -258,7 +258,7 @@ def without_line(number):
         (TEXT.replace("2.06193860810E-10", "2.06193860810E+910"), "line 15: must hold finite numbers"),
         (TEXT[:-60], "line 15: the dataset 58 that begins in line 1 is cut off: its closing -1 is missing"),
         (TEXT.replace("  -2.48060457985E-10", ""), "must hold 6 numbers, got 5: is it cut off?"),
-        (TEXT.replace("2.06193860810E-10", "          *******"), "line 15: must hold numbers, got '1.75564E-02"),
+        (TEXT.replace("2.06193860810E-10", "          *******"), "line 15: must hold numbers, got '*******'"),
         (TEXT.replace("1.75564E-02", "1.74327E-02"), "an abscissa of 2 points with 1 values: six digits do not tell"),
         (TEXT.replace("         6         2", "         7         2"), "line 9: must hold a data type of 2, 4, 5, 6"),
     ],
