@@ -40,24 +40,25 @@ class NearbyMotion:
         return tangential, normal, error / np.maximum(np.abs(tangential), np.abs(normal))
 
 
-def nearby_motions(motion: "SurfaceMotion", positions) -> dict[tuple[float, float], NearbyMotion]:
-    """Return the motion about each of some positions (x, y) in m that lie on the stator; all are evaluated together."""
+def nearby_motions(motion: "SurfaceMotion", positions) -> list[NearbyMotion | None]:
+    """Return the motion about each of some positions (x, y) in m, all evaluated together; None at the stator's ends."""
     reach = 0.25 * abs(motion.wave.phase_velocity) / motion.wave.frequency
-    spans = {position: _span(motion, position, reach) for position in positions}
-    spans = {position: (low, high) for position, (low, high) in spans.items() if high > low}
+    found: list[NearbyMotion | None] = [None] * len(positions)
+    spans = {k: _span(motion, position, reach) for k, position in enumerate(positions)}
+    spans = {k: (low, high) for k, (low, high) in spans.items() if high > low}
     along = 0.5 * (1.0 + chebyshev.points(POINTS))
-    places = [(x + low * (1.0 - t) + high * t, y) for (x, y), (low, high) in spans.items() for t in along]
+    ends = [(*positions[k], *span) for k, span in spans.items()]
+    places = [(x + low * (1.0 - t) + high * t, y) for x, y, low, high in ends for t in along]
     if not places:
-        return {}
+        return found
     tangential, _, normal = motion.at(places).reshape(3, len(spans), POINTS)
     sizes = np.maximum(np.abs(tangential), np.abs(normal))
     errors = sizes * np.reshape(motion.errors(places), sizes.shape)
-    found = {}
-    for k, (position, (low, high)) in enumerate(spans.items()):
-        u_x, _, u_z = abs(motion.at([position])[:, 0])
+    for own, (k, (low, high)) in enumerate(spans.items()):
+        u_x, _, u_z = abs(motion.at([positions[k]])[:, 0])
         # The stator was solved for the motion at the position: in a minimum beside it, the error is no smaller
-        error = np.maximum(errors[k], motion.errors([position])[0] * max(u_x, u_z))
-        found[position] = NearbyMotion(low=low, high=high, tangential=tangential[k], normal=normal[k], error=error)
+        error = np.maximum(errors[own], motion.errors([positions[k]])[0] * max(u_x, u_z))
+        found[k] = NearbyMotion(low=low, high=high, tangential=tangential[own], normal=normal[own], error=error)
     return found
 
 

@@ -46,11 +46,11 @@ class SolvedStator:
         """
         tangential, _, normal = motion.at(positions)
         errors = [COARSE_ERROR] * len(positions) if coarse else motion.errors(positions)
-        about = nearby_motions(motion, positions) if nearby else {}
+        about = nearby_motions(motion, positions) if nearby else [None] * len(positions)
         at = {}
-        for position, u_x, u_z, error in zip(positions, tangential, normal, errors, strict=True):
+        for position, u_x, u_z, error, near in zip(positions, tangential, normal, errors, about, strict=True):
             covered, refusal = motion.covered(position), motion.unresolved([position])
-            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal, about.get(position))
+            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal, near)
         return cls(
             at=at, section_error=float(motion.wave.relative_error), goal=goal, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,

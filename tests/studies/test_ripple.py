@@ -86,7 +86,7 @@ def test_polynomials_through_chebyshev_points():
 def test_the_motion_between_the_points_is_that_of_the_stator(rippled):
     """Oracle: the field itself, beside the axis too."""
     motion, position = rippled.surface_motion, (9e-3, 1e-3)
-    nearby = nearby_motions(motion, [position])[position]
+    (nearby,) = nearby_motions(motion, [position])
     quarter = motion.wave.phase_velocity / motion.wave.frequency / 4
     assert (nearby.low, nearby.high) == pytest.approx((-quarter, quarter), rel=1e-12)
     shifts = np.array([-0.97, -0.2, 0.013, 0.61]) * quarter
