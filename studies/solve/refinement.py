@@ -19,8 +19,6 @@ ROUNDS = 3  # largest number of solutions of the stator; each round determines t
 # If the error of the motion is more than this fraction of that in the round before, no further round is tried, because
 # the remaining error is that of the beam, which a finer section does not reduce.
 STALLED = 0.7
-# If the beam's own error at the best point is more than this multiple of the tolerance, no finer section is tried.
-HOPELESS = 3
 # Goals after the first are fractions SHARE / STEP**k of the tolerance, so that points of a sweep share finer stators
 STEP = 2.0
 
@@ -57,7 +55,7 @@ def finer(
     beam_share = 1.0 - section / whole
     beam = beam_share * (max(missed) - ringing)
     allowed = 0.5 * (tolerance - beam) - ringing
-    if allowed <= 0.0 or beam_share * min(missed) > HOPELESS * tolerance:
+    if allowed <= 0.0:  # the beam alone, or the ring-up, takes the tolerance
         return None
     needed = section * allowed / (max(missed) - ringing - beam)
     if needed >= section:

@@ -242,7 +242,7 @@ def test_a_finer_stator_is_asked_for_only_where_it_helps():
     # half of the error is the beam's, of which 8e-4 is left to the velocity
     half = goal((1.6e-3, 0.0), section=1e-4, whole=2e-4)
     assert half == pytest.approx(below(1e-4 * 0.5 * (1e-3 - 8e-4) / 8e-4), rel=1e-12, abs=0)
-    assert goal((7e-3, 0.0), section=1e-4, whole=2e-4) is None  # the beam's own error is 3.5 times the tolerance
+    assert goal((7e-3, 0.0), section=1e-4, whole=2e-4) is None  # the beam alone takes the tolerance
     # a round that did not help is the last
     assert goal((2e-3, 0.0), before=on_a_stator(1e-4, 2e-4)) is None
     assert goal((2e-3, 0.0), section=0.9e-4, whole=1e-4, before=on_a_stator(1e-4, 1.1e-4)) is None
