@@ -167,6 +167,12 @@ def coupling(slider: Slider, orbits) -> tuple[str, ...]:
     return (*why, "it loads the wave") if passes and orbits.loaded_by(slider.preload) else why
 
 
+def refuse_infinite_mass(slider: Slider) -> None:
+    """Raise an InputError for a slider that has no motion in time."""
+    if slider.mass == math.inf:
+        raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
+
+
 def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider, tuple[Orbit, ...]]:
     """Return a slider and the orbit under each of its contacts; those that are equal and in one row are one of them.
 
@@ -182,8 +188,8 @@ def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider
         raise ConvergenceError(
             "not applicable", f"{' and '.join(why)}: {rule}; give wave.loading = false to leave it out"
         )
-    if in_time and slider.mass == math.inf:
-        raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
+    if in_time:
+        refuse_infinite_mass(slider)
     if not isinstance(orbits, PassingWave):
         return slider, as_orbits(orbits)
     slider = slider.merged()

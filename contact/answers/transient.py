@@ -16,7 +16,6 @@ On a `Track` the orbits are those of the place to which the slider has come, wit
 place, by which a moving slider meets another frequency (Doppler). The motion stops where the track ends.
 """
 
-import math
 import time as clock
 from dataclasses import dataclass, replace
 
@@ -30,12 +29,11 @@ from contact.choice import Answer, Answered, refused
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
-from contact.exceptions import InputError
 from contact.orbit import Orbit, towards_plus
 from contact.slider import Slider
 from contact.stepping.along_track import Scaled
 from contact.track import Track
-from contact.wave import PassingWave, Surface, coupling, prescribed
+from contact.wave import PassingWave, Surface, coupling, prescribed, refuse_infinite_mass
 
 QUASI_STATIC = "quasi-static"
 
@@ -211,8 +209,7 @@ def _quasi_static(slider, wave, duration, after, tolerance, samples, envelope, t
     why += ("it takes no ring-down",) if fading is not None else ()
     if why:
         raise refused("a burst", {QUASI_STATIC: why}, "leave them out")
-    if slider.mass == math.inf:
-        raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
+    refuse_infinite_mass(slider)
     time = np.unique(np.append(np.linspace(0.0, duration + after, samples), duration))
     answer, velocity, height = quasi_static(slider, wave, time, duration, envelope)
     return Trajectory(
