@@ -12,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Print the JSON Schema of a scene."""
-    from studies.scene.schema import schema_text
+    from studies.scene.reference import schema_text
 
     print(schema_text(), end="")
     return 0

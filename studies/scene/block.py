@@ -13,10 +13,9 @@ from typing import ClassVar, NoReturn, Self, get_args
 from fem import parameters
 from fem.parameters import Checks, Number, Parameters, rules_of
 from studies.refusal import SceneError, nearest, shown, suggestion
-from studies.scene.numbers import Quantity
+from studies.scene.numbers import Quantity, stated_schema
 from studies.scene.rule import Count, Either, Field, Rule, as_table, choice, read_each, signs
 from studies.scene.synonyms import key_for
-from studies.scene.uncertain import stated_schema
 
 
 @dataclass(frozen=True)

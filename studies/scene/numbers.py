@@ -80,6 +80,17 @@ def units(unit: str) -> str:
     return "|".join(sorted(map(re.escape, POWERS[unit])))
 
 
+def stated_schema(rule: Rule) -> list[dict]:
+    """Return the JSON Schema of ``"VALUE +- TOLERANCE"`` at a key, in a list; empty for a key without a number."""
+    if rule.each or not isinstance(rule.number, Quantity):
+        return []
+    sign, value = rf"(\s+\+/?-\s+|\s*±\s*){DIGITS}", rf"^\s*[+-]?{DIGITS}"
+    if not rule.unit:
+        return [{"type": "string", "pattern": rf"{value}{sign}\s*%?\s*$"}]
+    name = units(rule.unit)
+    return [{"type": "string", "pattern": rf"{value}(\s*({name}){sign}(\s*({name}|%))?|{sign}\s*({name}|%))\s*$"}]
+
+
 @dataclass(frozen=True)
 class FixedList(Rule):
     """A list of a fixed length, each entry with a rule of its own."""

@@ -1,6 +1,8 @@
-"""The reference of all keys of a scene: the tables of ``studies/scenes/README.md``, from the blocks and the catalogue.
+"""The reference of all keys of a scene: ``studies/scenes/README.md`` and the JSON Schema, for an editor's completion.
 
-``python -m studies.scene.reference`` writes them, and the JSON Schema beside it; the text before is written by hand.
+``python -m studies.scene.reference`` writes both from the blocks and the catalogue; the text before the tables is
+written by hand. The schema (draft 2020-12) holds the rules of single keys; combinations of keys and the geometry are
+checked by the program alone. Quantities may have the usual units; the program reads every unit of the right dimension.
 """
 
 import json
@@ -8,10 +10,9 @@ from collections.abc import Sequence
 
 import fem
 from studies.scene import blocks, drive, friction, pillars, slider
-from studies.scene.block import Block, keys_of
+from studies.scene.block import Block, block_schema, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
-from studies.scene.schema import schema_text
 
 BLOCKS = {
     "The file": Scene,
@@ -82,6 +83,37 @@ def _table(rows: Sequence[tuple[str, ...]]) -> str:
     lines = [" | ".join(("", *(cell.replace("|", "\\|") for cell in row), "")).strip() for row in rows]
     lines.insert(1, "|" + "---|" * len(rows[0]))
     return "\n".join(lines)
+
+
+def schema() -> dict:
+    """Return the JSON Schema of a scene."""
+    isotropic = [name for name in fem.material_names() if "youngs_modulus" in fem.catalogue_table(name)]
+    whole = block_schema(Scene)
+    stator, slider = (whole["properties"][name]["properties"] for name in ("stator", "slider"))
+    stator["material"]["anyOf"][1] = {"enum": list(fem.material_names())}
+    slider["ball"] = {"description": slider["ball"]["description"], "enum": isotropic}
+    slider_block, drive = whole["properties"]["slider"], whole["properties"]["drive"]
+    slider_block["anyOf"] = [{"required": ["ball"]}, {"required": ["effective_modulus", "tangential_modulus"]}]
+    driven = {"anyOf": [{"required": ["transducer"]}, {"required": ["sources"]}]}
+    drive["oneOf"] = [
+        {"required": ["voltage"], "properties": {"power": False}, **driven},
+        {"required": ["power"], "properties": {"voltage": False}, **driven},
+        {"properties": dict.fromkeys(("voltage", "power", "transducer", "sources"), False)},
+    ]
+    computed = {"required": ["stator", "drive"], "properties": {"wave": False}}
+    absent = dict.fromkeys(("stator", "transducer", "drive"), False)
+    with_wave = {"required": ["wave", "slider"], "properties": absent}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scene of sawmotor",
+        **whole,
+        "anyOf": [computed, with_wave],
+    }
+
+
+def schema_text() -> str:
+    """Return the schema as the text of its file."""
+    return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ from functools import reduce
 from typing import NamedTuple
 
 from studies.refusal import SceneError, shown
-from studies.scene.numbers import DIGITS, Quantity, units
 from studies.scene.override import replaced, walk
 from studies.scene.quantity import NUMBER, si_value
 from studies.scene.ranges import is_number
@@ -81,17 +80,6 @@ def half_width(path: str, stated: float | str, value: float, unit: str) -> float
     if size <= 0:
         raise SceneError(path, f"must be positive, got {shown(stated)} of {value:g} {unit}".rstrip())
     return size
-
-
-def stated_schema(rule: Rule) -> list[dict]:
-    """Return the JSON Schema of ``"VALUE +- TOLERANCE"`` at a key, in a list; empty for a key without a number."""
-    if rule.each or not isinstance(rule.number, Quantity):
-        return []
-    sign, value = rf"(\s+\+/?-\s+|\s*±\s*){DIGITS}", rf"^\s*[+-]?{DIGITS}"
-    if not rule.unit:
-        return [{"type": "string", "pattern": rf"{value}{sign}\s*%?\s*$"}]
-    name = units(rule.unit)
-    return [{"type": "string", "pattern": rf"{value}(\s*({name}){sign}(\s*({name}|%))?|{sign}\s*({name}|%))\s*$"}]
 
 
 def split_tolerances(table: dict) -> dict:

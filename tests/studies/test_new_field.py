@@ -20,7 +20,7 @@ ASK = """
 import json
 from studies import Scene, SceneError
 from studies.model.fem_objects import transducers
-from studies.scene.schema import schema
+from studies.scene.reference import schema
 left, right = transducers(Scene.load("rayleigh-of-two"))
 try:
     Scene.load("refused")

@@ -19,8 +19,7 @@ from studies.scene import read_table, shipped_scenes
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.file import SCHEMA as FILE_NAME
 from studies.scene.quantity import POWERS, si_value
-from studies.scene.reference import BLOCKS
-from studies.scene.schema import schema, schema_text
+from studies.scene.reference import BLOCKS, schema, schema_text
 
 SCHEMA = schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
