@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fem.analytic.half_space import BELOW_LIMIT, HalfSpaceWave, rayleigh, surface_named
+from fem.analytic.half_space import BELOW_LIMIT, HalfSpaceWave, automatic_period, rayleigh, surface_named
 from fem.analytic.layered import LayeredImpedance, Stack
 from fem.exceptions import ConvergenceError
 from fem.geometry import Layer, Stator
@@ -271,6 +271,19 @@ def bound_wave(stator: Stator, frequency: float, surface: str | None = None) -> 
     if not stator.layers:
         return rayleigh(stator.solid, surface)
     return _bound_wave(stator.solid, stator.layers, frequency, surface)
+
+
+def bound_period(stator: Stator, frequency: float, metallisation: float) -> float:
+    """Return the period in m that fingers on a stator need at a frequency in Hz: `automatic_period`, with layers.
+
+    It is the wavelength of the bound wave whose velocity is (metallisation v_shorted + (1 - metallisation) v_vacuum),
+    shorted in the plane of the fingers.
+    """
+    if not stator.layers:
+        return automatic_period(stator.solid, frequency, metallisation)
+    wave = _bound_wave(stator.solid, stator.layers, frequency, "vacuum")
+    shorted = shorted_velocity(wave, stator.plane)
+    return (metallisation * shorted + (1 - metallisation) * wave.velocity) / frequency
 
 
 @lru_cache(maxsize=256)

@@ -14,6 +14,9 @@ Compare Auld, *Acoustic Fields and Waves in Solids* II (1973), sections 10 and 1
 import numpy as np
 
 from fem.analytic.half_space import BELOW_LIMIT, falling_root, rayleigh, surface_impedance
+from fem.analytic.layered import LayeredImpedance
+from fem.analytic.layered_wave import bound_wave
+from fem.geometry import Stator
 from fem.materials import Solid
 from fem.parameters import InputError, positive
 
@@ -55,6 +58,29 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
     amplitude = impedance.mode(velocity, index)[impedance.displaced]
     share = abs(amplitude[-1]) ** 2 / float(np.sum(np.abs(amplitude) ** 2))
     return float(-share / (slope * velocity) / impedance.stress_unit)
+
+
+def bound_compliance(stator: Stator, frequency: float) -> float:
+    """Return Gamma, equation (1), in 1/Pa of the wave that a stator guides at its surface at a frequency in Hz.
+
+    Without layers it is that of `wave_compliance`. With layers the thicknesses over the wavelength change with v, so
+    that lambda is differentiated at the fixed frequency.
+    """
+    if not stator.layers:
+        return wave_compliance(stator.solid, stator.bare_surface)
+    wave = bound_wave(stator, frequency)
+    impedance = LayeredImpedance(stator.solid, stator.layers, frequency=frequency)
+
+    def eigenpairs(velocity: float) -> tuple[np.ndarray, np.ndarray]:
+        top = impedance.stack(np.array([velocity])).impedance
+        return np.linalg.eigh(impedance.mechanical(top, surface=stator.bare_surface)[0])
+
+    values, vectors = eigenpairs(wave.velocity)
+    index = int(np.argmin(abs(values)))
+    step = STEP * min(1.0, 10.0 * (impedance.limit / wave.velocity - 1.0))
+    near = [eigenpairs(wave.velocity * (1.0 + n * step))[0][index] for n in (-2, -1, 1, 2)]
+    slope = (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / (12 * step)  # times the velocity
+    return float(-(abs(vectors[-1, index]) ** 2) / slope / impedance.scales[0])
 
 
 def spring_shift(

@@ -29,6 +29,8 @@ def beam_refusal(stator: Stator) -> str:
     """Sentence that says why a stator's field in three dimensions cannot be computed; empty if it can."""
     if stator.pieces:
         return "the field in three dimensions of a stator with meshed pieces is not computed"
+    if stator.layers:
+        return "the field in three dimensions of a stator with layers is not computed"
     if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
         return f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     return ""

@@ -160,7 +160,7 @@ def aperture_solver(
 
     ``limits``: lowest and highest frequency (Hz), if the solver will be called at many frequencies of a band.
     """
-    if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
+    if stator.pieces or stator.layers or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
     return partial(_port_fields, OwnApertures(mirror_width, limits), fineness=fineness)
 

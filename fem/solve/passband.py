@@ -20,6 +20,7 @@ import numpy as np
 
 from fem.analytic.coupled_modes import relative_amplitude
 from fem.analytic.half_space import automatic_period
+from fem.analytic.layered_wave import bound_period
 from fem.analytic.quasistatic import transducer_estimate
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
@@ -37,6 +38,7 @@ RIVAL = 0.9  # a second local maximum of the scan is refined too if it exceeds t
 ACCURACY = 1e-4  # of the position of the maximum, over the width of the passband: the power is flat there
 MAX_GUESS_RANGE = 0.45  # relative range in which the first guess is sought, for few fingers
 GRID = 801  # points in that range
+FREQUENCY_STEPS = 4  # of the fixed point of frequency and velocity of a wave on layers
 
 
 def best_period(stator: Stator, transducer: Transducer, frequency: float) -> float:
@@ -81,7 +83,7 @@ def best_frequency(stator: Stator, transducer: Transducer) -> float:
 @one_blas_thread
 def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> float:
     unit = stator.slowest_wavelength(frequency)
-    guess = _guess(stator, transducer) / frequency
+    guess = _guess(stator, transducer, frequency) / frequency
     scale = replace(transducer, period=guess).finger_width / 2
 
     @cache
@@ -128,8 +130,18 @@ def _alone(stator: Stator, transducer: Transducer) -> tuple[Stator, Transducer]:
     )
 
 
-def _guess(stator: Stator, transducer: Transducer) -> float:
-    """Return the product of frequency and period in m/s for a half-space."""
+def _guess(stator: Stator, transducer: Transducer, frequency: float | None = None) -> float:
+    """Return the product of frequency and period in m/s for a half-space.
+
+    ``frequency``: in Hz; None if the period is known. With layers the product depends on it, and reflections, which
+    shift it little, are left out.
+    """
+    if stator.layers:
+        known = frequency or automatic_period(stator.solid, 1.0, transducer.metallisation) / transducer.period
+        for _ in range(1 if frequency else FREQUENCY_STEPS):
+            product = bound_period(stator, known, transducer.metallisation) * known
+            known = product / transducer.period
+        return product
     solid, surface = stator.solid, stator.bare_surface
     velocity = automatic_period(solid, 1.0, transducer.metallisation)
     half_range = min(1 / transducer.finger_pairs, MAX_GUESS_RANGE)

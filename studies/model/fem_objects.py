@@ -14,7 +14,7 @@ from studies.model.materials import LOSSES, crystal, crystal_at, frequency_coeff
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import LENGTHS, Stator, Transducer
+from studies.scene.blocks import LENGTHS, Stator, Transducer, wavelengths_of
 
 ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 
@@ -32,9 +32,14 @@ def solid(block: Stator):
     return fem.in_cold_lengths(cut, stretch) if stretch else cut
 
 
-def surface_velocity(block: Stator) -> float:
-    """Return the velocity of the Rayleigh wave under a bare surface without charge (D_n = 0), m/s."""
-    return fem.rayleigh(solid(block), "open").velocity
+def surface_solid(block: Stator):
+    """Return the ``fem.Solid`` at the surface: that of the last layer, or of the stator."""
+    return stator(block).solids[-1]
+
+
+def surface_velocity(block: Stator, frequency: float) -> float:
+    """Return the velocity of the wave under a bare surface without charge (D_n = 0) at a frequency in Hz, m/s."""
+    return fem.bound_wave(stator(block), frequency, "open").velocity
 
 
 @lru_cache(256)
@@ -47,24 +52,39 @@ def relative_frequency(block: Stator, temperature: float) -> float:
     if coefficient is not None:
         return 1.0 + coefficient * (temperature - reference_temperature(block))
     warm, cold = replace(block, temperature=temperature), replace(block, temperature=None)
-    return surface_velocity(warm) / surface_velocity(cold)
+    return fem.rayleigh(solid(warm), "open").velocity / fem.rayleigh(solid(cold), "open").velocity
 
 
 def wavelength(scene: Scene) -> float:
     """Return the length in m of that wave at the frequency of a resolved scene."""
-    return surface_velocity(scene.stator) / scene.frequency
+    return surface_velocity(scene.stator, scene.frequency) / scene.frequency
 
 
-def stator(block: Stator):
-    """Return the ``fem.Stator`` of a stator block."""
-    rotated, thickness = solid(block), math.inf if block.thickness == "half-space" else block.thickness
+def layers(block: Stator) -> tuple:
+    """Return the ``fem.Layer`` objects of a stator block, from its material up."""
+    made = []
+    for index, each in enumerate(block.layer):
+        with stator_keys(f"stator.layer.{index}.material"):
+            rotated = fem.rotated(crystal(each.material), each.cut)
+        bond = None if each.bond is None else fem.Bond(normal=each.bond.normal, tangential=each.bond.tangential)
+        share = wavelengths_of(each.thickness) if isinstance(each.thickness, str) else None
+        thickness = {"thickness": each.thickness} if share is None else {"wavelengths": share}
+        made.append(fem.Layer(solid=rotated, bond=bond, **thickness))
+    return tuple(made)
+
+
+def stator(block: Stator, plane: int = 0):
+    """Return the ``fem.Stator`` of a stator block; ``plane``: number of layers above the fingers."""
+    own = {"solid": solid(block), "thickness": math.inf if block.thickness == "half-space" else block.thickness}
     with stator_keys("stator"):
-        return fem.Stator(**block.arguments() | {"solid": rotated, "thickness": thickness})
+        return fem.Stator(**block.arguments() | own, layers=layers(block), plane=plane)
 
 
 def whole_stator(scene: Scene):
-    """Return the ``fem.Stator`` of a scene with its meshed pieces."""
-    return replace(stator(scene.stator), pieces=pieces(scene)) if scene.piece else stator(scene.stator)
+    """Return the ``fem.Stator`` of a scene with its meshed pieces and the plane of its fingers."""
+    plane = next((int(each.plane) for each in scene.transducer if each.plane != "surface"), 0)
+    plain = stator(scene.stator, plane)
+    return replace(plain, pieces=pieces(scene)) if scene.piece else plain
 
 
 def pieces(scene: Scene) -> tuple:

@@ -53,12 +53,16 @@ def frequency_coefficient(block: Stator) -> float | None:
     """Return the temperature coefficient of the frequency in 1/K that stands for those of the constants, if given."""
     if block.temperature_coefficient is not None:
         return block.temperature_coefficient
+    if block.layer:
+        return None
     return thermal_table(block.material).get("velocity_coefficient")
 
 
 def knows_temperature(block: Stator) -> bool:
     """Return whether the effect of the temperature on the stator's wave is known."""
-    return frequency_coefficient(block) is not None or "temperature" in thermal_table(block.material)
+    if frequency_coefficient(block) is not None:
+        return True
+    return not block.layer and "temperature" in thermal_table(block.material)
 
 
 def reference_temperature(block: Stator) -> float:

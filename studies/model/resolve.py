@@ -9,12 +9,23 @@ and ball keep following them (`following`), and a scene stored with [uncertain] 
 """
 
 import itertools
+import math
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import fem
-from studies.model.fem_objects import drive, pieces, port_admittance, solid, stator, transducers, unturned, whole_stator
+from studies.model.fem_objects import (
+    drive,
+    layers,
+    pieces,
+    port_admittance,
+    solid,
+    surface_solid,
+    transducers,
+    unturned,
+    whole_stator,
+)
 from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
@@ -31,6 +42,7 @@ MODULI = ("effective_modulus", "tangential_modulus")  # of the slider; they foll
 # m/s: surface waves of solids are faster than the first, those of stators are about as fast as the second
 SLOW_WAVE, USUAL_WAVE = 500.0, 3000.0
 PREFIXES = (("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9))
+MAX_LAYER = 3.0  # wavelengths; a thicker layer holds the whole wave
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
@@ -70,6 +82,7 @@ def _check_steady(scene: Scene) -> None:
 
 def _resolved(scene: Scene, spread: bool | None) -> Scene:
     if scene.stator is not None:
+        scene = _with_thicknesses(scene)
         if scene.transducer:
             _refuse_long_waves(scene)
             scene = _with_source_numbers(scene)
@@ -97,7 +110,7 @@ def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
         return slider
     from studies.model.contact_moduli import pair_moduli
 
-    normal, tangential = pair_moduli(slider.ball, solid(stator))
+    normal, tangential = pair_moduli(slider.ball, surface_solid(stator))
     return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
 
 
@@ -169,11 +182,35 @@ def _refuse_long_waves(scene: Scene) -> None:
     )
 
 
+def _with_thicknesses(scene: Scene) -> Scene:
+    """Return the scene with the thicknesses of its layers in m, where they are numbers of wavelengths.
+
+    A SceneError says that a layer is too thick, or that the wave of the layers leaks.
+    """
+    block, frequency = scene.stator, scene.drive.frequency
+    if not block.layer or isinstance(frequency, str):
+        return scene
+    stack, surface = layers(block), "open" if block.above == "none" else "vacuum"
+    try:
+        wave = fem.principal_wave(fem.layered_waves(solid(block), stack, surface=surface, frequency=frequency))
+    except fem.ConvergenceError as error:
+        rule = f"must leave a wave bound to the surface: at {frequency:g} Hz {error}"
+        raise SceneError("stator.layer", rule) from None
+    wavelength, made = wave.velocity / frequency, []
+    for index, (each, depth) in enumerate(zip(block.layer, wave.stack.depth[:, 0], strict=True)):
+        thickness = float(depth) / (2.0 * math.pi) * wavelength
+        if thickness > MAX_LAYER * wavelength:
+            rule = f"is {thickness * 1e3:.4g} mm, {thickness / wavelength:.3g} wavelengths: it is the substrate"
+            raise SceneError(f"stator.layer.{index}.thickness", f"{rule}; make it the material of the stator")
+        made.append(replace(each, thickness=thickness) if isinstance(each.thickness, str) else each)
+    return replace(scene, stator=replace(block, layer=tuple(made)))
+
+
 def _with_source_numbers(scene: Scene) -> Scene:
     """Return the scene with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
-    block = stator(scene.stator)
-    if "phi" not in fem.fields(block.solid):
-        name = block.solid.name
+    block = replace(whole_stator(scene), pieces=())
+    if "phi" not in block.fields:
+        name = " on ".join(each.name for each in block.solids[::-1])
         raise SceneError("transducer", f"must be absent on {name}: it is not piezoelectric in this orientation")
     with stator_keys("drive.frequency"):
         if scene.drive.frequency == "center":
@@ -187,8 +224,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
         if each.period == "auto" and each.has_two_electrodes:
             period = fem.best_period(block, unturned(each, 1.0), scene.frequency)
         else:
-            bulk = replace(scene.stator, thickness="half-space")
-            period = _half_space_period(bulk, scene.frequency, each.metallisation)
+            period = _half_space_period(replace(block, thickness=math.inf), scene.frequency, each.metallisation)
         return replace(each, period=float(period))
 
     with stator_keys("transducer.period"):
@@ -196,8 +232,8 @@ def _with_source_numbers(scene: Scene) -> Scene:
 
 
 @lru_cache(256)  # points of a sweep or a search share most of them
-def _half_space_period(block: Stator, frequency: float, metallisation: float) -> float:
-    return fem.automatic_period(solid(block), frequency, metallisation)
+def _half_space_period(block: fem.Stator, frequency: float, metallisation: float) -> float:
+    return fem.bound_period(block, frequency, metallisation)
 
 
 def _check_layout(scene: Scene) -> None:
@@ -207,7 +243,7 @@ def _check_layout(scene: Scene) -> None:
             fem.check_layout(block, placed)
             return
         fem.check_plan(block, scene.stator.width, placed)
-    if not fem.isotropic_about_normal(block.solid):
+    if not block.isotropic_about_normal:
         rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
         raise SceneError("transducer", f"{rule} {block.solid.name}")
 

@@ -25,7 +25,7 @@ def stator_wave(scene: Scene, motion):
     """
     slider, wave, beam = scene.slider, motion.wave, motion.beam
     stator = fem_objects.stator(scene.stator)
-    orbit = complex(fem.rayleigh(stator.solid, stator.bare_surface).displacement[0])
+    orbit = complex(fem.bound_wave(stator, motion.wave.frequency).displacement[0])
     wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
     reach = max(wavelength, float(np.ptp(layout(slider).x)) / 2)
     centre, middle = slider.center
@@ -48,7 +48,7 @@ def stator_wave(scene: Scene, motion):
     misfit = float(np.sqrt(np.mean(np.abs(basis @ (forward, backward) - u_z) ** 2)))
     passing = contact.PassingWave(
         frequency=wave.frequency, wavelength=wavelength, ratio=orbit / 1j, forward=complex(forward),
-        backward=complex(backward), compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
+        backward=complex(backward), compliance=fem.bound_compliance(stator, wave.frequency),
         strip_width=width,
     )  # fmt: skip
     return passing, misfit / passing.amplitude

@@ -39,7 +39,7 @@ def radiation(record: Record) -> Effects:
     slider = record.scene.slider
     if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
         return
-    solid, contacts = fem_objects.solid(record.scene.stator), slider.computed_contacts
+    solid, contacts = fem_objects.surface_solid(record.scene.stator), slider.computed_contacts
     omega, body = 2 * math.pi * record.wave.frequency_Hz, contact_slider(slider)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
@@ -91,7 +91,7 @@ def wave_load(record: Record, voltages) -> list[float]:
     at_one_volt = contact.PassingWave(
         frequency=record.wave.frequency_Hz, wavelength=wavelength(record), forward=float(normal[strongest]),
         ratio=float(tangential[strongest] / normal[strongest]), strip_width=record.scene.driven_transducer.aperture,
-        compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
+        compliance=fem.bound_compliance(stator, record.wave.frequency_Hz),
     )  # fmt: skip
     changes, near = [], None
     for voltage in voltages:

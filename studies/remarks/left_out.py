@@ -48,7 +48,7 @@ def left_out(
 
 def _free(scene: Scene) -> Conditions:
     """Yield the neglected effects of a free wave, in a scene without transducers."""
-    fields = fem.fields(fem_objects.solid(scene.stator))
+    fields = fem_objects.stator(scene.stator).fields
     yield True, "electrodes: the scene has no transducer"
     yield True, "finite elements along x: the wave is a mode of the section through the depth"
     plain = "the free wave is that of the plain stator; sawmotor study reflector computes their reflections"
@@ -60,9 +60,9 @@ def _free(scene: Scene) -> Conditions:
 def _driven(scene: Scene) -> Conditions:
     """Yield the neglected effects in the section of a driven stator."""
     stator = fem_objects.stator(scene.stator)
-    names = fem.fields(stator.solid)
-    symmetric = fem.medium(stator.solid, names).parity is not None
-    thin = stator.thickness * scene.frequency < _surface_speed(stator)
+    names = stator.fields
+    symmetric = fem.media(stator.solids, names)[0].parity is not None
+    thin = (stator.thickness + stator.coating) * scene.frequency < _surface_speed(stator, scene.frequency)
     follow = "they follow from the others, as x -> -x is a symmetry of this orientation"
     yield "uy" not in names, UNCOUPLED
     yield symmetric, f"half of the guided modes: {follow}"
@@ -73,10 +73,10 @@ def _driven(scene: Scene) -> Conditions:
     yield True, "the field inside the stator: only the motion of the surface is computed"
 
 
-def _surface_speed(stator) -> float:
-    """Return the Rayleigh velocity of the half-space in m/s, or 0 if the cut has no Rayleigh wave."""
+def _surface_speed(stator, frequency: float) -> float:
+    """Return the velocity in m/s of the half-space's surface wave at a frequency in Hz, or 0 if it has none."""
     try:
-        return fem.rayleigh(stator.solid, "open").velocity
+        return fem.bound_wave(stator, frequency, "open").velocity
     except fem.ConvergenceError:
         return 0.0
 

@@ -116,13 +116,15 @@ def leak(record: Record, motion) -> Effects:
     from studies.model import fem_objects
 
     stator = fem_objects.stator(record.scene.stator)
-    half_space = fem.rayleigh(stator.solid, stator.bare_surface)
+    half_space = fem.bound_wave(stator, motion.wave.frequency)
     margin = half_space.limiting_velocity / half_space.velocity - 1
     # The loading number approximates the phase advance. The angle of exit_over_entry cannot replace it because it is
     # known only modulo 2 pi.
     advance = motion.loading_number / (motion.wave.wavenumber * length)
     how = f"the load makes the wave faster by {100 * advance:.2g} %, bulk waves begin at {100 * margin:.2g} %"
     yield "speed-up of the wave by its load", MARGIN, advance / margin, how
+    if stator.layers:
+        return
     wave, body = motion.wave, motion.pillars
     stiffness_ratio = float(np.mean(body.tangential_stiffness / body.normal_stiffness))
     # springs per area whose first-order shift of the wavenumber, Gamma (K_n + |orbit|^2 K_t), is the pillars' advance

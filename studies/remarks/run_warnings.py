@@ -94,7 +94,7 @@ def _drive(record: Record) -> Iterator[str]:
             )
     if limits is None or limits.tensile_stress is None:
         return
-    c = fem_objects.solid(scene.stator).stiffness
+    c = fem_objects.surface_solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
     u_x = highest * float(abs(record.surface.u_x_m_per_V).max())
     stress = stiffness * surface_strain(record, highest)
@@ -126,6 +126,8 @@ def _off_resonance(record: Record) -> Iterator[str]:
     if drive.source_impedance or drive.match != "none":
         return
     stator, present, driven = fem_objects.stator(scene.stator), scene.frequency, scene.driven_transducers
+    if stator.layers:
+        return  # the coupled modes are those of one solid
     plain = (each for each in driven if each.pattern is None and not each.split)
     designs = {(each.wavelength, each.finger_pairs, each.metallisation): each for each in plain}
     for each in designs.values():

@@ -138,6 +138,8 @@ def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
     stator = fem_objects.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave.frequency_Hz
     try:
+        if stator.layers:
+            raise fem.ConvergenceError("the slowness curve of layers is not computed")
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
     except fem.ConvergenceError:
         # some directions have no surface wave: assume the velocity along x in all directions
@@ -178,12 +180,12 @@ def vacuum_effect(record: Record) -> Effects:
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
     """
     if record.scene.stator.above == "none":
-        solid = fem_objects.solid(record.scene.stator)
-        permittivity = solid.permittivity
+        stator, frequency = fem_objects.whole_stator(record.scene), record.wave.frequency_Hz
+        permittivity = stator.solids[-1].permittivity
         eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
         share = fem.VACUUM_PERMITTIVITY / eps_p
         try:
-            bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+            bare, metal = (fem.bound_wave(stator, frequency, each).velocity for each in ("open", "metallised"))
             size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
             how = "eps_0 over the permittivity of the solid, times the coupling K2 of the surface wave"
         except fem.ConvergenceError:

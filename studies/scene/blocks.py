@@ -4,6 +4,7 @@ Everything is in SI units once read.  x runs along the surface from the
 stator's left end, z out of the surface.  The sentence beside each key is its entry in ``studies/scenes/README.md``.
 """
 
+import math
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,10 +13,10 @@ from typing import Annotated, Any, ClassVar
 
 import fem
 from studies.refusal import SceneError, one_of, shown
-from studies.scene.block import Block, Within, keys_of
+from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, impedance, matrix, surface_position
 from studies.scene.quantity import si_value
-from studies.scene.rule import FIELD, FLAG, TEXT, Field, Named, Plain, Rule, choice
+from studies.scene.rule import FIELD, FLAG, TEXT, Count, Field, Named, Plain, Rule, choice
 
 # As in `fem.FORMS`, `fem.ORDERS`, `fem.CONVENTIONS` and `fem.CLASSES`, without the import of numpy
 FORMS = ("stress-charge", "strain-charge")
@@ -340,6 +341,80 @@ class Cooling(Block):
         yield from _no_kelvins("ambient", self.ambient)
 
 
+class Wavelengths(Rule):
+    """A text of a number of wavelengths, kept as it is."""
+
+    expected = 'a number of wavelengths such as "0.05 lambda"'
+
+    def takes(self, value: Any) -> Any:
+        return isinstance(value, str) and value.rstrip().endswith(LAMBDAS)
+
+    def read(self, path: Any, value: Any) -> Any:
+        if not self.takes(value) or wavelengths_of(value) is None:
+            raise self.refusal(path, value)
+        return value
+
+    def schema(self) -> Any:
+        return {"type": "string", "pattern": r"^\s*\d*\.?\d+([eE][+-]?\d+)?\s*(lambda|\u03bb)\s*$"}
+
+
+LAMBDAS = ("lambda", "\u03bb")
+
+
+def wavelengths_of(text: str) -> float | None:
+    """Return the number in a text such as "0.05 lambda"; None if it is not positive, or none.
+
+    Examples
+    --------
+    >>> wavelengths_of("0.05 lambda"), wavelengths_of("-1 lambda")
+    (0.05, None)
+    """
+    try:
+        number = float(text.strip().removesuffix(LAMBDAS[0]).removesuffix(LAMBDAS[1]))
+    except ValueError:
+        return None
+    return number if 0.0 < number < math.inf else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bond(Block):
+    """An elastic bond between a layer and what lies below it; without the block they move as one."""
+
+    block: ClassVar[str] = "stator.layer.bond"
+    parameters_of = "fem.Bond"
+    normal: Annotated[float, FIELD, "Normal traction over the jump of u_z: modulus over thickness of a glue."]
+    tangential: Annotated[float, FIELD, "Shear traction over the jump of u_x and u_y."]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layer(Block):
+    """A layer on the stator's material, from the material up; the last one is the surface."""
+
+    block: ClassVar[str] = "stator.layer"
+    material: Annotated[
+        str | PiezoelectricSolid | IsotropicSolid, MATERIAL, "As stator.material; its losses are those of the material."
+    ]
+    orientation: Annotated[str | tuple, ORIENTATION, "As stator.orientation, of this layer's crystal."] = "Z"
+    euler_convention: Annotated[str, choice(*CONVENTIONS), "As stator.euler_convention."] = "SAW"
+    thickness: Annotated[
+        float | str,
+        Wavelengths() | Quantity("m"),
+        "Thickness, or its ratio to the wavelength of the surface wave of the layers at drive.frequency.",
+    ]
+    bond: Annotated[Bond | None, Within(Bond), "Bond to what lies below. Absent: a perfect joint."] = None
+
+    @property
+    def cut(self) -> str | tuple[float, ...]:
+        """Its orientation as `fem` takes it: a name, or Euler angles in the convention SAW."""
+        return _cut(self)
+
+
+def _cut(block: Any) -> str | tuple[float, ...]:
+    if isinstance(block.orientation, str):
+        return block.orientation
+    return fem.euler_angles(block.orientation, block.euler_convention)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Stator(Block):
     """The block of material that carries the wave; a vertical section of it is modelled."""
@@ -367,7 +442,8 @@ class Stator(Block):
     thickness: Annotated[
         float | str,
         FIELD | choice("half-space"),
-        "Thickness along z. half-space: unbounded below, with an exactly absorbing boundary.",
+        "Thickness along z, of the material below the layers. half-space: unbounded below, with an exactly absorbing "
+        "boundary.",
     ]
     width: Annotated[
         float, Quantity("m"), "Width along y: limit for apertures and contacts, and distance between the side faces."
@@ -406,6 +482,9 @@ class Stator(Block):
     dielectric_loss: Annotated[
         float | None, Field("fem.Solid.dielectric_loss"), "Loss tangent. Absent: that of the material. 0: lossless."
     ] = None
+    layer: Annotated[
+        tuple[Layer, ...], Blocks(Layer), "Layers on the material, from the material up; the last is the surface."
+    ] = ()
     temperature: Annotated[
         float | str | None,
         TEMPERATURE | choice("steady"),
@@ -431,9 +510,7 @@ class Stator(Block):
     @property
     def cut(self) -> str | tuple[float, ...]:
         """Its orientation as `fem` takes it: a name, or Euler angles in the convention SAW."""
-        if isinstance(self.orientation, str):
-            return self.orientation
-        return fem.euler_angles(self.orientation, self.euler_convention)
+        return _cut(self)
 
     def check_temperature(self) -> Any:
         if isinstance(self.temperature, float) and not self.temperature > ABSOLUTE_ZERO:
@@ -442,6 +519,12 @@ class Stator(Block):
     def check_sides(self) -> Any:
         if self.sides == "mirror" and self.diffraction is False:
             yield "sides", "must be absorbing where stator.diffraction is false, got 'mirror'"
+
+    def check_layers(self) -> Any:
+        if self.layer and self.temperature is not None:
+            yield "temperature", "must be absent with layers: the stator's wave at a temperature is that of one solid"
+        if self.layer and self.diffraction:
+            yield "diffraction", "must not be true with layers: the field in three dimensions is that of one solid"
 
     def check_loss(self) -> Any:
         if isinstance(self.material, IsotropicSolid) and self.dielectric_loss is not None:
@@ -485,6 +568,11 @@ class Transducer(Block):
         "One sign for each finger, from left to right: + and - for the two electrodes, 0 for a finger left out, o "
         "for an open strip. Absent: + - + - ...",
     ] = None
+    plane: Annotated[
+        str | int,
+        choice("surface") | Count(100),
+        "Where the fingers are: on the surface, or below so many layers of the stator, at an interface.",
+    ] = "surface"
     split: Annotated[bool, FLAG, "true: four fingers in each period, + + - -, instead of two."] = False
     angle: Annotated[
         float,

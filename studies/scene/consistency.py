@@ -193,6 +193,31 @@ def check_pieces(scene) -> Refused:
             yield f"piece.{index}.position", f"must name different positions, got {shown(list(each.position))}"
 
 
+def check_layers(scene) -> Refused:
+    """Require fingers at one interface of the layers, and refuse what is computed in one solid alone."""
+    if scene.stator is None:
+        return
+    layers, planes = len(scene.stator.layer), [each.plane for each in scene.transducer]
+    for index, plane in enumerate(planes):
+        key = f"transducer.{index}.plane"
+        if plane != "surface" and plane > layers:
+            above = f"the number of layers above the fingers, 1 to {layers}" if layers else "absent without layers"
+            yield key, f'must be "surface" or {above}, got {plane}'
+        elif plane != planes[0]:
+            yield key, f"must be the same for all transducers, {shown(planes[0])}, got {shown(plane)}"
+    if not layers:
+        return
+    if scene.piece:
+        yield "piece", "must be absent with layers: the section beside a mesh is one solid"
+    if scene.crossed:
+        yield "stator.layer", f"must be absent {CROSSED}: beams are those of one solid"
+    if scene.drive is not None and scene.drive.frequency == "center":
+        for index, each in enumerate(scene.stator.layer):
+            if isinstance(each.thickness, str):
+                rule = 'must be a length in m where drive.frequency is "center": the wavelength is not known'
+                yield f"stator.layer.{index}.thickness", f"{rule}, got {shown(each.thickness)}"
+
+
 CHECKS = (
     check_uncertain,
     check_prescribed_wave,
@@ -204,4 +229,5 @@ CHECKS = (
     check_direction,
     check_slider,
     check_pieces,
+    check_layers,
 )  # in the order in which their refusals are printed

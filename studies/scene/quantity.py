@@ -34,6 +34,7 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "1/Pa": ("a compliance", "2.5e-12 1/Pa", {"1/Pa": 0, "1/GPa": -9}),
     "C/m^2": ("a piezoelectric stress constant", "12 C/m^2", {"C/m^2": 0}),
     "C/N": ("a piezoelectric strain constant", "300 pC/N", {"C/N": 0, "pC/N": -12, "m/V": 0, "pm/V": -12}),
+    "N/m^3": ("a stiffness per area", "1e15 N/m^3", {"N/m^3": 0, "Pa/m": 0, "MPa/mm": 9, "GPa/m": 9}),
     "F/m": ("a permittivity", "5.6 nF/m", {"F/m": 0, "nF/m": -9, "pF/m": -12}),
     "W/(m K)": ("a thermal conductivity", "1.25 W/(m K)", {"W/(m K)": 0, "W/m/K": 0}),
     "J/(kg K)": ("a heat capacity", "420 J/(kg K)", {"J/(kg K)": 0, "J/kg/K": 0}),

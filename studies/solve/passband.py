@@ -40,7 +40,7 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
     Without a ``count`` there are at least ``least``, and 4 in each ripple v / (2 length) of returning waves.
     """
     driven = scene.driven_transducer
-    velocity = fem_objects.surface_velocity(scene.stator)
+    velocity = fem_objects.surface_velocity(scene.stator, scene.frequency)
     center = velocity / driven.wavelength  # with the velocity of the bare surface; fingers slow the wave by a few %
     middle = scene.frequency if abs(scene.frequency - center) < center / driven.finger_pairs else center
     half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
@@ -81,4 +81,6 @@ def group_delay(at, transfer, approximate: float):
 def expected(scene: Scene):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
     stator = fem_objects.stator(scene.stator)
+    if stator.layers:
+        raise SceneError("stator.layer", "must be absent here: the quasi-static estimate is that of one solid")
     return fem.transducer_estimate(stator.solid, fem_objects.driven(scene), stator.bare_surface)

@@ -148,8 +148,8 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     """
     if factor == 1.0:
         return motion
-    velocity = fem_objects.surface_velocity(scene.stator)
     frequency = scene.frequency if scan.frequency is None else scan.frequency
+    velocity = fem_objects.surface_velocity(scene.stator, float(np.median(frequency)))
     distance = abs(scan.x - scene.driven_transducer.center_xy[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 

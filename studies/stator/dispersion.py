@@ -43,7 +43,7 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     LOGGER.info(f"{count} frequencies of {scene.title}")
     at, wavenumbers, near = _propagating(stator, frequencies)
-    half_space = fem.rayleigh(stator.solid, stator.bare_surface).velocity
+    half_space = fem.bound_wave(stator, drive).velocity
     free = fem.free_wave(stator, frequency=drive, tolerance=1e-6)
     thickness = stator.thickness * drive / half_space
     finding = judged(

@@ -125,7 +125,7 @@ class _ForceProblem:
     def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
         position = scene.positions[0] if scene.slider is None else scene.slider.center
         stator = fem_objects.whole_stator(scene)
-        wavelength = fem.rayleigh(stator.solid, stator.bare_surface).velocity / scene.frequency
+        wavelength = fem.bound_wave(stator, scene.frequency).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
         if not reason and stator.ends != "absorbing":
             reason = "the beam of a force needs stator.ends = 'absorbing'"

@@ -90,7 +90,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.center_xy[0] for each in resolved.transducer if each.name in names[:2])
-        velocity = fem_objects.surface_velocity(resolved.stator)
+        velocity = fem_objects.surface_velocity(resolved.stator, resolved.frequency)
         travel_time = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], travel_time)
         data, title = (dict(frequency_Hz=at, group_delay_s=delay), f"{resolved.title}: {names[0]} to {names[1]}")

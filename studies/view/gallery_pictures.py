@@ -259,7 +259,7 @@ def _depth(run):
     ):
         shallow = z > -DEPTH * run.wavelength
         computed[what] = -z[shallow] / run.wavelength, parts(u[shallow] / u[-1, 2])
-    theory, title = fem.rayleigh(stator.solid, "open").profile(at)[0], "profile through the depth"
+    theory, title = fem.bound_wave(stator, scene.frequency, "open").profile(at)[0], "profile through the depth"
     return depth_profile(at, parts(theory), computed, title=f"{scene.title}\n{title}")
 
 
