@@ -28,7 +28,7 @@ from contact.wave import PassingWave
 # allowed in a segment, because two orders may agree by chance. DRIFT: rounding per cycle, over the reference speed.
 # SCATTER: rounding over the root of the number of segments, in units of `Problem.speed`; segments add and subtract
 # lengths of order one, so that a wave with little u_x leaves few digits. Against runs of 20 nodes the error in this
-# measure was up to 4e-16 in 140 of 150 draws of `tests/contact/aimed.py` with the tolerance 1e-10, and within twice the
+# measure was up to 4e-16 in 140 of 150 draws of `tests.motors.aimed` with the tolerance 1e-10, and within twice the
 # stated one in all.
 TRUNCATION, DRIFT, SCATTER = 3e-6, 1e-15, 4e-16
 EPSILON = 2.2e-16  # rounding of one segment in `shooting_rounding`
@@ -58,7 +58,7 @@ LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.05
 # cycle misses slips and contacts that are shorter than a step: of 140 draws of `tests/benchmarks/envelope_error.py` 5
 # are beyond twice the stated error without this one (up to 6 times), 1 (2.2 times) with it, 1 (2.6 times) with half of
 # it and none with twice. LEAST_TRAVEL_ERROR: over the travel; two levels may agree by chance, and the finer one has
-# errors up to 3e-11 (90 draws of `tests/contact/aimed.py`). MEMORY_SHIFT: shift of the final position by partial slip
+# errors up to 3e-11 (90 draws of `tests.motors.aimed`). MEMORY_SHIFT: shift of the final position by partial slip
 # of hysteretic contacts over the amplitude of the ring; it was 0.07 to 0.37 in `tests/contact/test_stall_and_steps.py`
 # and in five similar scenes. CUT: largest change of the final position over the amplitude at which a ring-down is cut;
 # it was up to 4.2, in the median 0.25, in 40 random motors of one to three contacts that were cut at amplitudes of 1e-5

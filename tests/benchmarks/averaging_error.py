@@ -4,7 +4,7 @@ Random sliders with a strong Hunt-Crossley damper, with a load while they hop, w
 contacts at different phases of the wave. Prints how many are further off than twice the error that they state, and
 how many beyond the tolerance with status "ok", of the answers by averaging itself. `--share S` multiplies the two
 shares of what second order leaves, `--checked C` sets the number of first cycles in which the exact method checks it,
-and `--draws` takes the sliders of `tests/contact/aimed.py` or `tests/contact/calibration.py` instead.
+and `--draws` takes the sliders of the families `aimed` or `around_the_seed` of `tests/motors.py` instead.
 
     python -m tests.benchmarks.averaging_error --number 100
     python -m tests.benchmarks.averaging_error --draws aimed --number 320
@@ -12,15 +12,15 @@ and `--draws` takes the sliders of `tests/contact/aimed.py` or `tests/contact/ca
 """
 
 import argparse
+from itertools import islice
 
 import numpy as np
 
-from contact import ConvergenceError, Orbit, Slider, burst, error_estimate
+from contact import ConvergenceError, burst, error_estimate
 from contact.answers import burst_methods
 from contact.averaged import burst as averaged
-from tests.contact import aimed, calibration
+from tests import motors
 
-FREQUENCY = 2.2e6
 LONGEST = 6000  # cycles of a burst of `--draws`
 
 
@@ -28,39 +28,13 @@ def drawn(which: str, number: int):
     """Yield (slider, orbits, cycles, tolerance) of the tests' draws to which averaging applies."""
     for k in range(number):
         if which == "aimed":
-            slider, orbits, method, cycles, tolerance = aimed.drawn(k)
+            slider, orbits, method, cycles, tolerance = motors.aimed(k)
             tolerances = (tolerance,) if method == "averaged" else ()
         else:
-            slider, orbits, cycles = calibration.drawn(k)
-            tolerances = calibration.TOLERANCES
+            slider, orbits, cycles = motors.around_the_seed(k)
+            tolerances = motors.TOLERANCES
         for tolerance in () if averaged.refusals(slider, orbits) else tolerances:
             yield slider, orbits, min(cycles, LONGEST), tolerance
-
-
-def scenes(number: int, seed: int):
-    """Yield (slider, orbits, cycles, tolerance) to which averaging applies."""
-    rng = np.random.default_rng(seed)
-    kept = 0
-    while kept < number:
-        kind = kept % 4
-        mass, friction = 10 ** rng.uniform(-6, -4), rng.uniform(0.05, 0.3)
-        preload = 10 ** rng.uniform(-4, -2.5)
-        slider = Slider(
-            radius=1e-3, mass=mass, preload=preload, friction_coefficient=friction,
-            load=rng.uniform(0.3, 0.95) * friction * preload if kind == 1 else 0.0,
-            effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0,
-            contact_damping=10 ** rng.uniform(0, 2) if kind == 0 else 0.0,
-            normal_damping=0.0 if kind == 2 and rng.random() < 0.4 else mass * 10 ** rng.uniform(2.5, 4.5),
-            tangential_damping=mass * 10 ** rng.uniform(-1, 2.5),
-        )  # fmt: skip
-        normal = 10 ** rng.uniform(-9, -7.7)
-        first = Orbit(frequency=FREQUENCY, normal=normal, tangential=-1j * rng.uniform(0.3, 1.2) * normal)
-        angles = [0.0, *rng.uniform(0.0, 2.0 * np.pi, int(rng.integers(1, 3)))] if kind == 3 else [0.0]
-        orbits = tuple(first.scaled(np.exp(1j * angle)) for angle in angles)
-        cycles, tolerance = int(rng.integers(600, 5000)), 10 ** rng.uniform(-5, -3)
-        if not averaged.refusals(slider, orbits):
-            kept += 1
-            yield slider, orbits, cycles, tolerance
 
 
 def errors(slider, orbits, cycles, tolerance):
@@ -96,7 +70,9 @@ def main():
     burst_methods.CHECKED = chosen.checked
     rows, refused, exact = [], 0, 0
     own = chosen.draws == "own"
-    for scene in scenes(chosen.number, chosen.seed) if own else drawn(chosen.draws, chosen.number):
+    drawn_by_name = drawn(chosen.draws, chosen.number)
+    hard = islice(motors.hard_to_average(chosen.seed, averaged.refusals), chosen.number)
+    for scene in hard if own else drawn_by_name:
         try:
             found = errors(*scene)
         except ConvergenceError:

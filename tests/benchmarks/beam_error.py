@@ -12,6 +12,7 @@ import numpy as np
 
 import fem.beam.lateral
 from studies import Scene, run
+from tests.seed_motor import SCENE_SLIDER
 
 TOLERANCE, REFERENCE, NODES = 5e-2, 2e-4, 3.0
 
@@ -45,12 +46,7 @@ def drawn(draw) -> Scene:
             },
             "transducer": transducers[: 1 + int(draw.integers(2))],
             "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [60.0, 120.0]},
-            "slider": {
-                "position": [float(place), float(draw.uniform(-0.4, 0.4) * apertures[0])],
-                "radius": 1e-3, "mass": 0.089e-3, "preload": "weight", "contacts": 1,
-                "friction_coefficient": 0.08, "effective_modulus": 64e9, "tangential_modulus": 12e9,
-                "damping": {"normal": 0.5, "tangential": 1e-4},
-            },
+            "slider": SCENE_SLIDER | {"position": [float(place), float(draw.uniform(-0.4, 0.4) * apertures[0])]},
         },
     )  # fmt: skip
 

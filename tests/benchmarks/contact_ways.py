@@ -21,14 +21,11 @@ import numpy as np
 
 import contact
 from contact.answers.burst_methods import rest, rest_problem
+from tests import seed_motor
 from tests.contact.motors import steady_map
+from tests.seed_motor import FREQUENCY
 
-SLIDER = contact.Slider(
-    radius=1e-3, mass=0.089e-3, preload=0.089e-3 * 9.81, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
-    tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0, normal_damping=0.5,
-    tangential_damping=1e-4,
-)  # fmt: skip
-FREQUENCY = 2.2e6
+SLIDER = contact.Slider(**seed_motor.SLIDER)
 
 
 def orbit(amplitude: float) -> contact.Orbit:
@@ -182,9 +179,7 @@ def starts():
     script = (
         "import sys, time; t = time.perf_counter(); import contact as c; from contact.jit import compiled as j; "
         "j._folders = lambda: (sys.argv[1],); "  # or kernels of this computer's other folders would be found
-        "s = c.Slider(radius=1e-3, mass=8.9e-5, preload=8.7e-4, load=0.0, friction_coefficient=0.08, "
-        "effective_modulus=64e9, tangential_modulus=12e9, law='elastic', reciprocal=False, stick_band=0.0, "
-        "contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4); "
+        f"s = c.Slider(**{seed_motor.SLIDER}); "
         "o = c.Orbit(frequency=2.2e6, normal=5e-9, tangential=-3.5e-9j); {}; print(time.perf_counter() - t)"
     )
     for name, call in (

@@ -11,46 +11,12 @@ import argparse
 
 import numpy as np
 
-from contact import ConvergenceError, Envelope, Orbit, Slider, burst, step
+from contact import ConvergenceError, Envelope, burst, step
 from contact.averaged.event_equilibrium import opposed
 from contact.orbit import towards_plus
 from tests.contact.motors import way_to_rest
+from tests.motors import under_an_envelope
 from tests.oracles.contact_motion import Motor
-
-
-def drawn(number: int):
-    """Return (slider, orbits, cycles, envelope) of a draw."""
-    rng = np.random.default_rng([4405, number])
-    contacts, frequency = int(rng.integers(1, 4)), 10.0 ** rng.uniform(5.3, 6.7)
-    omega, ratio = 2.0 * np.pi * frequency, 10.0 ** rng.uniform(-2.5, -1.0)
-    friction, preload = rng.uniform(0.05, 0.35), 10.0 ** rng.uniform(-4.0, -2.5)
-    punch = rng.random() < 0.2
-    plain = Slider(
-        radius=1e-6 if punch else 10.0 ** rng.uniform(-3.5, -2.8), mass=1e-6, preload=preload,
-        friction_coefficient=friction, load=float(rng.choice([0.0, rng.uniform(0.2, 0.8)])) * friction * preload,
-        effective_modulus=90e9, tangential_modulus=20e9, law="elastic", reciprocal=False, stick_band=0.0,
-        contact_damping=0.0, normal_damping=0.0, tangential_damping=0.0, shape="punch" if punch else "sphere",
-    )  # fmt: skip
-    mass = 1e-6 * (plain.normal_resonance(contacts) / frequency / ratio) ** 2
-    rest = plain.rest_approach(contacts)
-    slider = Slider(**{
-        **{name: getattr(plain, name) for name in plain.__dataclass_fields__}, "mass": mass,
-        "normal_damping": mass * omega * ratio * 10.0 ** rng.uniform(-1.5, -0.3),
-        "tangential_damping": mass * omega * 10.0 ** rng.uniform(-5.0, -2.5),
-        "heights": tuple(rng.uniform(0.0, rest, contacts)) if contacts > 1 and rng.random() < 0.3 else (),
-    })  # fmt: skip
-    normal, slope = rest * 10.0 ** rng.uniform(-0.7, 0.8), rng.uniform(0.3, 1.0)
-    first = Orbit(frequency=frequency, normal=normal, tangential=-1j * slope * normal)
-    orbits = tuple(first.scaled(np.exp(1j * angle)) for angle in [0.0, *rng.uniform(0.0, 6.28, contacts - 1)])
-    cycles, corners = int(rng.integers(20, 160)), int(rng.integers(1, 6))
-    if number % 4 == 0:  # a peak of less than a cycle
-        time = rng.uniform(1.0, cycles - 2.0) + np.array([0.0, 0.3, 0.7])
-        amplitude, phase = np.array([1.0, rng.uniform(0.0, 3.0), 1.0]), np.array([0.0, rng.uniform(-1.5, 1.5), 0.0])
-    else:
-        time = np.sort(np.append(rng.uniform(0.0, cycles, corners), [0.0, cycles]))
-        amplitude = rng.uniform(0.0, 1.0, time.size) if number % 4 == 1 else np.ones(time.size)
-        phase = np.cumsum(rng.uniform(-3.0, 3.0, time.size))
-    return slider, orbits, cycles, Envelope(time=time / frequency, amplitude=amplitude, phase=phase)
 
 
 def faded(envelope, cycles, frequency):
@@ -100,7 +66,7 @@ def main():
     options = parser.parse_args()
     ratios = {"burst": [], "step": []}
     for number in range(options.first, options.first + options.number):
-        slider, orbits, cycles, envelope = drawn(number)
+        slider, orbits, cycles, envelope = under_an_envelope(number)
         try:
             found = burst(
                 slider, orbits, duration=cycles / orbits[0].frequency, after=0.0, tolerance=1e-4, samples=2,

@@ -1,8 +1,8 @@
 r"""Stated against true error of bursts in fixed steps, whose first cycles the exact method checks.
 
-Every level of `burst_methods.STEPS` that applies to the sliders of `tests/contact/aimed.py` and
-`tests/contact/calibration.py`, in bursts of 300 to 5000 cycles. The check has the first third, at most 1000 cycles. For
-each pair of `CALIBRATION` and `LEAST_SHARE` it prints how many are further off than once and twice the stated error.
+Every level of `burst_methods.STEPS` that applies to the families `aimed` and `around_the_seed` of `tests/motors.py`, in
+bursts of 300 to 5000 cycles. The check has the first third, at most 1000 cycles. For each pair of `CALIBRATION` and
+`LEAST_SHARE` it prints how many are further off than once and twice the stated error.
 
     python -m tests.benchmarks.stepped_error --draws aimed --number 400
     python -m tests.benchmarks.stepped_error --draws calibration --number 200
@@ -18,7 +18,7 @@ from contact.answers import burst_methods as methods
 from contact.events.segment import Column
 from contact.orbit import towards_plus
 from contact.stepping.time_stepping import steps
-from tests.contact import aimed, calibration
+from tests import motors
 
 SHORTEST, LONGEST, LEVELS = 300, 5000, 6
 FACTORS = (2.0, 3.0, 4.0), (1.0, 0.5, 0.35, 0.25)
@@ -75,8 +75,8 @@ def main():
 def draw(which, number):
     """Return (slider, orbits, cycles) of a draw."""
     if which == "calibration":
-        return calibration.drawn(number)
-    slider, orbits, _, cycles, _ = aimed.drawn(number)
+        return motors.around_the_seed(number)
+    slider, orbits, _, cycles, _ = motors.aimed(number)
     return slider, orbits, cycles
 
 

@@ -7,12 +7,12 @@ max(|v|, omega |u_x|/10), as the stated one.  Expected: at most twice the stated
 way, and a median stated error within ten times the true one.  Run time: about a minute for 200 draws.
 """
 
-import math
 from dataclasses import dataclass
+
+from tests.motors import TOLERANCES, around_the_seed
 
 __all__ = ["ContactChecked", "contact_calibration", "kept", "pessimism"]
 
-SEED, TOLERANCES = 20261, (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 NODES, TRUNCATION = 20, 1e-13
 ROUNDING = 1e-13  # of a velocity; below it an error is noise
 
@@ -38,43 +38,12 @@ class ContactChecked:
     estimate: float
 
 
-def drawn(number: int):
-    """Return (slider, orbits, cycles) of a draw: the same for a number in every process."""
-    import numpy as np
-
-    from contact import Orbit, Slider
-    from studies.evidence.stability.contact import SLIDER
-
-    draw = np.random.default_rng([SEED, number])
-
-    def around(value, factor):
-        return float(value * factor ** draw.uniform(-1.0, 1.0))
-
-    seed = SLIDER
-    mass = around(seed["mass"], 10.0)
-    slider = Slider(**(seed | {
-        "mass": mass, "preload": around(9.81 * mass, 3.0), "radius": around(1e-3, 10.0),
-        "friction_coefficient": around(0.12, 3.0), "effective_modulus": around(64e9, 2.0),
-        "tangential_modulus": around(12e9, 2.0),
-        "normal_damping": around(5e3, 10.0) * mass, "tangential_damping": around(1.0, 30.0) * mass,
-    }))  # fmt: skip
-    amplitude, angle = around(4e-9, 6.0), -0.5 * math.pi + float(draw.uniform(-0.4, 0.4))
-    wave = Orbit(
-        frequency=around(2.2e6, 4.0), normal=amplitude,
-        tangential=around(0.7, 1.6) * amplitude * complex(np.exp(1j * angle)),
-    )  # fmt: skip
-    contacts = int(draw.choice([1, 1, 3]))
-    step = float(draw.uniform(0.0, 2.0 * math.pi))
-    orbits = tuple(wave.scaled(complex(np.exp(1j * step * k))) for k in range(contacts))
-    return slider, orbits, int(100 * 60.0 ** draw.random())
-
-
 def checked(number: int) -> list[ContactChecked]:
     """Return the answers of every way that applies to one draw."""
     import contact
     from contact.error_estimate import relative_to_reference
 
-    slider, orbits, cycles = drawn(number)
+    slider, orbits, cycles = around_the_seed(number)
     truths = {"burst": _burst_truth(slider, orbits, cycles), "steady": _steady_truth(slider, orbits)}
     duration = cycles / orbits[0].frequency
     found = []

@@ -8,29 +8,14 @@ from scipy.optimize import brentq
 from contact import Orbit, Slider, steady_sweep
 from tests.oracles.contact_friction import Motor
 from tests.oracles.contact_stop import StopMotor
+from tests.seed_motor import FREQUENCY, SLIDER
 
-SEED = {
-    "radius": 1e-3,
-    "mass": 0.089e-3,
-    "preload": 0.089e-3 * 9.81,
-    "load": 0.0,
-    "friction_coefficient": 0.08,
-    "effective_modulus": 64e9,
-    "tangential_modulus": 12e9,
-    "law": "elastic",
-    "reciprocal": False,
-    "stick_band": 0.0,
-    "contact_damping": 0.0,
-    "normal_damping": 0.5,
-    "tangential_damping": 1e-4,
-}
-FREQUENCY = 2.2e6
 HEAVY = 1e4  # kg: a slider that does not move within a cycle, (f_n/f)^2 = 2e-13, as the averaged theory takes it
 
 
 def slider(**changed) -> Slider:
     """Return the seed's slider with one ball, some parameters changed."""
-    return Slider(**(SEED | changed))
+    return Slider(**(SLIDER | changed))
 
 
 def orbit(amplitude: float, ratio: float = 0.7, frequency: float = FREQUENCY) -> Orbit:

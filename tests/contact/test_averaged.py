@@ -10,6 +10,7 @@ from contact.answers.burst_methods import BURST_METHODS, Burst, rest_problem
 from contact.averaged import transient
 from contact.codes import Status
 from tests.contact.motors import orbit, slider, steady_map
+from tests.seed_motor import PRELOAD
 
 
 def over(difference, v, A):
@@ -30,7 +31,7 @@ def test_averaging_errors_fall_with_the_square_of_the_frequency_ratio():
     # Order: f_n/f halves with four times the mass; first order 2, second order at least 4 or below its harmonics
     first, second = [], []
     for mass in (0.02e-3, 0.08e-3, 0.32e-3):
-        s = slider(mass=mass, preload=0.089e-3 * 9.81, contact_damping=0.0)
+        s = slider(mass=mass, preload=PRELOAD, contact_damping=0.0)
         full = steady(s, orbit(3e-9, frequency=0.5e6), tolerance=1e-9).velocity
         found = mean_motion(s, orbit(3e-9, frequency=0.5e6))
         first.append(abs(found.first_order / full - 1.0))
@@ -158,7 +159,7 @@ def test_auto_takes_the_way_that_keeps_the_tolerance():
 
 
 def test_map_of_steady_states():
-    factors, preloads = np.array([0.0, 0.2, 1.0, 4.0]), np.array([4e-4, 0.089e-3 * 9.81, 3e-3])
+    factors, preloads = np.array([0.0, 0.2, 1.0, 4.0]), np.array([4e-4, PRELOAD, 3e-3])
     found = steady_map(slider(), orbit(3e-9), factors=factors, preloads=preloads)
     for i, preload in enumerate(preloads):
         assert found.velocity[i, 0] == 0.0

@@ -6,8 +6,8 @@ from contact import ConvergenceError, Envelope, burst, error_estimate
 from contact.answers import burst_methods
 from contact.error_estimate import reference_speed
 from contact.orbit import towards_plus
-from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider
+from tests.motors import aimed
 
 
 def finest(body, orbits, cycles):
@@ -21,7 +21,7 @@ def finest(body, orbits, cycles):
 
 def compared(number, longest):
     """Return by method (true error, answer) of a draw, and its tolerance."""
-    body, orbits, method, cycles, tolerance = drawn(number)
+    body, orbits, method, cycles, tolerance = aimed(number)
     cycles = min(cycles, longest)
     truth, found = finest(body, orbits, cycles), {}
     for each, allowed in ((method, tolerance), ("exact", 1e-3)):
@@ -47,7 +47,7 @@ def test_stated_errors_hold_where_they_are_aimed_at(numbers):
 @pytest.mark.parametrize(("number", "cycles"), [(9, 1500), (136, 27)])
 def test_rounding_counts_where_the_surface_hardly_moves_along(number, cycles):
     # the reference speed is a few thousandths of the speed that the digits are relative to
-    body, orbits, *_ = drawn(number)
+    body, orbits, *_ = aimed(number)
     answer = burst(body, orbits, duration=cycles / orbits[0].frequency, after=0.0, tolerance=1e-10, samples=2,
                    method="exact")  # fmt: skip
     error = abs(answer.velocity_at_burst_end - finest(body, orbits, cycles))
@@ -79,7 +79,7 @@ def test_a_tenth_of_a_second_in_fixed_steps_keeps_a_tolerance_of_one_in_a_millio
 @pytest.mark.parametrize("number", [63, 66, 162, 195])
 def test_averaging_that_fails_is_seen_in_the_first_cycles(monkeypatch, number):
     # these were 6 to 50 times off by what two averaged runs and the two orders tell
-    body, orbits, _, cycles, tolerance = drawn(number)
+    body, orbits, _, cycles, tolerance = aimed(number)
     side, driven = towards_plus(orbits)
     problem = burst_methods.rest_problem(body, driven)
     asked = burst_methods.Burst(body, driven, problem, cycles, cycles, tolerance, None)

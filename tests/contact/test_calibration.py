@@ -9,8 +9,9 @@ import pytest
 from contact import ConvergenceError, burst
 from contact.answers.burst_methods import STEPS, largest_divisor, rest_problem, stepped_refusals
 from contact.error_estimate import reference_speed
-from tests.contact.calibration import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
+from tests.contact.calibration import ContactChecked, checked, kept, pessimism
 from tests.contact.motors import orbit, slider
+from tests.motors import TOLERANCES, around_the_seed
 
 WAYS = ("burst, averaged", "burst, exact", "burst, stepped", "steady, averaged", "steady, exact")
 
@@ -46,9 +47,9 @@ def test_stated_errors_hold_on_two_hundred():
 
 
 def test_draws_are_those_of_their_number():
-    assert drawn(3) == drawn(3)
-    assert drawn(3) != drawn(4)
-    assert len({len(drawn(n)[1]) for n in range(12)}) == 2
+    assert around_the_seed(3) == around_the_seed(3)
+    assert around_the_seed(3) != around_the_seed(4)
+    assert len({len(around_the_seed(n)[1]) for n in range(12)}) == 2
 
 
 def test_shares_and_medians_are_taken_way_by_way():

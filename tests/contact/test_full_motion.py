@@ -7,8 +7,9 @@ from contact import Envelope, burst, step
 from contact.error_estimate import reference_speed
 from tests.contact.motors import orbit, slider
 from tests.oracles.contact_motion import Motor
+from tests.seed_motor import DAMPERS, MASS
 
-SEED = {"mass": 0.089e-3, "frequency": 2.2e6, "normal_damping": 0.5, "tangential_damping": 1e-4}
+SEED = DAMPERS | {"mass": MASS, "frequency": 2.2e6}
 
 
 def motor(waves, **given):

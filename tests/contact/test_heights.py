@@ -10,6 +10,7 @@ from contact.law import elastic
 from tests.contact.motors import FREQUENCY, slider, steady_map
 from tests.contact.test_punch import PUNCH, trio
 from tests.oracles.contact_springs import velocity_from_rest
+from tests.seed_motor import PRELOAD
 
 HEIGHTS = (0.0, 1e-9, -2e-9)
 APART = (0.0, -50e-9, 0.5e-9)  # the second never touches
@@ -32,7 +33,7 @@ def test_two_punches_at_rest_by_hand():
 @pytest.mark.parametrize("shape", [{}, PUNCH])
 def test_contacts_at_rest_carry_preload_and_load(shape):
     # The load: by the tangential law of each contact at the common displacement, found by root finding
-    s = slider(heights=HEIGHTS, load=0.6 * 0.08 * 0.089e-3 * 9.81, **shape)
+    s = slider(heights=HEIGHTS, load=0.6 * 0.08 * PRELOAD, **shape)
     z, c = s.rest_approaches(3), s.limit_slope
     friction, kind = s.friction_coefficient * s.normal_stiffness, s.contact_shape
 

@@ -12,6 +12,7 @@ from contact.codes import Regime, Shape
 from contact.law import elastic, normal
 from studies.papers.seed_contact import ring_at_slip_limit
 from tests.contact.motors import slider
+from tests.seed_motor import MASS, PRELOAD
 
 RADIUS, E, G, MU = 1.7e-3, 71e9, 13.3e9, 0.23
 C = elastic.limit_slope(MU, E, G)
@@ -139,6 +140,6 @@ def test_the_seeds_motor_at_rest():
 
 
 def test_three_balls_stand_as_one_with_a_third_of_everything():
-    three, one = slider(), slider(mass=0.089e-3 / 3, preload=0.089e-3 * 9.81 / 3)
+    three, one = slider(), slider(mass=MASS / 3, preload=PRELOAD / 3)
     assert three.rest_approach(3) == pytest.approx(one.rest_approach(1), rel=1e-14)
     assert three.normal_resonance(3) == pytest.approx(one.normal_resonance(1), rel=1e-14)

@@ -9,6 +9,7 @@ from contact import FallingFriction, Orbit, burst, contact_history, steady
 from contact.answers.burst_methods import rest, rest_problem
 from contact.events import many_contacts
 from tests.contact.motors import slider
+from tests.seed_motor import BODY, DAMPERS
 
 FEW = 8
 HEIGHTS = tuple(0.4e-9 * np.sin(3.0 * np.arange(FEW)))
@@ -27,8 +28,7 @@ def waves(count):
 def motor(count, **changed):
     """Return a slider whose totals are shared among so many contacts."""
     share = count / FEW
-    totals = {"mass": 0.089e-3, "preload": 0.089e-3 * 9.81, "normal_damping": 0.5, "tangential_damping": 1e-4}
-    whole = {key: value * FEW * share for key, value in totals.items()}
+    whole = {key: value * FEW * share for key, value in (BODY | DAMPERS).items()}
     load = {"load": changed.pop("load") * share} if "load" in changed else {}
     return slider(**whole, **load, heights=HEIGHTS * int(share), **changed)
 

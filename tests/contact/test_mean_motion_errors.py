@@ -1,29 +1,16 @@
 """Stated errors of averaged steady states of random punches and spheres against the full periodic motion."""
 
-import math
-from dataclasses import replace
-
-import numpy as np
 import pytest
 
 from contact import ConvergenceError, mean_motion, steady
 from contact.error_estimate import reference_speed
-from tests.contact.aimed import drawn
-
-
-def motor(number):
-    """Return (slider, orbits) with f_n/f from 0.01 to 0.3 and a damper that ends the bounce."""
-    slider, orbits, *_ = drawn(number)
-    ratio = 10.0 ** np.random.default_rng([2405, number]).uniform(-2, -0.53)
-    frequency = orbits[0].frequency
-    mass = slider.mass * (slider.normal_resonance(len(orbits)) / frequency / ratio) ** 2
-    return replace(slider, mass=mass, normal_damping=0.3 * mass * math.pi * frequency * ratio), orbits
+from tests.motors import slow_bounce
 
 
 # All but the first four exceeded twice their error while the last tangential harmonic alone was counted.
 @pytest.mark.parametrize("number", [5, 17, 40, 61, 73, 109, 119, 164, 178, 220])
 def test_errors_of_averaging_hold(number):
-    slider, orbits = motor(number)
+    slider, orbits = slow_bounce(number)
     mean, full = mean_motion(slider, orbits), steady(slider, orbits, tolerance=1e-6, method="exact")
     assert full.status == "ok"
     error = abs(mean.velocity - full.velocity) / reference_speed(full.velocity, orbits)
@@ -34,7 +21,7 @@ def test_errors_of_averaging_hold(number):
 def test_at_most_two_in_a_hundred_exceed_twice_their_error():
     beyond, seen = [], 0
     for number in range(260):
-        slider, orbits = motor(number)
+        slider, orbits = slow_bounce(number)
         try:
             mean, full = mean_motion(slider, orbits), steady(slider, orbits, tolerance=1e-6, method="exact")
         except ConvergenceError:

@@ -9,9 +9,10 @@ from contact import burst, mean_motion, release_amplitude, riding_height, steady
 from studies.evidence.stability.cross_check import cross_check
 from tests.contact.motors import FREQUENCY, HEAVY, orbit, slider, steady_map
 from tests.oracles.contact_springs import velocity_from_rest
+from tests.seed_motor import PRELOAD
 
 PUNCH = {"shape": "punch", "radius": 2e-6}
-Z0 = 0.089e-3 * 9.81 / (2.0 * 2e-6 * 64e9)  # preload/2 a E, by hand: 3.41 nm
+Z0 = PRELOAD / (2.0 * 2e-6 * 64e9)  # preload/2 a E, by hand: 3.41 nm
 
 
 def trio(A):
@@ -39,7 +40,7 @@ def test_the_threshold_in_quadrature_is_the_closed_form(ratio):
 def test_a_loaded_threshold_is_the_closed_form():
     # The spring is linear: the load takes x0 = load/8 a G of the room c z0
     share = 0.4
-    s = slider(mass=HEAVY, load=share * 0.08 * 0.089e-3 * 9.81, **PUNCH)
+    s = slider(mass=HEAVY, load=share * 0.08 * PRELOAD, **PUNCH)
     A = (1.0 - share) * s.limit_slope * Z0 / math.hypot(0.7, s.limit_slope)
     assert threshold_amplitude(s, orbit(1e-9)) == pytest.approx(A, rel=1e-7)
 

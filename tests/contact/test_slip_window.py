@@ -4,42 +4,17 @@ The same cycles without the window: a law said to be bent is scanned at 128 phas
 The draws are aimed at where windows open and close: velocities near the edges of slip, contacts near resonance.
 """
 
-from dataclasses import replace
-
-import numpy as np
-
-from contact import ConvergenceError, Orbit, Slider, mean_motion
+from contact import ConvergenceError, Slider, mean_motion
 from contact.error_estimate import reference_speed
-from tests.contact.motors import slider
+from tests.motors import near_the_edge_of_slip
 
 DRAWS = 60
-
-
-def draws():
-    rng = np.random.default_rng(20261123)
-    for _ in range(DRAWS):
-        body = slider(
-            shape=str(rng.choice(["sphere", "punch"])), radius=float(10 ** rng.uniform(-5, -3)),
-            preload=float(10 ** rng.uniform(-3.5, -1.5)), friction_coefficient=float(rng.uniform(0.05, 0.4)),
-            contact_damping=float(rng.choice([0.0, 1e-6])), tangential_damping=float(10 ** rng.uniform(-5, -2)),
-        )  # fmt: skip
-        contacts = int(rng.integers(1, 4))
-        frequency = body.normal_resonance(contacts) / rng.uniform(0.08, 0.3)
-        # from just above the first slip to well beyond release, orbits of any shape
-        size = body.rest_approach(contacts) * 10 ** rng.uniform(-1.2, 0.5)
-        shape = rng.uniform(0.2, 1.5) * np.exp(1j * rng.uniform(-np.pi, np.pi))
-        wave = tuple(
-            Orbit(frequency=frequency, normal=size, tangential=size * shape).scaled(np.exp(1j * rng.uniform(0.0, 6.0)))
-            for _ in range(contacts)
-        )  # fmt: skip
-        load = rng.choice([0.0, 0.2]) * body.friction_coefficient * body.preload
-        yield replace(body, load=float(load)), wave
 
 
 def test_the_window_of_the_first_harmonic_changes_less_than_the_stated_error(monkeypatch):
     plain = Slider.tangential_law.fget
     moving, worst = 0, 0.0
-    for body, wave in draws():
+    for body, wave in near_the_edge_of_slip(DRAWS):
         try:
             windowed = mean_motion(body, wave)
         except ConvergenceError:

@@ -27,8 +27,8 @@ from contact.error_estimate import averaged_stall_error
 from contact.events.energy import Sum
 from contact.events.motion import Motion
 from contact.orbit import towards_plus
-from tests.contact.aimed import drawn
 from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
+from tests.motors import aimed
 from tests.oracles.contact_stop import TRAVEL, V, extrapolated
 
 LIGHT = {
@@ -119,7 +119,7 @@ def test_the_error_of_a_step_holds(cycles, shaped):
 @pytest.mark.parametrize(("draw", "parting", "cycles"), [(130, True, 54), (172, True, 54), (38, False, 60)])
 def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
     """Slips shorter than any sampling, and one after 17 half ring periods without: bounce and ring beat."""
-    body, wave, *_ = drawn(draw)
+    body, wave, *_ = aimed(draw)
     if parting:  # so far that the punches just part
         reach = max(abs(each.normal) for each in wave)
         wave = tuple(each.scaled(min(1.0, 1.2 * body.rest_approach(len(wave)) / reach)) for each in wave)
@@ -192,7 +192,7 @@ def test_a_step_with_friction_that_depends_on_pressure():
 
 def test_a_load_moves_a_slider_that_bounces_for_ever():
     # measured: the travel of each half period stays within 2 % for 10 000 of them; with a damper the slider stops
-    body, orbits, *_ = drawn(0)
+    body, orbits, *_ = aimed(0)
     bouncing = replace(body, normal_damping=0.0, contact_damping=0.0)
     with pytest.raises(ConvergenceError, match="goes on slipping; give it normal damping"):
         step(bouncing, orbits, cycles=60)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from contact import Envelope, InputError, Orbit, Slider, Track, burst, reference_speed
+from tests.motors import on_a_track
 from tests.oracles.contact_travel import Traveller
 
 SCENE = Traveller(
@@ -13,23 +14,6 @@ SCENE = Traveller(
     ratio=0.7, balls=(0.0, 0.41e-3), mu=0.2, normal_damping=0.4, tangential_damping=1e-4,
 )  # fmt: skip
 CYCLES = 3000
-
-
-def drawn(number) -> Traveller:
-    """A slider on a wave with reflection 0.2 to 0.9, f_n/f from 0.005 to 0.06, one to three balls anywhere."""
-    random = np.random.default_rng(number)
-    frequency, ratio = 10 ** random.uniform(6.0, 6.7), 10 ** random.uniform(np.log10(0.005), np.log10(0.06))
-    count, amplitude = int(random.integers(1, 4)), random.uniform(3e-9, 15e-9)
-    reflection = random.uniform(0.2, 0.9) * np.exp(2j * np.pi * random.uniform())
-    stiffness, approach = 4.0 / 3.0 * 64e9 * 1e-3**0.5, amplitude * random.uniform(0.3, 2.0)
-    mass = 1.5 * count * stiffness * approach**0.5 / (2.0 * np.pi * frequency * ratio) ** 2
-    rate = mass * 2.0 * np.pi * frequency
-    return Traveller(
-        mass=mass, preload=count * stiffness * approach**1.5, frequency=frequency, wavelength=2200.0 / frequency,
-        amplitude=amplitude, reflection=reflection, ratio=random.uniform(0.5, 0.9), mu=random.uniform(0.05, 0.3),
-        balls=tuple(random.uniform(-1e-3, 1e-3, count)), normal_damping=rate * ratio * random.uniform(0.02, 0.3),
-        tangential_damping=rate * random.choice([0.0, 1e-5]),
-    )  # fmt: skip
 
 
 def along(scene, cycles, limits=(-20e-3, 20e-3), *, side=1.0, after=0.0, **options):
@@ -77,7 +61,7 @@ def test_a_slider_on_its_way_has_the_orbits_of_its_own_place():
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(14))
 def test_stated_errors_along_drawn_standing_waves(number):
-    true, stated, own = compared(drawn(number), 30_000, 2400)
+    true, stated, own = compared(Traveller(**on_a_track(number)), 30_000, 2400)
     assert stated <= 0.05
     assert own <= 0.01
     assert true <= 2.0 * stated + own

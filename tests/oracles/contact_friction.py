@@ -13,14 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from tests.seed_motor import MASS, PRELOAD
+
 
 @dataclass(frozen=True, kw_only=True)
 class Motor:
     """A slider of n equal contacts on given harmonic surface motions, SI units."""
 
     mu: Callable[[float, float], float]  # of mean pressure in Pa and slip speed in m/s
-    mass: float = 0.089e-3
-    preload: float = 0.089e-3 * 9.81
+    mass: float = MASS
+    preload: float = PRELOAD
     load: float = 0.0
     radius: float = 1e-3
     E: float = 64e9

@@ -14,15 +14,15 @@ from numba import njit
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from tests import seed_motor
+
 MOTOR = {
     "radius": 1e-3,
-    "mass": 0.089e-3,
-    "preload": 0.089e-3 * 9.81,
+    **seed_motor.BODY,
     "mu": 0.08,
     "E": 64e9,
     "G": 12e9,
-    "normal_damping": 0.5,
-    "tangential_damping": 1e-4,
+    **seed_motor.DAMPERS,
     "frequency": 2.2e6,
     "ratio": 0.7,
 }

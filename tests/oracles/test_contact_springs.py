@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.oracles.contact_springs import force_on_path, velocity_from_rest
+from tests.seed_motor import BODY, DAMPERS
 
 BALL = {"radius": 1e-3, "E": 64e9, "G": 12e9, "mu": 0.08}
 
@@ -36,10 +37,7 @@ def test_a_loop_loses_what_mindlin_and_deresiewicz_say():
 
 
 def test_finer_springs_and_steps_converge():
-    slider = BALL | {
-        "mass": 0.089e-3, "preload": 0.089e-3 * 9.81, "load": 0.0, "normal_damping": 0.5, "tangential_damping": 1e-4,
-        "chi": 0.0,
-    }  # fmt: skip
+    slider = BALL | BODY | DAMPERS | {"load": 0.0, "chi": 0.0}
     v = [
         velocity_from_rest([-5e-9j], [-3.5e-9], 2.2e6, cycles=10, per_cycle=n, springs=n, slider=slider)
         for n in (100, 200, 1600)

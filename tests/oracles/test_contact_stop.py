@@ -7,9 +7,10 @@ import pytest
 
 from tests.oracles.contact_steps import velocity_from_rest
 from tests.oracles.contact_stop import MEAN_P, RATE, TRAVEL, Z_S, StopMotor, V, extrapolated
+from tests.seed_motor import MASS, PRELOAD
 
 BALL = StopMotor(
-    mass=8.9e-5, preload=8.9e-5 * 9.81, mu=0.08, frequency=2.2e6, normal=(4e-9,), tangential=(-2.8e-9j,), radii=(1e-3,),
+    mass=MASS, preload=PRELOAD, mu=0.08, frequency=2.2e6, normal=(4e-9,), tangential=(-2.8e-9j,), radii=(1e-3,),
     normal_damping=0.5, tangential_damping=1e-4,
 )  # fmt: skip
 
@@ -28,7 +29,7 @@ def test_a_sliding_slider_is_slowed_by_mu_g():
     y = np.array([-free.rest_height(), 0.0, 0.01, *[0.0] * 4])
     velocities, (_, y, _, _) = free.run(100, 200, (0.0, y, np.array([-1.0]), np.zeros(1)), silent=True)
     assert (velocities[9] - velocities[99]) / (90 / 2.2e6) == pytest.approx(0.08 * 9.81, rel=1e-8)
-    assert y[MEAN_P] == pytest.approx(8.9e-5 * 9.81, rel=1e-8)
+    assert y[MEAN_P] == pytest.approx(PRELOAD, rel=1e-8)
     assert y[TRAVEL] == pytest.approx(100 / 2.2e6 * 0.5 * (0.01 + y[V]), rel=1e-6)
 
 
@@ -52,6 +53,6 @@ def test_it_converges_to_the_velocity_of_the_oracle_with_events():
 def test_mean_forces_of_a_frozen_slider_are_bounded_by_friction():
     height = BALL.height_under(lambda h: BALL.means(h, 0.0, 400)[0])
     slow, fast = (BALL.means(height, v, 400) for v in (0.01, 1.0))
-    assert slow[0] == pytest.approx(8.9e-5 * 9.81, rel=1e-9)
-    assert 0.0 < slow[1] < 0.08 * 8.9e-5 * 9.81
-    assert fast[1] == pytest.approx(-0.08 * 8.9e-5 * 9.81, rel=1e-9)  # every contact slips backwards all the time
+    assert slow[0] == pytest.approx(PRELOAD, rel=1e-9)
+    assert 0.0 < slow[1] < 0.08 * PRELOAD
+    assert fast[1] == pytest.approx(-0.08 * PRELOAD, rel=1e-9)  # every contact slips backwards all the time

@@ -26,6 +26,7 @@ from studies.export.force_grid import mean_forces
 from studies.export.motor_model import Drive
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
+from tests.seed_motor import MASS
 
 AMPLITUDE = 8e-9
 
@@ -445,4 +446,4 @@ def test_what_has_no_translation_is_refused_with_its_line():
 def test_the_surface_amplitude_is_in_the_unit_of_the_drive():
     _, state = run([(1e-3, AMPLITUDE, 0.0)])
     assert state.surface_amplitude == pytest.approx(AMPLITUDE, rel=1e-12)
-    assert math.isclose(motor().preload, 0.089e-3 * 9.80665, rel_tol=1e-3)
+    assert math.isclose(motor().preload, MASS * 9.80665, rel_tol=1e-3)

@@ -13,6 +13,7 @@ import pytest
 from studies import Record, Scene, run
 from studies.report.datasheet import datasheet
 from studies.solve.predictor import Predictor
+from tests.seed_motor import SCENE_SLIDER
 
 LENGTH = 12e-3
 LEFT = {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
@@ -22,10 +23,8 @@ MOTOR = {
                "diffraction": False},
     "transducer": [LEFT, RIGHT],
     "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [30.0, 60.0]},
-    "slider": {
-        "position": 6.3e-3, "radius": 1e-3, "mass": 8.9e-5, "contacts": [-0.4e-3, 0.05e-3, 0.6e-3], "preload": "weight",
-        "heights": [0.0, 2e-9, -1e-9], "friction_coefficient": 0.08, "effective_modulus": 64e9,
-        "tangential_modulus": 12e9, "damping": {"normal": 0.5, "tangential": 1e-4},
+    "slider": SCENE_SLIDER | {
+        "position": 6.3e-3, "contacts": [-0.4e-3, 0.05e-3, 0.6e-3], "heights": [0.0, 2e-9, -1e-9],
     },
 }  # fmt: skip
 SIGNED = (

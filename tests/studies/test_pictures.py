@@ -22,15 +22,12 @@ from studies.scene import Scene
 from studies.view import gallery_pictures
 from studies.view.contact_view import SlowMotion, history_columns, strip
 from studies.view.gallery_pictures import start_and_stop
+from tests import seed_motor
 from tests.studies.legible import assert_legible
 
 STUDIES = Path(__file__).parents[2] / "studies"
 UNIT = re.compile(r"\([^()]+\)| over ")  # a ratio has none
-SLIDER = Slider(
-    radius=1e-3, mass=0.089e-3, preload=0.089e-3 * 9.81, load=0.0, friction_coefficient=0.08,
-    effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0,
-    contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4,
-)  # fmt: skip
+SLIDER = Slider(**seed_motor.SLIDER)
 # a wave that runs to +x, of any phase
 ORBIT = Orbit(frequency=2.2e6, normal=8e-9 * np.exp(0.7j), tangential=5.7e-9j * np.exp(0.75j))
 

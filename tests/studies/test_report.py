@@ -15,6 +15,7 @@ from studies.report.intermediate import intermediate_numbers, si
 from studies.report.page import report
 from studies.runs import run
 from studies.scene import Scene
+from tests.seed_motor import PRELOAD
 from tests.studies.settings import changed
 
 EVIL = '<script>alert("ran")</script> & $\\frac{"'
@@ -144,7 +145,7 @@ def test_numbers_at_rest_are_those_of_theory(contact):
     assert found["slip limit of the deformation at rest"] == "502.72 pm"
     assert found["bounce and ring at rest"] == "8.8931 kHz, 7.7017 kHz"
     pressure, unit = found["largest pressure at rest"].split()
-    preload, radius, modulus = 0.089e-3 * 9.81, 1e-3, 64e9
+    preload, radius, modulus = PRELOAD, 1e-3, 64e9
     assert unit == "MPa"
     # Johnson (1985), eq. 4.24: p0 = (6 P E*^2 / pi^3 R^2)^(1/3)
     expected = (6 * preload * modulus**2 / (3.141592653589793**3 * radius**2)) ** (1 / 3)

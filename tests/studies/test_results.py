@@ -19,6 +19,7 @@ from studies.results import MANIFEST, Origin, result_directory
 from studies.results.directory import LOCK, READY, WORK
 from studies.runs import run
 from studies.scene import Scene, read_table
+from tests.seed_motor import PRELOAD
 
 ROOT = Path(__file__).parents[2]
 
@@ -365,5 +366,5 @@ def test_the_scene_that_is_left_is_the_scene_that_ran(record, tmp_path):
     write_run(record, tmp_path, field=False)
     assert Scene.load(tmp_path / "scene.toml") == record.scene
     assert Scene.from_table("", json.loads((tmp_path / "run.json").read_text())["scene"]) == record.scene
-    assert tomllib.loads((tmp_path / "scene.toml").read_text())["slider"]["preload"] == 0.089e-3 * 9.81
+    assert tomllib.loads((tmp_path / "scene.toml").read_text())["slider"]["preload"] == PRELOAD
     assert f"--tolerance {record.tolerance}" in (tmp_path / "scene.toml").read_text()

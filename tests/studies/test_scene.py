@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from studies import Damping, Drive, Scene, SceneError, Slider, Stator, Transducer, Wave, shipped_scenes
 from studies.scene import read_table
 from studies.scene.toml import document
+from tests.seed_motor import PRELOAD
 
 SHIPPED = sorted(shipped_scenes())
 
@@ -28,7 +29,7 @@ def test_the_default_scene_is_the_motor_of_the_paper():
     assert [t.center for t in scene.transducer] == [0.015, 0.145]
     assert scene.levels == pytest.approx([3.0 * k for k in range(1, 21)], rel=1e-15)
     assert scene.burst is None
-    assert scene.slider.preload_force == pytest.approx(0.089e-3 * 9.81, rel=1e-15)
+    assert scene.slider.preload_force == pytest.approx(PRELOAD, rel=1e-15)
 
 
 def test_a_scene_built_in_python_equals_the_scene_read():

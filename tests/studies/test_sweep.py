@@ -30,6 +30,7 @@ from studies.sweeps.axes import axis
 from studies.sweeps.plan import designed
 from studies.sweeps.store import FILE, Store
 from studies.sweeps.workers import ONE_THREAD, Processes, Workers
+from tests.seed_motor import MASS, SCENE_SLIDER
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -38,11 +39,7 @@ SMALL = {
         {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
     ],
     "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [30.0]},
-    "slider": {
-        "position": 7e-3, "radius": 1e-3, "mass": 8.9e-5, "contacts": 1, "preload": "weight",
-        "friction_coefficient": 0.08, "effective_modulus": 64e9, "tangential_modulus": 12e9,
-        "damping": {"normal": 0.5, "tangential": 1e-4},
-    },
+    "slider": SCENE_SLIDER | {"position": 7e-3},
 }  # fmt: skip
 
 
@@ -654,8 +651,8 @@ def test_every_number_of_a_dataset_has_the_unit_of_its_name():
 
 def test_five_balls_in_phase_have_five_times_the_thrust_at_the_same_efficiency():
     """Mass, preload, and viscous dampers five times as large: each ball moves as the one did."""
-    slider = PLANE["slider"] | {"preload": 0.9e-3, "mass": 0.089e-3}
-    five = {"contacts": 5, "mass": 5 * 0.089e-3, "preload": 4.5e-3, "damping": {"normal": 2.5, "tangential": 5e-4}}
+    slider = PLANE["slider"] | {"preload": 0.9e-3, "mass": MASS}
+    five = {"contacts": 5, "mass": 5 * MASS, "preload": 4.5e-3, "damping": {"normal": 2.5, "tangential": 5e-4}}
 
     def answers(changes):
         table = PLANE | {"slider": slider | changes}

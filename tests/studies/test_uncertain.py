@@ -18,6 +18,7 @@ from studies.scene.toml import document
 from studies.scene.uncertain import Tolerance
 from studies.solve import stators
 from studies.solve.uncertainty import sampled, without_level
+from tests.seed_motor import GRAVITY, MASS, SCENE_SLIDER
 
 PRELOAD, MODULUS = 8e-4, 64e9
 SMALL = {
@@ -27,11 +28,7 @@ SMALL = {
         {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
     ],
     "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [30.0]},
-    "slider": {
-        "position": 7e-3, "radius": 1e-3, "mass": 8.9e-5, "contacts": 1, "preload": "weight",
-        "friction_coefficient": 0.08, "effective_modulus": 64e9, "tangential_modulus": 12e9,
-        "damping": {"normal": 0.5, "tangential": 1e-4},
-    },
+    "slider": SCENE_SLIDER | {"position": 7e-3},
 }  # fmt: skip
 
 
@@ -106,7 +103,7 @@ def test_a_value_with_its_tolerance_is_an_entry_of_the_block():
     """The tolerance takes the value's unit and the value the tolerance's."""
     text = {"preload": "0.8 +- 0.02 mN", "mass": "89 mg ± 2", "friction_coefficient": "0.08 +/- 0.02", "load": "0 N"}
     scene = Scene.load("twente-contact").replace(slider=text)
-    assert (scene.slider.preload, scene.slider.mass, scene.slider.friction_coefficient) == (8e-4, 8.9e-5, 0.08)
+    assert (scene.slider.preload, scene.slider.mass, scene.slider.friction_coefficient) == (8e-4, MASS, 0.08)
     assert dict(scene.uncertain) == {
         "slider.preload": "+- 0.02 mN", "slider.mass": "+- 2 mg", "slider.friction_coefficient": "+- 0.02"
     }  # fmt: skip
@@ -153,7 +150,7 @@ def test_samples_keep_their_sign_and_a_power_is_the_square_of_the_level():
     assert without_level({"drive.voltage": 1.21}) == (1.21, {})
 
 
-@pytest.mark.parametrize(("key", "value"), [("mass", 0.089e-3), ("gravity", 9.81)])
+@pytest.mark.parametrize(("key", "value"), [("mass", MASS), ("gravity", 9.81)])
 def test_a_weight_follows_its_mass_and_its_gravity(key, value):
     """The band is that of the program's own runs: +-0.73 mm/s; a frozen weight left +-1.3e-5 mm/s of the mass."""
     scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["5 nm"]})
@@ -203,8 +200,8 @@ def test_a_fit_and_a_sensitivity_let_the_weight_follow_too(key):
     predictor = MeasurementPredictor(Scene.load("twente-contact"))
     (own,) = (predictor.value(each) or 9.81 for each in (key,))
     body = predictor.contact({key: 1.2 * own}).slider
-    assert body.preload == pytest.approx(1.2 * 0.089e-3 * 9.81, rel=1e-12)
-    assert predictor.value("slider.preload") == pytest.approx(0.089e-3 * 9.81, rel=1e-12)
+    assert body.preload == pytest.approx(1.2 * MASS * GRAVITY, rel=1e-12)
+    assert predictor.value("slider.preload") == pytest.approx(MASS * GRAVITY, rel=1e-12)
     assert predictor.contact({"slider.preload": 1e-3, key: 1.2 * own}).slider.preload == 1e-3
 
 

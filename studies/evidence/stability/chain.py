@@ -26,11 +26,7 @@ MOTOR = Scene.from_table(
         "stator": {"material": "PZT-8", "length": 9e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
         "transducer": [{"name": "left", "center": 3e-3, "finger_pairs": 2, "metallisation": 0.5, "aperture": 0.02}],
         "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [15.0, 60.0]},
-        "slider": {
-            "position": 6e-3, "radius": 1e-3, "mass": 0.089e-3, "contacts": 1, "preload": "weight",
-            "friction_coefficient": 0.08, "effective_modulus": 64e9, "tangential_modulus": 12e9,
-            "damping": {"normal": 0.5, "tangential": 1e-4},
-        },
+        "slider": Scene.load("twente-contact").to_table()["slider"] | {"position": 6e-3},
     },
 )  # fmt: skip
 SIDES = tuple(
