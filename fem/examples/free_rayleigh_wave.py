@@ -18,5 +18,5 @@ for name in cuts:
 # the constants of different authors differ by that much
 for name, published in {"128YX": 3992, "YZ": 3488, "ST-X": 3158}.items():
     assert abs(velocity[name] / published - 1) < 4e-3
-published = {"128YX": 0.053, "YZ": 0.045, "ST-X": 0.0011}
-assert all(abs(coupling[name] / published[name] - 1) < 0.06 for name in cuts)
+published_coupling = {"128YX": 0.053, "YZ": 0.045, "ST-X": 0.0011}
+assert all(abs(coupling[name] / published_coupling[name] - 1) < 0.06 for name in cuts)

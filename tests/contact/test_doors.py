@@ -8,9 +8,11 @@ import pytest
 
 from contact import ConvergenceError, Orbit, mean_motion, steady, steady_sweep, threshold_factor
 from contact.error_estimate import reference_speed
-from tests.contact.motors import FREQUENCY, SEED, orbit, slider, steady_map
+from tests.contact.motors import FREQUENCY, orbit, slider, steady_map
+from tests.seed_motor import FRICTION as COEFFICIENT
+from tests.seed_motor import MASS, PRELOAD
 
-FRICTION = SEED["friction_coefficient"] * SEED["preload"]
+FRICTION = COEFFICIENT * PRELOAD
 
 
 @cache
@@ -116,9 +118,7 @@ def test_close_to_the_threshold_the_error_is_what_lies_beyond():
 @pytest.mark.parametrize("ratio", [0.2, 0.28])
 def test_a_stiff_contact_is_not_called_held_near_its_threshold(ratio):
     frequency = slider().normal_resonance(1) / ratio
-    s = slider(
-        normal_damping=0.05 * SEED["mass"] * 2.0 * math.pi * slider().normal_resonance(1), tangential_damping=0.0
-    )
+    s = slider(normal_damping=0.05 * MASS * 2.0 * math.pi * slider().normal_resonance(1), tangential_damping=0.0)
     wave = Orbit(frequency=frequency, normal=0.999 * edge(), tangential=-0.7j * 0.999 * edge())
     with pytest.raises(ConvergenceError, match="near the threshold"):
         mean_motion(s, wave)

@@ -10,8 +10,10 @@ from contact import ConvergenceError, Orbit, burst, steady, threshold_amplitude
 from contact.answers.burst_methods import rest, rest_problem
 from contact.averaged.closed_forms import closed_form
 from contact.error_estimate import reference_speed
-from tests.contact.motors import SEED, orbit, slider
+from tests.contact.motors import orbit, slider
 from tests.oracles.contact_steps import steady_velocity
+from tests.seed_motor import FRICTION as COEFFICIENT
+from tests.seed_motor import PRELOAD
 
 AMPLITUDES = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)
 
@@ -345,7 +347,7 @@ def test_the_method_after_shooting_depends_on_why_shooting_failed(monkeypatch, s
 
 
 OMEGA = 2.0 * np.pi * 400.0
-FRICTION = SEED["friction_coefficient"] * SEED["preload"]
+FRICTION = COEFFICIENT * PRELOAD
 
 
 @pytest.mark.parametrize(
@@ -354,9 +356,9 @@ FRICTION = SEED["friction_coefficient"] * SEED["preload"]
         # each force alone, a tenth below and above half of what the contact bears
         (lambda share: {"load": share * FRICTION}, 3e-9, 0.7),
         (lambda share: {"tangential_damping": share * FRICTION / (OMEGA * 2.1e-9)}, 3e-9, 0.7),
-        (lambda share: {"normal_damping": share * SEED["preload"] / (OMEGA * 3e-9)}, 3e-9, 1e-3),
+        (lambda share: {"normal_damping": share * PRELOAD / (OMEGA * 3e-9)}, 3e-9, 1e-3),
         (lambda share: {"mass": share * FRICTION / (OMEGA**2 * 2.1e-9), "tangential_damping": 0.0}, 3e-9, 0.7),
-        (lambda share: {"mass": share * SEED["preload"] / (OMEGA**2 * 3e-9), "normal_damping": 0.0}, 3e-9, 1e-6),
+        (lambda share: {"mass": share * PRELOAD / (OMEGA**2 * 3e-9), "normal_damping": 0.0}, 3e-9, 1e-6),
     ],
     ids=["load", "damper", "normal damper", "inertia along x", "inertia along z"],
 )
