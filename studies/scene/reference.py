@@ -18,6 +18,8 @@ BLOCKS = {
     "The file": Scene,
     "[stator]": blocks.Stator,
     "[stator.cooling]": blocks.Cooling,
+    "[[stator.layer]]": blocks.Layer,
+    "[stator.layer.bond]": blocks.Bond,
     "[stator.material.temperature]": blocks.TemperatureCoefficients,
     "[[transducer]]": blocks.Transducer,
     "[[piece]]": blocks.Piece,

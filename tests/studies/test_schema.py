@@ -44,6 +44,15 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "stator.cooling.ends_heat_stator": [0, 1],
     "stator.cooling.ambient": [-20, 25.5, "25 degC"],
     "stator.sides": ["mirror"],
+    "stator.layer": [[{"material": "fused silica", "thickness": "20 um"}], []],
+    "stator.layer.0.material": ["AlN", {"youngs_modulus": "70 GPa", "poisson_ratio": 0.3, "density": 2700}],
+    "stator.layer.0.orientation": ["X", [0, 38, 0], "64YX"],
+    "stator.layer.0.euler_convention": ["SAW", "COMSOL", "sawsim"],
+    "stator.layer.0.thickness": ["20 um", 2e-5, "0.05 lambda", "1e-3 \u03bb", ".5lambda"],
+    "stator.layer.0.bond": [{"normal": "1e15 N/m^3", "tangential": 3e14}],
+    "stator.layer.0.bond.normal": [1e15, "1e15 Pa/m"],
+    "stator.layer.0.bond.tangential": [1e15, "3e14 N/m^3"],
+    "transducer.0.plane": ["surface"],
     "stator.material": ["LiNbO3", {"youngs_modulus": "70 GPa", "poisson_ratio": 0.3, "density": 2700, "name": "x"}],
     "transducer.0.period": ["auto", "0.99 mm"],
     "transducer.0.termination": ["short", "50 ohm", [50, -3]],
@@ -146,6 +155,9 @@ def changed(path: str, value) -> dict:
         own = {"slider.pillars.file": {"diameter": "20 um"}, "slider.pillars.area": dict(list(PILLARS.items())[:2])}
         del table["slider"]["radius"], table["slider"]["contacts"]
         table["slider"]["pillars"] = dict(own.get(path, PILLARS))
+    if path.startswith("stator.layer."):
+        bond = {"bond": {"normal": 1e15, "tangential": 1e15}} if path.startswith("stator.layer.0.bond.") else {}
+        table["stator"]["layer"] = [{"material": "fused silica", "thickness": "20 um"} | bond]
     if path.startswith("stator.cooling."):
         table["stator"]["cooling"] = {}
     holder = table
