@@ -46,6 +46,7 @@ STUDIES = {
     "stroke": ("motor", 7),
     "step_planner": ("motor", 7),
     "positioning": ("motor", 20),
+    "heating": ("motor", 6),
     "design_map": ("motor", 8),
     "sensitivity": ("inverse", 10),
     "cell_parameters": ("stator", 10),

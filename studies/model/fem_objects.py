@@ -51,8 +51,8 @@ def relative_frequency(block: Stator, temperature: float) -> float:
     coefficient = frequency_coefficient(block)
     if coefficient is not None:
         return 1.0 + coefficient * (temperature - reference_temperature(block))
-    warm, cold = replace(block, temperature=temperature), replace(block, temperature=None)
-    return fem.rayleigh(solid(warm), "open").velocity / fem.rayleigh(solid(cold), "open").velocity
+    warm, cold = (solid(replace(block, temperature=each)) for each in (temperature, None))
+    return fem.rayleigh(warm, "vacuum").velocity / fem.rayleigh(cold, "vacuum").velocity
 
 
 def wavelength(scene: Scene) -> float:

@@ -29,6 +29,7 @@ AIR_BAND = 0.4  # of the air's coefficient, with radiation: relative half-width
 FAST = 10.0  # K/s, from which on the rate of heating is a warning
 POLED = 0.5  # of the Curie temperature in degC, up to which a ceramic keeps its poling
 THERMAL = ("conductivity", "heat_capacity", "curie_temperature")
+KNOWN_RISE = 400.0  # K, up to which coefficients of the constants are followed
 STEP = 1.0  # K, of the differences that give the coefficient of the frequency
 
 
@@ -180,19 +181,25 @@ def heat_block(record: Record) -> HeatBlock:
     return block | limits(scene, block) | _effects(record, block)
 
 
+def allowed_rise(block: Stator) -> float | None:
+    """Return the rise in K to half the Curie temperature; None where this is not known."""
+    curie = thermal_constants(block.material)["curie_temperature"]
+    return None if curie is None else POLED * curie - (block.cooling or Cooling()).ambient
+
+
 def limits(scene: Scene, block: HeatBlock) -> HeatBlock:
     """Return the largest voltages and the duty that keep the stator below half its Curie temperature and 10 K/s.
 
     Heat grows with the square of the voltage, as of constants that do not change with the temperature.
     """
-    found, curie = HeatBlock(), thermal_constants(scene.stator.material)["curie_temperature"]
+    found, rise = HeatBlock(), allowed_rise(scene.stator)
     share = scene.drive.duty or 1.0
     if block.heating_rate_K_per_s:
         found |= HeatBlock(
             pulsed_limit_voltage_V=block.voltage_V * math.sqrt(FAST * share / block.heating_rate_K_per_s)
         )
-    if curie is not None and block.highest_rise_K:
-        allowed = (POLED * curie - (scene.stator.cooling or Cooling()).ambient) / (block.highest_rise_K / share)
+    if rise is not None and block.highest_rise_K:
+        allowed = rise * share / block.highest_rise_K
         if allowed > 0.0:
             found |= HeatBlock(
                 continuous_limit_voltage_V=block.voltage_V * math.sqrt(allowed), duty_limit=min(allowed, 1.0)
@@ -202,11 +209,11 @@ def limits(scene: Scene, block: HeatBlock) -> HeatBlock:
 
 def drift(block: Stator, rise: float) -> float | None:
     """Return the relative change of the best frequency from the ambient temperature by a rise in K; None if unknown."""
-    if not knows_temperature(block):
-        return None
     coefficient, ambient = frequency_coefficient(block), (block.cooling or Cooling()).ambient
     if coefficient is not None:
         return coefficient * rise
+    if not knows_temperature(block) or rise > KNOWN_RISE:
+        return None
     return relative_frequency(block, ambient + rise) / relative_frequency(block, ambient) - 1.0
 
 

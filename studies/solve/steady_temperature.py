@@ -26,14 +26,13 @@ from studies.refusal import RunError
 from studies.scene import Scene
 from studies.scene.blocks import Cooling
 from studies.solve.electrical import electrical_block
-from studies.solve.heat import duty, frequency_slope, plate, sources, temperature, thermal_constants
+from studies.solve.heat import KNOWN_RISE, duty, frequency_slope, plate, sources, temperature, thermal_constants
 from studies.solve.spectrum import converged_admittances
 from studies.solve.surface_blocks import surface_columns, wave_block
 from studies.solve.surface_motion import solved_motion
 
 LOGGER = logging.getLogger(__name__)
 
-LARGEST_RISE = 400.0  # K, searched for states where no Curie temperature is known
 PER_WIDTH = 8  # samples in the half-power width f/Q of a resonance: a cubic spline errs by 1e-3 of its peak
 MIN_SAMPLES, MAX_SAMPLES = 33, 2001
 BESIDE = 6.0  # half-power widths that are sampled beyond the coldest and the hottest frequency, where folds may lie
@@ -177,7 +176,7 @@ def _rises(scene: Scene) -> np.ndarray:
 
 def _largest_rise(scene: Scene) -> float:
     curie = thermal_constants(scene.stator.material)["curie_temperature"]
-    return LARGEST_RISE if curie is None else curie - _ambient(scene)
+    return KNOWN_RISE if curie is None else curie - _ambient(scene)
 
 
 def _ambient(scene: Scene) -> float:

@@ -10,7 +10,7 @@ from studies import Scene, run
 from studies.refusal import SceneError
 from studies.remarks.heat_warnings import heat_warnings
 from studies.scene.blocks import Cooling, IsotropicSolid
-from studies.solve.heat import heat_block, plate, powers, sources
+from studies.solve.heat import drift, frequency_slope, heat_block, plate, powers, sources
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +84,15 @@ def test_metal_below_cools(motor):
     assert held.heat["mean_rise_K"] < kept * 2e-3 / (1.25 * 0.03 * 0.012)
     assert held.heat["time_constant_s"] == pytest.approx(4 * 4e-6 * 7600 * 420 / (np.pi**2 * 1.25), rel=2e-2)
     assert held.heat["highest_rise_K"] < 0.2 * motor.heat["highest_rise_K"]
+
+
+def test_a_rise_beyond_the_coefficients_has_no_drift_and_a_small_one_that_of_the_frequency(motor):
+    """128YX: -77 ppm/K in vacuum, from the coefficients of the constants."""
+    chip = replace(motor.scene.stator, material="LiNbO3 (Kovacs)", orientation="128YX")
+    assert drift(chip, 2.0) == pytest.approx(-154e-6, rel=1e-2)
+    assert drift(chip, 5000.0) is None
+    assert frequency_slope(chip) == pytest.approx(drift(chip, 0.1) / 0.1, rel=1e-3)
+    assert drift(motor.scene.stator, 2.0) is None
 
 
 def driven(record, **drive):
