@@ -92,7 +92,7 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.nd
     over_band = response(alone, at[0], at[-1], positions=(x,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
     waves = over_band.waves(at, fem_objects.drive(alone))
-    component = ("u_x", "u_z").index(scan.component)
+    component = "xz".index(scan.component[-1])
     motion = np.array([wave.motion(x)[component] for wave in waves])[number]
     return motion, float(max(wave.relative_error for wave in waves))
 
