@@ -19,7 +19,7 @@ class Values(Mapping[str, Any]):
 
     The values that are present also make a mapping, by the keys of run.json, in the order in which they were set:
     ``values["frequency_Hz"]``, ``values.get(key)``, ``key in values``, ``dict(values)``.  ``values | others`` returns
-    the values of both, those of ``others`` where both have one.
+    the values of both, those of ``others`` where both have one; None in ``others`` takes nothing away.
 
     Type checkers and editors treat a subclass as a frozen dataclass.  It is none of the standard library, because only
     the values that are present are stored: a point has 80 fields, of which a sweep sets 5.
@@ -47,7 +47,7 @@ class Values(Mapping[str, Any]):
     def __init__(self, **values: Any) -> None:
         if not self.fields.issuperset(values):
             raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(values.keys() - self.fields))}")
-        self.__dict__.update(values)
+        self.__dict__.update({key: value for key, value in values.items() if value is not None})
 
     @classmethod
     def read(cls, values: Mapping[str, Any]) -> Self:
@@ -55,26 +55,29 @@ class Values(Mapping[str, Any]):
         if type(values) is cls:  # isinstance costs 1 us, as a mapping is an abstract class
             return values
         new = object.__new__(cls)
-        new.__dict__.update(values)
+        new.__dict__.update({key: value for key, value in values.items() if value is not None})
         return new
 
     def to_dict(self) -> dict[str, Any]:
         """Return the values that are present, by the keys of run.json."""
-        return {key: value for key, value in self.__dict__.items() if value is not None}
+        return dict(self.__dict__)
 
     def __or__(self, other: Mapping[str, Any]) -> Self:
-        return self.read({**self.__dict__, **(other.__dict__ if type(other) is type(self) else other)})
+        new = object.__new__(type(self))
+        new.__dict__.update(self.__dict__ | self.read(other).__dict__)
+        return new
 
     def __getitem__(self, key: str) -> Any:
-        if self.__dict__.get(key) is None:
-            raise KeyError(key)
         return self.__dict__[key]
 
+    def __contains__(self, key: object) -> bool:
+        return key in self.__dict__
+
     def __iter__(self) -> Iterator[str]:
-        return iter(self.to_dict())
+        return iter(self.__dict__)
 
     def __len__(self) -> int:
-        return len(self.to_dict())
+        return len(self.__dict__)
 
     def __setattr__(self, key: str, value: Any) -> NoReturn:
         raise FrozenInstanceError(f"cannot assign to field {key!r}")
@@ -83,7 +86,7 @@ class Values(Mapping[str, Any]):
         raise FrozenInstanceError(f"cannot delete field {key!r}")
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in self.items())})"
+        return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in self.__dict__.items())})"
 
 
 class Columns(dict):
