@@ -104,7 +104,7 @@ def first_scene(
     center, place = MARGIN * wavelength + 0.5 * length_of, MARGIN * wavelength + length_of + AWAY * wavelength
     aperture = _round(APERTURE * wavelength)
     table: dict = {
-        "title": f"First motor: {quantity('frequency_Hz').with_unit(frequency)} on {solid.name}",
+        "title": f"First motor: {quantity.frequency_Hz.with_unit(frequency)} on {solid.name}",
         "stator": {
             "material": name, "orientation": cut, "length": _length(2.0 * place),
             "thickness": _length(THICKNESS * wavelength),

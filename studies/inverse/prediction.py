@@ -31,6 +31,8 @@ from studies.model.contact import Contact
 from studies.model.resolve import following, resolved
 from studies.model.stator_alone import POSITION_KEYS, changes_stator
 from studies.progress import Countdown
+from studies.record.quantities import quantity
+from studies.record.values import as_array
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
@@ -176,7 +178,7 @@ class MeasurementPredictor(Predictor):
         if not measurement.levels:
             return np.array([max(driven.scene.levels)])
         levels = np.array(measurement.levels)
-        if measurement.level_key == "normal_amplitude_m":
+        if measurement.level_key == quantity.normal_amplitude_m.column:
             return levels / driven.amplitude
         if not self.prescribed_wave:
             return levels
@@ -194,7 +196,7 @@ class MeasurementPredictor(Predictor):
 
             return np.array([pillar_velocity(driven, level) for driven, level in states])
         answers = steady_answers(states, self.tolerance)
-        return np.array([answer.point.get("velocity_m_per_s", math.nan) for answer in answers])
+        return as_array(answer.point.velocity_m_per_s for answer in answers)
 
     def _mean_velocities(self, driven: Contact, levels: np.ndarray, numbers: dict) -> np.ndarray:
         """Return the mean velocities over place about the slider's position; NaN where there is none."""

@@ -3,8 +3,6 @@
 The modules that draw and write are imported when they are needed.
 """
 
-import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -22,7 +20,7 @@ from studies.record.blocks import (
 )
 from studies.record.point import Point
 from studies.record.quantities import quantity
-from studies.record.values import Columns, Values
+from studies.record.values import Columns, Values, as_array
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
@@ -180,27 +178,27 @@ class Record:
     @property
     def voltage(self) -> np.ndarray:
         """Peak voltage of the source at each point, V; NaN with a prescribed wave."""
-        return _numbers(point.voltage_V for point in self.points)
+        return as_array(point.voltage_V for point in self.points)
 
     @property
     def normal_amplitude(self) -> np.ndarray:
         """Normal amplitude of the surface under the slider (without one: at mid-stator) at each point, m."""
-        return _numbers(point.normal_amplitude_m for point in self.points)
+        return as_array(point.normal_amplitude_m for point in self.points)
 
     @property
     def tangential_amplitude(self) -> np.ndarray:
         """Tangential amplitude of the surface at the same position, m."""
-        return _numbers(point.tangential_amplitude_m for point in self.points)
+        return as_array(point.tangential_amplitude_m for point in self.points)
 
     @property
     def velocity(self) -> np.ndarray:
         """Steady velocity of the slider at each point, m/s; NaN where a point has no answer."""
-        return _numbers(point.velocity_m_per_s for point in self.points)
+        return as_array(point.velocity_m_per_s for point in self.points)
 
     @property
     def relative_error(self) -> np.ndarray:
         """Estimated error of each point in the sense of the tolerance; NaN where a point has no answer."""
-        return _numbers(point.relative_error for point in self.points)
+        return as_array(point.relative_error for point in self.points)
 
     @property
     def regime(self) -> np.ndarray:
@@ -234,7 +232,7 @@ class Record:
         known |= {each.column for each in usual}
         if key not in known:
             raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
-        return _numbers(point.get(key) for point in self.points)
+        return as_array(point.get(key) for point in self.points)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the points as a pandas table, a row each; columns are the keys of ``points`` in run.json.
@@ -371,9 +369,3 @@ class Record:
         from studies.record.text import notebook_table
 
         return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))
-
-
-def _numbers(values: Iterable[Any]) -> np.ndarray:
-    """Return values of points as an array, NaN for those that are absent."""
-    present = [math.nan if value is None else value for value in values]
-    return np.array(present, dtype=complex if any(isinstance(value, complex) for value in present) else float)

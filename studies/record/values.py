@@ -1,8 +1,11 @@
 """Named values of a record as attributes: the base class of its points and blocks."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import FrozenInstanceError
 from typing import Any, ClassVar, NoReturn, Self, dataclass_transform
+
+import numpy as np
 
 # Types of fields.  A field without a value is None; `Any` spares its readers the question where the value must exist.
 Number = float | Any
@@ -107,3 +110,15 @@ class Columns(dict):
         if name not in self:
             raise AttributeError(f"no column {name!r}")
         return self[name]
+
+
+def as_array(values: Iterable[Any]) -> np.ndarray:
+    """Return numbers as an array of floats, or of complex numbers if one is complex; NaN for None.
+
+    Examples
+    --------
+    >>> as_array([1.0, None])
+    array([ 1., nan])
+    """
+    present = [math.nan if value is None else value for value in values]
+    return np.array(present, dtype=complex if any(isinstance(value, complex) for value in present) else float)

@@ -5,14 +5,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studies.lab.measurement import Measurement
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 
 if TYPE_CHECKING:
     from studies.scene import Scene
 
 OPTION = "--measured"
-# quantities of a measurement that a run predicts at its levels, and their columns of a point
-VELOCITIES = {"velocity": "velocity_m_per_s", "mean velocity": "mean_velocity_m_per_s"}
+# quantities of a measurement that a run predicts at its levels, and the keywords that request them of a point
+VELOCITIES: dict[str, tuple[str, ...]] = {"velocity": (), "mean velocity": ("ripple",)}
 
 
 def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
@@ -84,7 +85,7 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         velocity = -velocity
     points = []
     for k, level in enumerate(measured.levels):
-        point = {measured.level_key: float(level), "velocity_m_per_s": float(velocity[k]) + 0.0}
+        point = {measured.level_key: float(level), quantity.velocity_m_per_s.column: float(velocity[k]) + 0.0}
         if measured.deviations is not None:
             point["error_m_per_s"] = measured.deviations[k]
         if answered[k]:

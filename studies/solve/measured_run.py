@@ -46,25 +46,27 @@ def measured_block(record: Record, measured: Measurement) -> dict:
         return component_and_error(record.surface_motion, some)
 
     ratio = None
-    if scan.kind == "x" and scan.component == "u_z" and scan.y[0] == scene.positions[0][1]:
-        ratio = record.wave["standing_wave_ratio"]
+    if scan.kind == "x" and scan.component.endswith("z") and scan.y[0] == scene.positions[0][1]:
+        ratio = record.wave.standing_wave_ratio
     return scan_block(scene, scan, predict, ratio)
 
 
-def _velocities_at(record: Record, levels: tuple[float, ...], column: str) -> list[float | None]:
+def _velocities_at(record: Record, levels: tuple[float, ...], also: tuple[str, ...]) -> list[float | None]:
     """Return the steady velocities in m/s of a run at some levels (V or m), None where the motor has none.
 
     Velocities at levels of the run are taken from its points. The others are computed with the same solution of the
-    stator. ``column``: of a point; the mean of a run without ripple is the velocity itself.
+    stator. ``also``: keywords of the answers, with ripple for the mean over place; the mean of a run without ripple is
+    the velocity itself.
     """
     answers: dict = {point.level: point for point in record.points}
     missing = [level for level in dict.fromkeys(levels) if level not in answers]
     if missing:
         changes = [{record.scene.level_key: level} for level in missing]
-        also = () if column == "velocity_m_per_s" else ("ripple",)
         found = Predictor.of_record(record).answers(changes, also)
         answers |= {level: answer.point for level, answer in zip(missing, found, strict=True)}
-    return [answers[level].get(column, answers[level].get("velocity_m_per_s")) for level in levels]
+    points = [answers[level] for level in levels]
+    means = [each.mean_velocity_m_per_s if also else None for each in points]
+    return [each.velocity_m_per_s if mean is None else mean for each, mean in zip(points, means, strict=True)]
 
 
 def scan_block(scene: Scene, scan: Scan, predict: Callable, ratio: float | None = None) -> dict:
@@ -87,9 +89,9 @@ def scan_block(scene: Scene, scan: Scan, predict: Callable, ratio: float | None 
         drawn = None if line is None else predict(line)[0]
     block = compared_scan(scan, predicted, wavelength=wavelength, source=source, place=place, ratio=ratio)
     if line is not None:
-        block["line"] = {"x_m": line.x, "y_m": line.y, "predicted_m_per_V": drawn}
+        block["line"] = dict(x_m=line.x, y_m=line.y, predicted_m_per_V=drawn)
         if scan.kind == "frequency":
-            block["line"]["frequency_Hz"] = line.frequency
+            block["line"] |= dict(frequency_Hz=line.frequency)
     return block | {"predicted_relative_error": error}
 
 

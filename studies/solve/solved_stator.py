@@ -71,4 +71,4 @@ def contact_of_run(record: Record) -> Contact:
         return Contact.prescribed(record.scene, record)
     motion = record.surface_motion
     driven = Contact.of_stator(record.scene, SolvedStator.of(motion, record.scene.positions), motion)
-    return replace(driven, stator_error=float(record.wave["relative_error"]), record=record)
+    return replace(driven, stator_error=float(record.wave.relative_error), record=record)

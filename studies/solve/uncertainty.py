@@ -26,6 +26,8 @@ from scipy.stats import norm, qmc, truncnorm
 from studies.model.stator_alone import changes_stator
 from studies.record import Record
 from studies.record.blocks import UncertaintyBlock
+from studies.record.point import Point
+from studies.record.values import as_array
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
@@ -84,14 +86,14 @@ def with_bands(record: Record, written: Scene) -> Record:
             nonlinear = bends.any(axis=0)
             low[nonlinear], high[nonlinear] = (centre - downward)[nonlinear], (centre + upward)[nonlinear]
             block["bent"] = {numbers[k].key: int(bends[k, : len(record.points)].sum()) for k in bent}
-    top = int(np.argmax([point[record.level] for point in record.points]))
+    top = int(np.argmax([point.level for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
         block["velocity_half_width_m_per_s"] = dict(zip(block["tolerances"], half[:, top].tolist(), strict=True))
     for k, key in enumerate(KEYS, start=len(record.points)):
         if key in record.summary and np.isfinite(low[k] + high[k]):
             block[key] = [float(low[k]), float(high[k])]
     points = tuple(
-        point | ({"velocity_low_m_per_s": float(a), "velocity_high_m_per_s": float(b)} if np.isfinite(a + b) else {})
+        point | (Point(velocity_low_m_per_s=float(a), velocity_high_m_per_s=float(b)) if np.isfinite(a + b) else {})
         for point, a, b in zip(record.points, low, high, strict=False)
     )
     return replace(record, points=points, uncertainty=UncertaintyBlock(**block))
@@ -99,8 +101,7 @@ def with_bands(record: Record, written: Scene) -> Record:
 
 def _centre(record: Record) -> np.ndarray:
     """Return the answers of the run: velocities, then threshold and release as amplitudes and as voltages."""
-    limits = [record.summary.get(key, np.nan) for key in KEYS]
-    return np.array([*(point.get("velocity_m_per_s", np.nan) for point in record.points), *limits])
+    return np.array([*record.velocity, *as_array(record.summary.get(key) for key in KEYS)])
 
 
 def _moved(numbers, fractions: tuple[float, ...]) -> list[dict[str, float]]:
@@ -143,7 +144,7 @@ class _Answers:
 
     def __call__(self, changes: list[dict]) -> np.ndarray:
         """Return the answers in the order of `_centre` for each set of changed numbers; NaN for missing answers."""
-        key, levels = self.record.scene.level_key, [point[self.record.level] for point in self.record.points]
+        key, levels = self.record.scene.level_key, [point.level for point in self.record.points]
         points, tops, factors = [], [], []
         top = max(levels) or 1.0
         for changed in changes:
@@ -152,11 +153,12 @@ class _Answers:
             points += [other_changes | {key: level * factor} for level in levels]
             tops.append(other_changes | {key: top})
         answers = self.predictor.answers(points, quick=True)
-        velocities = [each.point.get("velocity_m_per_s", np.nan) for each in answers]
+        velocities = as_array(each.point.velocity_m_per_s for each in answers)
         limits = []
         for answer, factor in zip(self.predictor.answers(tops, ("limits",), quick=True), factors, strict=True):
-            ratios = np.array([answer.point.get(f"{name}_factor", np.nan) for name in LIMITS])
-            limits.append([*(ratios * answer.point.get("normal_amplitude_m", np.nan)), *(ratios * top / factor)])
+            point = answer.point
+            *ratios, amplitude = as_array([point.threshold_factor, point.release_factor, point.normal_amplitude_m])
+            limits.append([*(np.array(ratios) * amplitude), *(np.array(ratios) * top / factor)])
         return np.column_stack([np.reshape(velocities, (len(changes), len(levels))), np.array(limits)])
 
     def _with_weight(self, changed: dict[str, float]) -> dict[str, float]:

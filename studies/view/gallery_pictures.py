@@ -23,7 +23,7 @@ from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.options import NORMAL
 from studies.view.picture import Picture
-from studies.view.quantities import palette
+from studies.view.quantities import MOTIONS, QUANTITIES, palette
 from studies.view.views import span_views, views
 
 LOGGER = logging.getLogger(__name__)
@@ -82,7 +82,7 @@ def orbits(positions, tangential, normal, *, title: str):
     size, shared = ((1.35 * columns + 0.6, 1.55 * rows + 0.7), {"sharex": True, "sharey": True, "squeeze": False})
     figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
     is_anticlockwise = anticlockwise(tangential, normal)
-    across, up, along = quantity("field.u_x"), quantity("field.u_z"), quantity.x_m
+    (across, up), along = (QUANTITIES[name].entry(False) for name in MOTIONS[::2]), quantity.x_m
     components = up.scale * np.array([tangential, normal])
     limit = 1.15 * abs(components).max()
     for number, ax in enumerate(axes.flat):
