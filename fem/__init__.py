@@ -18,7 +18,9 @@ _PUBLIC = {
     "materials.tables": "catalogue_table catalogue_text material_names",
     "materials.temperature": "COEFFICIENT_ORDERS expansion_along expansions in_cold_lengths solid_at table_at",
     "materials.class_tables": "class_tables CLASSES constant_names TIED_C66",
-    "materials.forms": "at_constant_field at_constant_strain FORMS from_strain_charge in_order ORDERS stress_charge",
+    "materials.forms": (
+        "at_constant_field at_constant_strain Conditions FORMS from_strain_charge in_order ORDERS stress_charge"
+    ),
     "materials.limits": "refuse_impossible",
     "materials.plausibility": "plausibility",
     "materials.medium": "media medium",
@@ -26,8 +28,8 @@ _PUBLIC = {
     "materials.strength": "Strength strength",
     "mesh.section_mesh": "MeshError read_mesh SectionMesh",
     "mesh.piece": "MeshPiece",
-    "geometry": "Bond covers Layer outer_gaps Stator Transducer",
-    "layout": "check_beside_pieces check_layout check_plan",
+    "geometry": "fingers_off_stator one_electrode repeated_names Bond covers Layer outer_gaps Stator Transducer",
+    "layout": "check_beside_pieces check_layout check_plan check_turned LENGTH_UNITS TURNED turned_rules",
     "analytic.wave_compliance": "bound_compliance spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.layered_wave": "bound_period bound_wave layered_waves LayeredWave principal_wave shorted_velocity",

@@ -8,10 +8,10 @@ is an open strip, whose potential is such that it carries no net charge.  Finger
 fingers "+" alone a shorted one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -309,6 +309,29 @@ def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:
 
     here = listed(drawn, (' fingers "+"', ' "-"'))
     return [f'transducer "{transducer.name}": the mesh draws {here}, the block has {listed(specified, ("", ""))}']
+
+
+def one_electrode(where: str, pattern: str | None) -> str:
+    """Return the rule that a pattern without fingers of both electrodes breaks."""
+    return f"must have + and - fingers {where}, got {shown(pattern)}"
+
+
+def repeated_names(transducers: Iterable[Any]) -> Iterator[tuple[int, str]]:
+    """Yield the index of each transducer that has the name of one before it, and the rule that it breaks."""
+    names = [each.name for each in transducers]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            yield index, f"must differ from the others, got {shown(name)} twice"
+
+
+def fingers_off_stator(left: float, right: float, length: float, axis: str = "") -> str:
+    """Return the rule that fingers from left to right, or their middle alone, break on a stator; empty if none; m."""
+    if left > 0 and right < length:
+        return ""
+    got = f"fingers from {axis}{left * 1e3:.6g} to {right * 1e3:.6g} mm"
+    if left == right:
+        got = f"their middle at {left * 1e3:g} mm"
+    return f"must keep the fingers on the stator, 0 to {length * 1e3:g} mm, got {got}"
 
 
 def on_stator(x, length: float) -> str:

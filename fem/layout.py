@@ -1,5 +1,6 @@
 """Rules for the positions of transducers and meshed pieces on a stator, and for what a piece is made of."""
 
+from collections.abc import Iterator
 from functools import partial
 from itertools import combinations, pairwise
 from typing import NamedTuple
@@ -7,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.exceptions import InputError
-from fem.geometry import Stator, Transducer, separation
+from fem.geometry import Stator, Transducer, fingers_off_stator, repeated_names, separation
 from fem.materials.solids import Solid
 from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
 from fem.mesh.placement import Placement, is_step
@@ -16,7 +17,8 @@ from fem.mesh.shapes import CORNERS
 
 # Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level (fem.condense.mesh).
 LEAST_PER_QUAD = 3 * 4**2
-UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
+TURNED = "where a transducer is turned or stands beside the middle line"  # condition of a rule, as printed
+LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
 def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
@@ -84,19 +86,29 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
 
 
 def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:
-    if left <= 0 or right >= length:
-        raise InputError(
-            "transducer.center",
-            f"must keep the fingers on the stator, 0 to {length * 1e3:g} mm, got fingers from "
-            f"{axis}{left * 1e3:.6g} to {right * 1e3:.6g} mm",
-            owner=name,
-        )
+    if rule := fingers_off_stator(left, right, length, axis):
+        raise InputError("transducer.center", rule, owner=name)
 
 
 def _check_names(transducers: tuple[Transducer, ...]) -> None:
-    names = [transducer.name for transducer in transducers]
-    if len(set(names)) < len(names):
-        raise InputError("transducer", f"names must differ, got {', '.join(names)}")
+    for index, rule in repeated_names(transducers):
+        raise InputError("transducer.name", rule, owner=transducers[index].name)
+
+
+def turned_rules(ends: str, sides: str = "absorbing") -> Iterator[tuple[str, str]]:
+    """Yield key and rule of conditions with which the beams of turned transducers are not computed."""
+    for key, value in (("ends", ends), ("sides", sides)):
+        if value != "absorbing":
+            yield f"stator.{key}", f"must be absorbing {TURNED}, got {value!r}"
+
+
+def check_turned(stator: Stator) -> None:
+    """Raise an InputError for a stator on which no transducer may be turned or stand beside the middle line."""
+    for key, rule in turned_rules(stator.ends):
+        raise InputError(key, rule)
+    if not stator.isotropic_about_normal:
+        rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
+        raise InputError("transducer", f"{rule} {stator.solid.name}")
 
 
 def _refuse(piece: MeshPiece, rule: str, key: str = "piece") -> None:
@@ -245,7 +257,7 @@ def _check_lower_side(piece: MeshPiece, lines: dict[str, tuple[float, float, flo
 def _unit_question(piece: MeshPiece, drawn: float, intended: float) -> str:
     """Return the advice to change the file's length unit, if another unit gives a drawn length its intended value."""
     unit = piece.mesh.unit * intended / drawn
-    hint = next((name for name, each in UNITS.items() if abs(unit / each - 1) < 0.02), "")
+    hint = next((name for name, each in LENGTH_UNITS.items() if abs(unit / each - 1) < 0.02), "")
     return f": is the file's length unit {hint}?" if hint else ""
 
 

@@ -29,9 +29,9 @@ from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.condense.electrodes import is_port
-from fem.geometry import Stator, Transducer
-from fem.layout import check_plan
-from fem.materials import isotropic_about_normal
+from fem.geometry import Stator, Transducer, one_electrode
+from fem.layout import TURNED, check_plan, check_turned
+from fem.parameters import InputError
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
@@ -292,10 +292,7 @@ def crossed_beam(
 def _refuse(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
     """Raise an error for an impossible layout, and a BeamError for one that is not covered."""
     check_plan(stator, width, transducers)
-    if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
-        raise BeamError(
-            "transducers at an angle or beside one another need a solid isotropic about z and absorbing ends"
-        )
+    check_turned(stator)
     for each in transducers:
         if not is_port(each):
-            raise BeamError(f"transducer {each.name!r} must have + and - fingers beside transducers at an angle")
+            raise InputError("transducer.pattern", one_electrode(TURNED, each.signs), owner=each.name)

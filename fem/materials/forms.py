@@ -5,16 +5,39 @@ by c^E = (s^E)^-1, e = d c^E, eps^S = eps^T - d c^E d^T, and from constants at c
 c^E = c^D - e^T (eps^S)^-1 e and eps^S = eps^T - e (c^E)^-1 e^T (IEEE 176-1987, section 2.5, table 4).
 """
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.exceptions import InputError
+from fem.parameters import InputError, Parameters, Words
 
 FORMS = ("stress-charge", "strain-charge")
 ORDER = "11 22 33 23 13 12"  # of the six components of stress and strain
 COMPLIANT = 1e-6  # 1/Pa, of a table's largest entry: a larger one is a stiffness
 # Orders of other programs: that of Ansys, that of Abaqus
 ORDERS = (ORDER, "11 22 33 12 23 13", "11 22 33 12 13 23")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditions(Parameters):
+    """Form of a table of constants, and the conditions under which its stiffness and permittivity hold."""
+
+    form: Annotated[str, Words(FORMS)] = FORMS[0]
+    stiffness_at: Annotated[str, Words(("constant E", "constant D"))] = "constant E"
+    permittivity_at: Annotated[str | None, Words(("constant strain", "constant stress"))] = None
+
+    def check_conditions(self) -> Iterator[tuple[str, str]]:
+        """Refuse conditions that the form excludes, and two that depend on each other."""
+        if self.form == "strain-charge":
+            if self.stiffness_at == "constant D":
+                yield "stiffness_at", 'must be "constant E" with form = "strain-charge"'
+            if self.permittivity_at == "constant strain":
+                yield "permittivity_at", 'must be "constant stress" or absent with form = "strain-charge"'
+        elif self.permittivity_at == "constant stress" and self.stiffness_at == "constant D":
+            yield "stiffness_at", "must be constant E where permittivity_at is constant stress: convert one of the two"
 
 
 def in_order(table: ArrayLike, order: str) -> np.ndarray:
@@ -56,6 +79,7 @@ def stress_charge(
     stiffness_at, permittivity_at : str
         "constant D" and "constant stress" where the tables of the stress-charge form are c^D or eps^T.
     """
+    Conditions(form=form, stiffness_at=stiffness_at, permittivity_at=permittivity_at)
     elastic, coupling = in_order(elastic, order), in_order(coupling, order)
     if form == "strain-charge":
         if abs(elastic).max() > COMPLIANT:

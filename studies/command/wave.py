@@ -5,7 +5,7 @@ import argparse
 import fem
 from studies.command.output import print_answer
 from studies.refusal import SceneError
-from studies.scene.blocks import CONVENTIONS, ORIENTATION, TEMPERATURE
+from studies.scene.blocks import ORIENTATION, TEMPERATURE
 from studies.scene.override import toml_value
 from studies.scene.rule import choice
 
@@ -44,7 +44,7 @@ def call(arguments: argparse.Namespace) -> int:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
     orientation, convention = ORIENTATION.read("--orientation", orientation), arguments.euler_convention
     if not isinstance(orientation, str):
-        convention = choice(*CONVENTIONS).read("--euler-convention", convention)
+        convention = choice(*fem.CONVENTIONS).read("--euler-convention", convention)
         orientation = fem.euler_angles(orientation, convention)
     if arguments.temperature is not None:
         return _warm(arguments, orientation)

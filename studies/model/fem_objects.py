@@ -14,7 +14,7 @@ from studies.model.materials import LOSSES, crystal, crystal_at, frequency_coeff
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import LENGTHS, Stator, Transducer, wavelengths_of
+from studies.scene.blocks import Stator, Transducer, wavelengths_of
 
 ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 
@@ -97,7 +97,7 @@ def pieces(scene: Scene) -> tuple:
             with stator_keys(f"{path}.materials.{name}"):
                 solids += ((name, fem.rotated(crystal(material), scene.stator.cut)),)
         try:
-            mesh = _mesh(block.file, LENGTHS[block.length_unit])
+            mesh = _mesh(block.file, fem.LENGTH_UNITS[block.length_unit])
         except fem.MeshError as error:
             raise SceneError(f"{path}.file", f"names {error}") from None
         low, high = mesh.extent

@@ -243,9 +243,7 @@ def _check_layout(scene: Scene) -> None:
             fem.check_layout(block, placed)
             return
         fem.check_plan(block, scene.stator.width, placed)
-    if not block.isotropic_about_normal:
-        rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
-        raise SceneError("transducer", f"{rule} {block.solid.name}")
+        fem.check_turned(block)
 
 
 def check_slider(scene: Scene) -> None:

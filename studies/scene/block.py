@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from importlib import import_module
-from typing import ClassVar, NoReturn, Self, get_args
+from typing import Any, ClassVar, NoReturn, Self, get_args
 
 from fem import parameters
 from fem.parameters import Checks, Number, Parameters, rules_of
@@ -40,7 +40,7 @@ def object_of(kind: type["Block"]) -> type[Parameters]:
     return _named(kind.parameters_of) if kind.parameters_of else Parameters
 
 
-def _named(path: str) -> type[Parameters]:
+def _named(path: str) -> Any:
     package, _, name = path.partition(".")
     return getattr(import_module(package), name)
 
@@ -52,6 +52,8 @@ def _with_fields(rule: Rule, home: type["Block"], key: str) -> Rule:
     if not isinstance(rule, Field):
         return rule
     path, _, name = (rule.name or key).rpartition(".")
+    if path == "fem":
+        return choice(*_named(rule.name))
     field, _ = rules_of(_named(path) if path else object_of(home))[name]
     if isinstance(field, Number):
         return Quantity(**vars(field) | {"infinite": False})  # a key has a word for it

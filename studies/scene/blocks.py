@@ -18,11 +18,6 @@ from studies.scene.numbers import NUMBER, FixedList, Listed, Quantity, as_pair, 
 from studies.scene.quantity import si_value
 from studies.scene.rule import FIELD, FLAG, TEXT, Count, Field, Named, Plain, Rule, choice
 
-# As in `fem.FORMS`, `fem.ORDERS`, `fem.CONVENTIONS` and `fem.CLASSES`, without the import of numpy
-FORMS = ("stress-charge", "strain-charge")
-ORDERS = ("11 22 33 23 13 12", "11 22 33 12 23 13", "11 22 33 12 13 23")
-CONVENTIONS = ("SAW", "COMSOL", "sawsim")
-CLASSES = ("6mm", "4mm", "3m", "32", "mm2", "-43m", "m3m", "-3m", "6/mmm", "4/mmm")
 CUTS = choice("Z", "X", "YZ", "128YX", "ST-X")
 ORIENTATION = (
     CUTS
@@ -108,6 +103,7 @@ class PiezoelectricSolid(Block):
     """A table of constants in the crystal frame; engineering shear strain."""
 
     block: ClassVar[str] = "stator.material"
+    parameters_of = "fem.Conditions"
     name: Annotated[str, TEXT, "Name of the material in results."] = "user's table"
     source: Annotated[str | None, TEXT, "Where the constants come from."] = None
     axes: Annotated[str | None, TEXT, "The crystal's axes 1, 2, 3 in words."] = None
@@ -116,7 +112,7 @@ class PiezoelectricSolid(Block):
     remark: Annotated[str | None, TEXT, "What else is to be known of the constants."] = None
     form: Annotated[
         str,
-        choice(*FORMS),
+        FIELD,
         "stress-charge: stiffness c^E, coupling e in C/m^2, permittivity eps^S; strain-charge: compliance s^E, "
         "coupling d in C/N, permittivity eps^T.",
     ] = "stress-charge"
@@ -133,7 +129,7 @@ class PiezoelectricSolid(Block):
         "Permittivity relative to that of vacuum: eps^S at constant strain, or eps^T at constant stress (form).",
     ] = None
     crystal_class: Annotated[
-        str | None, choice(*CLASSES), "Crystal class whose tables constants fill, in the axes of IEEE 176."
+        str | None, Field("fem.CLASSES"), "Crystal class whose tables constants fill, in the axes of IEEE 176."
     ] = None
     constants: Annotated[
         tuple | None,
@@ -142,21 +138,21 @@ class PiezoelectricSolid(Block):
     ] = None
     order: Annotated[
         str,
-        choice(*ORDERS),
+        Field("fem.ORDERS"),
         "Order of the components of stress and strain in the tables. 11 22 33 12 23 13 is that of Ansys, "
         "11 22 33 12 13 23 that of Abaqus.",
-    ] = ORDERS[0]
+    ] = "11 22 33 23 13 12"
     units: Annotated[
         tuple | None,
         Named('a table of units by key such as { stiffness = "GPa", permittivity = "F/m" }', TEXT),
         "Units of the numbers in stiffness, compliance, coupling and permittivity where they are others.",
     ] = None
-    stiffness_at: Annotated[
-        str, choice("constant E", "constant D"), "Condition of the stiffness. constant D: c^E = c^D - e^T (eps^S)^-1 e."
-    ] = "constant E"
+    stiffness_at: Annotated[str, FIELD, "Condition of the stiffness. constant D: c^E = c^D - e^T (eps^S)^-1 e."] = (
+        "constant E"
+    )
     permittivity_at: Annotated[
         str | None,
-        choice("constant strain", "constant stress"),
+        FIELD,
         "Condition of the permittivity. constant stress: eps^S = eps^T - e (c^E)^-1 e^T. Absent: that of the form.",
     ] = None
     density: DENSITY
@@ -193,8 +189,8 @@ class PiezoelectricSolid(Block):
             tables += [name for name in ("coupling", "permittivity") if getattr(self, name) is not None]
             yield from ((name, "must be absent beside constants") for name in tables)
             if self.crystal_class is None:
-                yield "crystal_class", f"is required and missing beside constants: give one of {', '.join(CLASSES)}"
-            elif self.order != ORDERS[0]:
+                yield "crystal_class", f"is required and missing beside constants: give one of {', '.join(fem.CLASSES)}"
+            elif self.order != fem.ORDERS[0]:
                 yield "order", "must be absent beside constants, whose names have two indices"
             return
         if len(tables) == 2:
@@ -213,16 +209,6 @@ class PiezoelectricSolid(Block):
             fem.class_tables(self.crystal_class, dict(self.constants), compliant=self.form == "strain-charge")
         except fem.InputError as error:
             yield error.key, error.rule
-
-    def check_conditions(self) -> Any:
-        at_stress = self.permittivity_at == "constant stress"
-        if self.form == "strain-charge":
-            if self.stiffness_at == "constant D":
-                yield "stiffness_at", 'must be "constant E" with form = "strain-charge"'
-            if self.permittivity_at == "constant strain":
-                yield "permittivity_at", 'must be "constant stress" or absent with form = "strain-charge"'
-        elif at_stress and self.stiffness_at == "constant D":
-            yield "stiffness_at", "must be constant E where permittivity_at is constant stress: convert one of the two"
 
     def check_units(self) -> Any:
         for key, unit in self.units or ():
@@ -309,7 +295,6 @@ class MaterialFile(Rule):
 MATERIAL = MaterialFile() | TEXT | SOLID
 SOLIDS = Named('a table of solids by surface group such as { strip = "aluminium" }', MATERIAL)
 CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -395,7 +380,7 @@ class Layer(Block):
         str | PiezoelectricSolid | IsotropicSolid, MATERIAL, "As stator.material; its losses are those of the material."
     ]
     orientation: Annotated[str | tuple, ORIENTATION, "As stator.orientation, of this layer's crystal."] = "Z"
-    euler_convention: Annotated[str, choice(*CONVENTIONS), "As stator.euler_convention."] = "SAW"
+    euler_convention: Annotated[str, Field("fem.CONVENTIONS"), "As stator.euler_convention."] = "SAW"
     thickness: Annotated[
         float | str,
         Wavelengths() | Quantity("m"),
@@ -434,7 +419,7 @@ class Stator(Block):
     ] = "Z"
     euler_convention: Annotated[
         str,
-        choice(*CONVENTIONS),
+        Field("fem.CONVENTIONS"),
         "Convention of three Euler angles. SAW: z-x-z, passive, from the crystal to the cut (128YX is [0, 38, 0]); "
         "COMSOL (in three dimensions, z normal), sawsim: from the cut to the crystal (128YX is [0, -38, 0]).",
     ] = "SAW"
@@ -644,7 +629,9 @@ class Piece(Block):
         "without the line groups left and right is the whole stator, and its electrodes are the fingers of the "
         "transducers.",
     ]
-    length_unit: Annotated[str, choice(*LENGTHS), "Unit of the coordinates in the file, which does not state it."]
+    length_unit: Annotated[
+        str, Field("fem.LENGTH_UNITS"), "Unit of the coordinates in the file, which does not state it."
+    ]
     position: Annotated[
         tuple[float, ...],
         Listed(Quantity("m", negative=True), ranged=True),

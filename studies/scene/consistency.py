@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterator
 
+import fem
 from studies.refusal import nearest, shown
 
 MIN_COSINE = 0.7  # of the angle between x and the wave of at least one driven transducer
-CROSSED = "where a transducer is turned or stands beside the middle line"  # condition of a rule, as printed
 NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"
 Refused = Iterator[tuple[str, str]]
 
@@ -106,15 +106,15 @@ def check_transducers(scene) -> Refused:
     """Require different names and positions on the stator; ``fem`` checks where the fingers end."""
     if scene.wave is not None or scene.stator is None:
         return
-    names, stator = [each.name for each in scene.transducer], scene.stator
+    stator, repeated = scene.stator, dict(fem.repeated_names(scene.transducer))
     for index, each in enumerate(scene.transducer):
+        if index in repeated:
+            yield f"transducer.{index}.name", repeated[index]
         at, x = f"transducer.{index}", each.center_xy[0]
-        if each.name in names[:index]:
-            yield f"{at}.name", f"must differ from the others, got {shown(each.name)} twice"
         if each.aperture > stator.width:
             yield f"{at}.aperture", f"must be at most stator.width, {_mm(stator.width)}, got {_mm(each.aperture)}"
-        if not 0 < x < stator.length:
-            yield f"{at}.center", f"must be on the stator, 0 to {_mm(stator.length)}, got {_mm(x)}"
+        if rule := fem.fingers_off_stator(x, x, stator.length):
+            yield f"{at}.center", rule
 
 
 def check_turned(scene) -> Refused:
@@ -122,11 +122,9 @@ def check_turned(scene) -> Refused:
     if scene.stator is None or not scene.crossed:
         return
     stator = scene.stator
-    for key in ("ends", "sides"):
-        if getattr(stator, key) != "absorbing":
-            yield f"stator.{key}", f"must be absorbing {CROSSED}, got {shown(getattr(stator, key))}"
+    yield from fem.turned_rules(stator.ends, stator.sides)
     if stator.diffraction is False:
-        yield "stator.diffraction", f"must be true or absent {CROSSED}: a plane section has no y"
+        yield "stator.diffraction", f"must be true or absent {fem.TURNED}: a plane section has no y"
 
 
 def check_electrodes(scene) -> Refused:
@@ -137,10 +135,10 @@ def check_electrodes(scene) -> Refused:
     for index, each in enumerate(scene.transducer):
         receives = recovery is not None and each.name == recovery.receiver
         if not each.has_two_electrodes and (each.name in driven or receives or scene.crossed):
-            where = CROSSED
+            where = fem.TURNED
             if each.name in driven or receives:
                 where = f"on the {'driven' if each.name in driven else 'receiving'} transducer"
-            yield f"transducer.{index}.pattern", f"must have + and - fingers {where}, got {shown(each.pattern)}"
+            yield f"transducer.{index}.pattern", fem.one_electrode(where, each.pattern)
 
 
 def check_direction(scene) -> Refused:
@@ -184,7 +182,7 @@ def check_pieces(scene) -> Refused:
         yield "piece", "must be absent without a [stator]: it is a part of its section"
         return
     if scene.crossed:
-        yield "piece", f"must be absent {CROSSED}"
+        yield "piece", f"must be absent {fem.TURNED}"
     if scene.stator.diffraction:
         rule = "must be false or absent with a [[piece]]: the field in three dimensions of a mesh is not computed"
         yield "stator.diffraction", rule
@@ -210,7 +208,7 @@ def check_layers(scene) -> Refused:
     if scene.piece:
         yield "piece", "must be absent with layers: the section beside a mesh is one solid"
     if scene.crossed:
-        yield "stator.layer", f"must be absent {CROSSED}: beams are those of one solid"
+        yield "stator.layer", f"must be absent {fem.TURNED}: beams are those of one solid"
     if scene.drive is not None and scene.drive.frequency == "center":
         for index, each in enumerate(scene.stator.layer):
             if isinstance(each.thickness, str):

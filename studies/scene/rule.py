@@ -129,7 +129,11 @@ def signs(allowed: str) -> Rule:
 
 @dataclass(frozen=True)
 class Field(Rule):
-    """Stands for the rule of a field of the block's object, by default of the key's name."""
+    """Stands for the rule of a field of the block's object, by default of the key's name.
+
+    ``name``: of a field, of a field of another object as in ``fem.Solid.density``, or of a list of words as in
+    ``fem.FORMS``.
+    """
 
     name: str = ""
 

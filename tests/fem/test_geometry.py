@@ -85,7 +85,7 @@ def test_layout():
         check_layout(STATOR, (replace(LEFT, center=0.158),))
     with pytest.raises(ValueError, match=r"off those of 'left': the former begin at .* mm, the latter end at 19"):
         check_layout(STATOR, (replace(LEFT, name="right", center=24e-3), LEFT))
-    with pytest.raises(ValueError, match="transducer names must differ, got left, left"):
+    with pytest.raises(ValueError, match=r"transducer 'left'.name must differ from the others, got 'left' twice"):
         check_layout(STATOR, (LEFT, replace(LEFT, center=0.1)))
 
 

@@ -8,7 +8,8 @@ from studies import Scene, SceneError
 from studies.model.fem_objects import solid
 from studies.model.materials import crystal
 from studies.remarks.scene_warnings import scene_warnings
-from studies.scene.blocks import CONVENTIONS, FORMS, ORDERS
+from studies.scene.block import keys_of
+from studies.scene.blocks import PiezoelectricSolid, Stator
 from tests.fem.materials.test_forms import strain_charge
 
 EPS0 = 8.8541878188e-12
@@ -41,7 +42,11 @@ def remarks(material):
 
 
 def test_the_words_of_the_scene_are_those_of_fem():
-    assert (FORMS, ORDERS, CONVENTIONS) == (fem.FORMS, fem.ORDERS, fem.CONVENTIONS)
+    keys = keys_of(PiezoelectricSolid) | {"euler_convention": keys_of(Stator)["euler_convention"]}
+    words = [keys[name].rule.words for name in ("form", "order", "euler_convention")]
+    assert words == [fem.FORMS, fem.ORDERS, fem.CONVENTIONS]
+    assert keys["form"].default == fem.FORMS[0]
+    assert keys["order"].default == fem.ORDERS[0]
 
 
 STRAIN_CHARGE = changed("stiffness", form="strain-charge", compliance=S, coupling=D, permittivity=EPS_T / EPS0)

@@ -153,7 +153,7 @@ def drive(stator=STATOR, transducers=PAIR, **changes):
         ({"drive": "c"}, r"sources must name transducers of the stator, a, b, got 'c'"),
         ({"frequency": np.nan}, r"frequency must be positive and finite, got nan Hz"),
         ({"frequency": -2e6}, r"frequency must be positive and finite, got -2000000\.0 Hz"),
-        ({"transducers": (PAIR[0], PAIR[0])}, "transducer names must differ"),
+        ({"transducers": (PAIR[0], PAIR[0])}, "name must differ from the others"),
         (
             {"transducers": (PAIR[0], replace(PAIR[0], name="b", center=1.2 * PAIR[0].center))},
             "fingers of 'b' off those of 'a'",
