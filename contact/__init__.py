@@ -15,6 +15,7 @@ _PUBLIC = {
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
+    "averaged.asperity_motion": "asperity_motion",
     "averaged.sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (
         "release release_amplitude release_factor releases threshold threshold_amplitude threshold_factor"

@@ -256,4 +256,5 @@ RUN_ELSEWHERE = ("twente", "twente-left", "crossed", "reflector", "silicon-slide
 def test_a_shipped_scene_is_run_without_a_warning(name, capsys):
     assert main(["run", name, "--json", "--tolerance", "3e-2"]) == 0
     warnings = json.loads(capsys.readouterr().out).get("warnings", ())
-    assert [each for each in warnings if not any(word in each for word in WARNED.get(name, ()))] == []
+    expected = (*WARNED.get(name, ()), "the balls are computed smooth, dry and clean")
+    assert [each for each in warnings if not any(word in each for word in expected)] == []

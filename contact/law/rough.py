@@ -122,15 +122,28 @@ class Roughness:
         density = ASPERITIES / (self.asperity_radius * self.rms) if self.density is None else self.density
         object.__setattr__(self, "density", parameter_check.positive("roughness.density", density, "1/m^2"))
 
+    @property
+    def spacing(self) -> float:
+        """Smallest distance between two asperities of a sample, m: caps of the height sigma that just touch."""
+        return 2.0 * math.sqrt(2.0 * self.asperity_radius * self.rms)
+
     def drawn(self, seed: int, reach: float) -> "Asperities":
-        """Return a sample: a Poisson number of asperities at random places within a distance `reach` in m."""
+        """Return a sample: a Poisson number of asperities within a distance `reach` in m, at random places.
+
+        Places nearer than `spacing` to an earlier one are drawn again, a hundred times at most.
+        """
         rng = np.random.default_rng(seed)
         number = int(rng.poisson(self.density * math.pi * reach**2))
-        r, angle = reach * np.sqrt(rng.uniform(size=number)), rng.uniform(0.0, 2.0 * math.pi, number)
-        return Asperities(
-            x=r * np.cos(angle), y=r * np.sin(angle), heights=rng.normal(scale=self.rms, size=number),
-            radius=self.asperity_radius,
-        )  # fmt: skip
+        places = np.empty((0, 2))
+        for _ in range(number):
+            for _ in range(100):
+                r, angle = reach * math.sqrt(rng.uniform()), rng.uniform(0.0, 2.0 * math.pi)
+                place = np.array([r * math.cos(angle), r * math.sin(angle)])
+                if not np.any(np.hypot(*(places - place).T) < self.spacing):
+                    break
+            places = np.vstack([places, place])
+        heights = rng.normal(scale=self.rms, size=number)
+        return Asperities(x=places[:, 0], y=places[:, 1], heights=heights, radius=self.asperity_radius)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +202,7 @@ class Asperities:
                     break
                 step = 0.5 * step
             u, residual = u + step, there
-            if np.max(np.abs(step), initial=0.0) <= CLOSE * np.max(np.abs(u), initial=0.0):
+            if np.max(np.abs(residual), initial=0.0) <= CLOSE * np.max(free, initial=0.0):
                 break
         else:
             raise ConvergenceError("not converged", f"forces of {near.size} asperities at an approach of {z:.4g} m")

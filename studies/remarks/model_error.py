@@ -14,6 +14,7 @@ from studies.record.blocks import Effect, ErrorBlock
 from studies.record.point import Point
 from studies.record.text import percent
 from studies.remarks.ball_effects import OVERTONES, loads_on_wave, radiation, travel_over_ripple
+from studies.remarks.ball_surface import AT_LARGEST, ball_surface, ball_surface_at
 from studies.remarks.stator_effects import AMPLITUDE, heating, large_strain, stator_effects
 
 SHARED = (AMPLITUDE, "velocity")  # quantities at the slider whose relative changes add up to the model error
@@ -23,8 +24,8 @@ NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
 def model_error(record: Record) -> tuple[Effect, ...]:
     """Return the neglected effects of a run with a driven stator or a prescribed wave, as in run.json.
 
-    An effect that depends on the level has its largest size over the points, or for a slider on pillars its size at the
-    largest level.
+    An effect that depends on the level has its largest size over the points, or for a slider on pillars and for the
+    surfaces of balls its size at the largest level.
     """
     return tuple(_largest(record, *_effects(record)))
 
@@ -44,6 +45,9 @@ def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...
     elif record.scene.wave is not None:
         for own, point in zip(at_points, record.points, strict=True):
             own += large_strain(record, point.level)
+    always += ball_surface(record)
+    for own, point in zip(at_points, record.points, strict=True):
+        own += ball_surface_at(record, point)
     return _finite(always), [_finite(own) for own in at_points]
 
 
@@ -54,11 +58,16 @@ def _finite(effects: list[tuple]) -> tuple[Effect, ...]:
 
 def _largest(record: Record, always: tuple, at_points: list[tuple]) -> list[Effect]:
     """Return each effect once, with the size that `model_error` states."""
+    levels = [point.level for point in record.points]
+    last = at_points[levels.index(max(levels))] if levels else ()
     if record.scene.on_pillars:
-        levels = [point.level for point in record.points]
-        of_points = at_points[levels.index(max(levels))]
+        of_points = last
     else:
-        of_points = tuple(sorted((each for own in at_points for each in own), key=lambda each: abs(each.size)))
+        everywhere = (each for own in at_points for each in own if each.effect not in AT_LARGEST)
+        of_points = (
+            *(each for each in last if each.effect in AT_LARGEST),
+            *sorted(everywhere, key=lambda each: abs(each.size)),
+        )
     return [*{each.effect: each for each in of_points}.values(), *always]
 
 

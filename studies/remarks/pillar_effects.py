@@ -23,6 +23,7 @@ from studies.model import pillars
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance
+from studies.remarks.ball_surface import ADHESION
 from studies.remarks.stator_effects import AMPLITUDE, Effects
 from studies.solve.pillar_points import PillarContact, bounce_ratio
 from studies.solve.solved_stator import contact_of_run
@@ -36,7 +37,6 @@ DENT_FREE, DENT_HALF_STALL = 0.24, 0.65
 # Isotropic half-space, nu = 1/4: Rayleigh over shear velocity, and shear modulus times the wave compliance Gamma
 RAYLEIGH_OVER_SHEAR, SHEAR_TIMES_COMPLIANCE = 0.919402, 0.183486
 SAMPLE = 0.18  # rms relative change of the velocity between random seeds, times sqrt(number of pillars)
-ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air
 MAX_COMPARED = 20_000  # largest number of pillars for which the motion is computed again with interaction
 MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 

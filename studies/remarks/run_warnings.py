@@ -17,6 +17,7 @@ from studies.model.free_way import free_way
 from studies.record import Record
 from studies.record.text import percent
 from studies.remarks.ball_effects import NODE
+from studies.remarks.ball_surface import AT_LARGEST, DECIDES, smooth_balls
 from studies.remarks.heat_warnings import heat_warnings
 from studies.remarks.model_error import SHARED
 from studies.remarks.scene_warnings import scene_warnings
@@ -32,7 +33,6 @@ CREEP = 0.01  # slider speed over the speed of the surface along x below which t
 OFF_RESONANCE = 1.15  # largest amplitude over frequency, relative to the present one; the ripple of a plate makes 1.1
 USUAL_SPEED = 10.0  # m/s of a slider; surface-acoustic-wave motors reach 1 to 2 m/s
 SIDEWAYS = 0.1  # |u_y|/|u_x|
-DECIDES = 0.1  # relative change of u_z or of the velocity by a neglected effect
 RIPPLE = 0.1  # range of the velocity over half a wavelength, over the larger of its mean and omega u_x / 10
 
 
@@ -54,7 +54,8 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         warnings += _left_out(record)
     if record.scene.slider is not None:
         warnings += [
-            *_contact(record), *_points(record), *_ripple(record), *_end_of_way(record), *_other_motion(record)
+            *smooth_balls(record), *_contact(record), *_points(record), *_ripple(record), *_end_of_way(record),
+            *_other_motion(record),
         ]  # fmt: skip
     if record.scene.on_pillars:
         from studies.remarks.pillar_effects import pillar_warnings
@@ -191,8 +192,8 @@ def _left_out(record: Record) -> Iterator[str]:
     """Yield a warning for each neglected effect that changes u_z or the velocity by ``DECIDES`` or more."""
     for each in record.model_error:
         effect, quantity, size = each.effect, each.quantity, each.size
-        # `_section` warns about the finite aperture
-        if quantity in SHARED and abs(size) >= DECIDES and effect != "finite aperture":
+        # `_section` warns about the finite aperture, `smooth_balls` about the surfaces of balls
+        if quantity in SHARED and abs(size) >= DECIDES and effect not in ("finite aperture", *AT_LARGEST):
             yield (
                 f"model error: a neglected effect ({effect}) changes {quantity} by about {percent(size)} "
                 f"({each.source}); the numerical error does not include it"

@@ -118,7 +118,7 @@ def test_forces_of_a_sample_follow_from_its_approaches_in_any_order():
 
 
 def test_number_of_asperities_in_contact():
-    # rough.md section 6: with 20 nm and 10 um 3 asperities carry the ball
+    # an independent program: with 20 nm and 10 um 3 asperities carry the ball
     ball = MeanField(R, E, Roughness(rms=20e-9))
     assert round(ball.at(ball.approach(PRELOAD)).touching) == 3
     assert johnson_number(3e-9, HERTZ["approach"]) == pytest.approx(0.6365, rel=1e-4)

@@ -1,0 +1,96 @@
+"""Threshold and velocity of rough balls over those of smooth ones, the table `studies/remarks/rough_balls.csv`.
+
+``python -m studies.evidence.rough_balls`` computes it: samples of asperities, each with its own stop
+(`contact.asperity_motion`), on a ball of 1 mm with c = 0.107 under an orbit of u_x/u_z = 0.67, for Johnson's number
+alpha = sigma/z_0 and the amplitude over z_0, the approach at rest.  Values are ratios to the smooth ball with the
+elastic law: median, lowest and highest of eight balls.  alpha = 0 is the smooth ball with the hysteretic law, the limit
+of many fine asperities.  Where asperities merge (small alpha, large amplitude) the table repeats the next smaller
+amplitude.
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import contact
+
+TABLE = Path(__file__).parents[1] / "remarks" / "rough_balls.csv"
+SAMPLES = 8
+ALPHAS = (0.2, 0.4, 0.6, 1.0, 1.5, 2.1, 3.0, 4.5, 6.4)
+AMPLITUDES = (0.17, 0.22, 0.28, 0.35, 0.42, 0.52, 0.64, 0.85, 1.06, 1.35, 1.7, 2.4, 3.4)  # |u_z| over z_0
+STARTS = 0.2e-3  # m/s: velocity at the threshold
+FREQUENCY, RATIO = 2.2e6, 0.67
+
+
+def ball(law: str = "elastic") -> contact.Slider:
+    """Return the smooth ball of Feenstra and Breedveld."""
+    return contact.Slider(
+        radius=1e-3, mass=0.089e-3, preload=0.87309e-3, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
+        tangential_modulus=12e9, law=law, reciprocal=False, stick_band=0.0, contact_damping=0.0, normal_damping=0.5,
+        tangential_damping=0.0,
+    )  # fmt: skip
+
+
+def orbit(amplitude: float) -> contact.Orbit:
+    """Return the surface's motion with a normal amplitude in m."""
+    return contact.Orbit(frequency=FREQUENCY, normal=amplitude, tangential=-1j * RATIO * amplitude)
+
+
+def velocities(alpha: float, rest: float) -> np.ndarray:
+    """Return the velocities in m/s of the samples at all amplitudes, shape (samples, amplitudes)."""
+    rough, found = contact.Roughness(rms=alpha * rest), []
+    reach = float(np.sqrt(2e-3 * (2.0 * AMPLITUDES[-1] * rest + 4.0 * rough.rms)))
+    for seed in range(SAMPLES):
+        sample, row = rough.drawn(seed, reach), []
+        for share in AMPLITUDES:
+            try:
+                row.append(contact.asperity_motion(ball(), sample, orbit(share * rest), tolerance=3e-3).value)
+            except contact.ConvergenceError:
+                row.append(np.nan)
+        found.append(row)
+    return np.array(found)
+
+
+def threshold(speeds: np.ndarray) -> float:
+    """Return the amplitude over z_0 at which the speed passes `STARTS`, from a rising curve of speeds."""
+    k = int(np.argmax(speeds > STARTS))
+    if k == 0:
+        return float(AMPLITUDES[0]) if speeds[0] > STARTS else float(AMPLITUDES[-1])
+    share = (STARTS - speeds[k - 1]) / (speeds[k] - speeds[k - 1])
+    return float(np.exp(np.interp(share, [0, 1], np.log(AMPLITUDES[k - 1 : k + 1]))))
+
+
+def rows() -> list[list[float]]:
+    """Return the rows of the table: alpha, amplitude (0 for the threshold), median, lowest, highest."""
+    rest = ball().rest_approach(1)
+    orbits = [orbit(share * rest) for share in AMPLITUDES]
+    smooth = np.array([contact.mean_motion(ball(), each).velocity for each in orbits])
+    limit = np.array([contact.steady(ball("hysteretic"), each, tolerance=1e-4).velocity for each in orbits])
+    curves = {0.0: limit[None]} | {alpha: velocities(alpha, rest) for alpha in ALPHAS}
+    table = []
+    for alpha, found in curves.items():
+        for k in range(1, found.shape[1]):
+            lost = np.isnan(found[:, k])
+            found[lost, k] = found[lost, k - 1] * smooth[k] / smooth[k - 1]
+        starts = [threshold(each) / threshold(smooth) for each in found]
+        table.append([alpha, 0.0, *(float(f(starts)) for f in (np.median, np.min, np.max))])
+        for k, share in enumerate(AMPLITUDES):
+            if smooth[k] > STARTS:
+                ratios = found[:, k] / smooth[k]
+                table.append([alpha, share, *(float(f(ratios)) for f in (np.median, np.min, np.max))])
+        print(f"alpha {alpha:g}", file=sys.stderr, flush=True)
+    return table
+
+
+def main() -> None:
+    """Write the table."""
+    with TABLE.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["alpha", "amplitude_over_approach", "median", "lowest", "highest"])
+        writer.writerows([[f"{each:.4g}" for each in row] for row in rows()])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""A heavy slider on rough balls, a stop for each asperity: independent values, equal contacts, limits and refusals."""
+
+import numpy as np
+import pytest
+
+from contact import Asperities, ConvergenceError, Orbit, Roughness, asperity_motion, mean_motion
+from tests.contact.motors import slider
+
+FREQUENCY, RATIO = 2.2e6, 0.67
+HEIGHTS = np.array([0.0, -1.0, -1.5, -2.0, -3.0, -4.0]) * 1e-9
+
+
+def orbit(amplitude):
+    return Orbit(frequency=FREQUENCY, normal=amplitude, tangential=-1j * RATIO * amplitude)
+
+
+def body(**given):
+    return slider(**{"preload": 0.87309e-3, "tangential_damping": 0.0, "load": 0.0} | given)
+
+
+def apart(heights):
+    """Asperities of 10 um so far from each other that none feels another one."""
+    x = 1e-2 * np.arange(heights.size)
+    return Asperities(x=x, y=0.0 * x, heights=heights + x**2 / 2e-3, radius=10e-6)
+
+
+@pytest.mark.parametrize(("amplitude", "velocity"), [(3e-9, 0.00833662), (8e-9, 0.04655272)])
+def test_six_asperities_without_interaction(amplitude, velocity):
+    """Velocities by an independent program; to the same, balls of 10 um at these heights."""
+    found = asperity_motion(body(), apart(HEIGHTS), orbit(amplitude), tolerance=1e-5)
+    assert found.status == "ok"
+    assert found.value == pytest.approx(velocity, rel=1e-4)
+    balls = mean_motion(body(radius=10e-6, heights=tuple(HEIGHTS)), (orbit(amplitude),) * 6)
+    assert found.value == pytest.approx(float(balls.first_order), rel=1e-4)
+    assert asperity_motion(body(), apart(HEIGHTS[::-1]), orbit(amplitude), tolerance=1e-5).value == pytest.approx(
+        found.value, rel=1e-9
+    )
+
+
+def test_mirrored_wave_drives_the_other_way():
+    sample = Roughness(rms=3e-9).drawn(1, 5e-6)
+    forward, back = (asperity_motion(body(), sample, each) for each in (orbit(5e-9), orbit(5e-9).mirrored()))
+    assert forward.value == pytest.approx(-back.value, rel=1e-9)
+    assert forward.value > 0.01
+
+
+def test_stated_error_holds_against_many_steps():
+    sample = Roughness(rms=3e-9).drawn(2, 5e-6)
+    coarse, fine = (asperity_motion(body(), sample, orbit(3e-9), tolerance=each) for each in (3e-3, 1e-5))
+    assert fine.error < coarse.error
+    assert abs(coarse.value - fine.value) <= 2 * coarse.error + fine.error
+
+
+def test_samples_of_three_nanometres_as_in_the_table_of_an_independent_program():
+    """An independent program, 5 to 8 balls: at a wave of 5 nm 0.90 to 1.02 of the smooth ball, median 0.95."""
+    smooth = float(mean_motion(body(), orbit(5e-9)).velocity)
+    ratios = [
+        asperity_motion(body(), Roughness(rms=3e-9).drawn(seed, 5e-6), orbit(5e-9), tolerance=3e-3).value / smooth
+        for seed in range(5)
+    ]
+    assert np.median(ratios) == pytest.approx(0.95, abs=0.06)
+    assert 0.82 < min(ratios) < max(ratios) < 1.05
+
+
+def test_load_slows_and_too_much_of_it_is_refused():
+    sample = apart(HEIGHTS)
+    free, loaded = (asperity_motion(body(), sample, orbit(8e-9), load=each).value for each in (0.0, 2e-5))
+    assert 0.0 < loaded < free
+    # 20 uN of mu F = 70 uN, by the smooth equal balls
+    balls = [
+        float(mean_motion(body(radius=10e-6, heights=tuple(HEIGHTS), load=each), (orbit(8e-9),) * 6).first_order)
+        for each in (0.0, 2e-5)
+    ]
+    assert loaded / free == pytest.approx(balls[1] / balls[0], rel=1e-3)
+    with pytest.raises(ConvergenceError, match="friction of the asperities cannot balance the load"):
+        asperity_motion(body(), sample, orbit(8e-9), load=1e-3)

@@ -1,0 +1,82 @@
+"""What real balls' surfaces change: sizes by hand and by the solver of samples, where they are stated, the warning."""
+
+import math
+
+import pytest
+
+import contact
+from studies import Scene, run
+from studies.evidence import rough_balls
+from studies.remarks.ball_surface import ratio
+
+REST = 4.71296e-9  # m: approach of the ball of twente-contact under 0.873 mN
+
+
+@pytest.fixture(scope="module")
+def record():
+    levels = ["0.9 nm", "3 nm", "10 nm"]
+    return run(Scene.load("twente-contact").replace(wave={"normal_amplitude": levels}), tolerance=1e-2)
+
+
+def effects(record):
+    return {each["effect"]: each for each in record.model_error}
+
+
+def test_sizes_by_hand(record):
+    found = effects(record)
+    preload = 0.089e-3 * 9.81
+    assert found["meniscus of water at the balls"]["size"] == pytest.approx(
+        4 * math.pi * 0.072 * 1e-3 / preload, rel=1e-6
+    )
+    clean = found["adhesion of clean smooth balls"]
+    assert clean["size"] == pytest.approx(2 * math.pi * 0.05 * 1e-3 / preload, rel=1e-6)
+    # E sigma^1.5/(w beta^0.5) of 3 nm and 10 um
+    assert "(number of Fuller and Tabor 67)" in clean["source"]
+    assert "which a roughness of 3 nm removes" in clean["source"]
+    starts = found["roughness of the balls: where they start"]
+    assert (starts["quantity"], starts["size"]) == ("the threshold", pytest.approx(0.24, abs=0.1))  # 1.24, 1.05 to 1.43
+    assert "0.64 of the approach at rest" in starts["source"]
+
+
+def test_memory_of_the_contact_is_that_of_the_hysteretic_law(record):
+    # 10 nm over 4.713 nm, between rows of the table
+    orbit = rough_balls.orbit(10e-9)
+    smooth = float(contact.mean_motion(rough_balls.ball(), orbit).velocity)
+    limit = contact.steady(rough_balls.ball("hysteretic"), orbit, tolerance=1e-4).velocity
+    assert effects(record)["memory of the tangential contact"]["size"] == pytest.approx(limit / smooth - 1, abs=1e-3)
+
+
+def test_a_row_of_the_table_is_computed_again():
+    alpha, share = 0.6, 1.06
+    orbit = rough_balls.orbit(share * REST)
+    smooth = float(contact.mean_motion(rough_balls.ball(), orbit).velocity)
+    reach = math.sqrt(2e-3 * (2 * rough_balls.AMPLITUDES[-1] * REST + 4 * alpha * REST))
+    speeds = [
+        contact.asperity_motion(
+            rough_balls.ball(), contact.Roughness(rms=alpha * REST).drawn(seed, reach), orbit, tolerance=3e-3
+        ).value
+        for seed in range(rough_balls.SAMPLES)
+    ]
+    _, lowest, highest = ratio(alpha, share)
+    assert (min(speeds) / smooth, max(speeds) / smooth) == pytest.approx((lowest, highest), rel=3e-3)
+
+
+def test_level_at_which_each_size_is_stated(record):
+    """Per point its own; in the list that of the largest level."""
+    median, _, _ = ratio(3e-9 / REST, 10e-9 / REST)
+    assert effects(record)["roughness of the balls"]["size"] == pytest.approx(median - 1, rel=1e-4)
+    errors = [point["model_relative_error"] for point in record.points if "model_relative_error" in point]
+    low, high = ratio(3e-9 / REST, 0.9e-9 / REST)[0], ratio(0.0, 0.9e-9 / REST)[0]
+    assert not errors or errors[0] > abs(low - 1) + abs(high - 1) - 1e-3
+    assert record.exit_code == 0
+
+
+def test_warning_and_where_there_is_nothing_to_say(record):
+    warning = next(each for each in record.warnings if each.startswith("the balls are computed smooth"))
+    assert "with a roughness of 3 nm they start at about 1.3 times the threshold" in warning
+    assert "a meniscus of water would pull with 1 times the preload" in warning
+    for changed in ({"shape": "punch", "radius": "2 um"}, {"preload": 0.0}):
+        other = run(Scene.load("twente-contact").replace(slider=changed), tolerance=1e-2)
+        assert not any("ball" in each["effect"] for each in other.model_error)
+    hysteretic = run(Scene.load("twente-contact").replace(slider={"law": "hysteretic"}), tolerance=1e-2)
+    assert "memory of the tangential contact" not in effects(hysteretic)
