@@ -7,16 +7,20 @@ burst the surface is at rest and friction slows the slider down evenly.
 """
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 
 from contact.averaged.coupled_motion import CoupledSearch, coupled_motion
+from contact.averaged.runge_kutta import integrate, stages
 from contact.choice import Answer
+from contact.codes import Status
 from contact.error_estimate import first_order_error, reference_speed
 from contact.exceptions import ConvergenceError
 from contact.wave import resonance_ratio
 
 RATE_TOLERANCE = 3e-5  # relative tolerance of the averaged velocity
+PARTS = 8  # of a burst under an envelope: each begins with a short step, so that none passes over a change of the wave
 LEAST_WAVE = 1e-3  # factor on the wave below which it does not move the slider
 
 
@@ -26,27 +30,29 @@ def quasi_static(slider, wave, time, duration, envelope):
     ``envelope``: factor on the wave during the burst (`Envelope`), or None. The answer is the velocity at the end of
     the burst.
     """
-    from scipy.integrate import solve_ivp
-
     steady = coupled_motion(slider, wave)
     search, load = CoupledSearch(slider, wave, steady.rows.harmonics, steady.rows), steady.rows.load
 
-    def rate(instant, velocity):
+    def rates(_, instant, velocity, out):
         size = 1.0 if envelope is None else float(np.interp(instant, envelope.time, np.abs(envelope.amplitude)))
-        if size < LEAST_WAVE:
-            return [0.0]
-        force = search.traction(velocity[0], load, size) - slider.tangential_damping * velocity[0] - load
-        held = velocity[0] == 0.0 and force * math.copysign(1.0, steady.velocity) <= 0.0
-        return [0.0 if held else force / slider.mass]
+        out[0] = 0.0
+        if size >= LEAST_WAVE:
+            force = search.traction(float(velocity[0]), load, size) - slider.tangential_damping * velocity[0] - load
+            held = velocity[0] == 0.0 and force * math.copysign(1.0, steady.velocity) <= 0.0
+            out[0] = 0.0 if held else force / slider.mass
+        return Status.DONE
 
-    during = np.append(time[time < duration], duration)
-    solution = solve_ivp(
-        rate, (0.0, duration), [0.0], method="RK45", t_eval=during, rtol=RATE_TOLERANCE,
-        atol=RATE_TOLERANCE * max(abs(steady.velocity), 1e-6), max_step=duration / 8,
-    )  # fmt: skip
-    if not solution.success:
-        raise ConvergenceError("not converged", f"the averaged velocity in the burst: {solution.message}")
-    end, after = float(solution.y[0, -1]), time[time >= duration] - duration
+    during, velocity, work = time[time < duration], np.zeros(1), stages(1)
+    record, tolerance = np.zeros((during.size, 1)), RATE_TOLERANCE * max(abs(steady.velocity), 1e-6)
+    means = SimpleNamespace(rates=rates, sampled=lambda _, number: None)
+    parts = 1 if envelope is None else PARTS
+    for part in range(parts):
+        start, stop = duration * part / parts, duration * (part + 1) / parts
+        rates(means, start, velocity, work.rates[0])
+        taken, span = int(np.searchsorted(during, start)), SimpleNamespace(stop=stop, at=during, record=record)
+        if integrate(means, span, tolerance, start, taken, velocity, duration / 64, work) != Status.DONE:
+            raise ConvergenceError("not converged", "the averaged velocity in the burst changes too abruptly")
+    end, after = float(velocity[0]), time[time >= duration] - duration
     # the load assists friction in stopping the slider, or opposes it
     sign = math.copysign(1.0, end)
     slowing = (slider.static_coefficient * slider.preload + load * sign) / slider.mass
@@ -55,4 +61,4 @@ def quasi_static(slider, wave, time, duration, envelope):
     answer = Answer(
         value=end, error=error * reference_speed(end, wave), reasons=("height, tilts and wave in equilibrium",)
     )
-    return answer, np.append(solution.y[0, :-1], sign * slide), steady.height
+    return answer, np.append(record[:, 0], sign * slide), steady.height

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.cycle_mean import cycle
-from contact.averaged.cycle_pieces import Cycle, Mean, cycle_arrays
+from contact.averaged.cycle_pieces import BACKWARD, FORWARD, Cycle, Mean, cycle_arrays
 from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
@@ -41,11 +41,11 @@ class Heights(NamedTuple):
     left: Callable
 
 
-def _left(problem, means, v):
-    """Return the mean tangential force less load and damper, averaged over the heights."""
+def _left(problem, means, v, before=FORWARD):
+    """Return the mean tangential force less load and damper, averaged over the heights; `before` as in `cycle`."""
     mean = 0.0
     for h, weight in zip(means.heights, means.weights, strict=True):
-        cycle(problem, float(h), v, means.rule, means.work)
+        cycle(problem, float(h), v, before, means.rule, means.work)
         mean += weight * float(means.work.means[Mean.TANGENTIAL])
     return force_left(problem, mean, v)
 
@@ -62,7 +62,7 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
     work = cycle_arrays(1)
 
     def acceleration(h):
-        cycle(problem, h, 0.0, rule, work)
+        cycle(problem, h, 0.0, FORWARD, rule, work)
         return problem.preload - float(work.means[Mean.NORMAL])
 
     half_bounce = _half_bounce(acceleration, rest, level)
@@ -75,7 +75,7 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
 
 def _speed(problem, means):
     """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
-    least, largest = (_left(problem, means, v) + problem.load for v in (0.0, -1e-300))
+    least, largest = (_left(problem, means, 0.0, before) + problem.load for before in (FORWARD, BACKWARD))
     loaded = problem._replace(load=problem.load * load_direction(largest))
     search = balanced_speed(loaded, means, least, largest, full_slip_speed(problem.paths, problem.limit_slope), 1e-9)
     return search.velocity if search.status == Status.DONE else math.nan

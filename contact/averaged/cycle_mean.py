@@ -25,6 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.cycle_pieces import (
+    BACKWARD,
+    FORWARD,
     TURN,
     Anchor,
     Counted,
@@ -280,14 +282,14 @@ def _first_passage(problem, path, windows, half, counts):
     """
     law = problem.law
     if half == np.pi:
-        back = 1.0 if path.v < 0.0 else -1.0
+        back = -path.side
         if law.bent:
             start = _slip_end(problem, path, back, windows[0], 0.0, TURN)
             if start == TURN and _slip_rate(problem, path, back, 0.0) > 0.0:
                 return Passage(0.0, TURN, back, 0.0)
             start = start if start < TURN else 0.0
         else:
-            _, start, kind = windows[0] if path.v < 0.0 else windows[1]
+            _, start, kind = windows[0] if path.side < 0.0 else windows[1]
             if kind == Slips.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
         return Passage(start, start + TURN, 0.0, back * slip_limit(problem, motion_at(path, start)[0]))
@@ -376,7 +378,15 @@ def _clear(work):
 
 
 @compiled
-def _relative_path(paths, i, h, v, work):
+def _side(v, before):
+    """Return the side of a slider with the mean velocity v; `before`: that of its motion before, see `FORWARD`."""
+    if v == 0.0:
+        return before
+    return FORWARD if v > 0.0 else BACKWARD
+
+
+@compiled
+def _relative_path(paths, i, h, v, before, work):
     """Return the path of a contact relative to a slider with fast motion; its harmonics are written to `work`."""
     fast, path = work.fast, work.path
     for k in range(fast.normal_cos.size):
@@ -387,11 +397,12 @@ def _relative_path(paths, i, h, v, work):
     path.tangential_cos[0] += paths.tangential_cos[i]
     path.tangential_sin[0] += paths.tangential_sin[i]
     a, b = path.normal_cos[0], path.normal_sin[0]
-    return Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v, path, np.hypot(a, b), np.arctan2(b, a))
+    z = approach(paths, i, 0.0, Coordinates(-h, 0.0))
+    return Path(z, v, _side(v, before), path, np.hypot(a, b), np.arctan2(b, a))
 
 
 @native(
-    "t f f t t",
+    "t f f f t t",
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.factors.stiffness": "n",
         "problem.factors.limit_slope": "n", "rule.node": "q", "rule.weight": "q",
@@ -399,16 +410,17 @@ def _relative_path(paths, i, h, v, work):
         "work.counts": "3", "work.nodes.cos": "k q | 1 0",
     },
 )  # fmt: skip
-def cycle(problem, h, v, rule, work):
+def cycle(problem, h, v, before, rule, work):
     """Fill means, harmonics of the forces and counts of a cycle that repeats; return 0.
 
-    `h`: mean approach of a contact of height 0; `v`: mean velocity; `rule`: quadrature of each smooth piece, see
-    `riding.quadrature`; `work`: a `Cycle`, which holds the slider's fast motion.
+    `h`: mean approach of a contact of height 0; `v`: mean velocity; `before`: where it is 0, the side of the motion
+    before (`cycle_pieces.FORWARD`); `rule`: quadrature of each smooth piece, see `riding.quadrature`; `work`: a
+    `Cycle`, which holds the slider's fast motion.
     """
-    force = work.force
+    force, paths = work.force, problem.paths
     _clear(work)
-    for i in range(problem.paths.height.size):
-        _add_contact(contact_parameters(problem, i), _relative_path(problem.paths, i, h, v, work), rule, work)
+    for i in range(paths.height.size):
+        _add_contact(contact_parameters(problem, i), _relative_path(paths, i, h, v, before, work), rule, work)
     work.means[Mean.NORMAL] /= TURN
     work.means[Mean.TANGENTIAL] /= TURN
     for k in range(force.normal_cos.size):
@@ -420,7 +432,7 @@ def cycle(problem, h, v, rule, work):
 
 
 @native(
-    "t f f1 t t f2",
+    "t f f1 f t t f2",
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.factors.stiffness": "n",
         "problem.factors.limit_slope": "n", "v": "n", "rule.node": "q", "rule.weight": "q",
@@ -428,13 +440,13 @@ def cycle(problem, h, v, rule, work):
         "work.nodes.cos": "1 q | 1 1", "out": "8 n",
     },
 )  # fmt: skip
-def contact_cycles(problem, h, v, rule, work, out):
+def contact_cycles(problem, h, v, before, rule, work, out):
     """Fill the values `Each` for every contact by itself, in a cycle of a slider without fast motion; return 0.
 
     `v`: mean velocity for each contact, so that contacts with another limit X = c z can have units of their own;
-    `rule`: as in `cycle`, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction; `work`: a `Cycle` of one
-    harmonic. At v = 0 the motion before it is towards +x, with v = -1e-300 towards -x. With quadrature the friction is
-    what a contact takes from the wave and does not give to the slider.
+    `before`: as in `cycle`; `rule`: as there, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction;
+    `work`: a `Cycle` of one harmonic. With quadrature the friction is what a contact takes from the wave and does not
+    give to the slider.
     """
     force, means, paths, wave = work.force, work.means, problem.paths, work.path
     for i in range(paths.height.size):
@@ -444,7 +456,7 @@ def contact_cycles(problem, h, v, rule, work, out):
         co, si = (paths.normal_cos[i] / reach, paths.normal_sin[i] / reach) if reach > 0.0 else (1.0, 0.0)
         _, _, d, e = at_phase(paths, i, co, si)
         wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (reach, 0.0, d, e)
-        path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], wave, reach, 0.0)
+        path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], _side(v[i], before), wave, reach, 0.0)
         half = _add_contact(contact_parameters(problem, i), path, rule, work)
         out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN)
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi

@@ -28,6 +28,9 @@ from contact.jit.compiled import compiled, formula, summed
 from contact.law.normal import load
 
 TURN = 2.0 * np.pi
+# Side of the slider: the direction of its mean motion or, at a mean velocity of 0, of the motion before. It decides to
+# which of its limits a contact that never slips is deformed.
+FORWARD, BACKWARD = 1.0, -1.0
 CLOSED = Rule(np.empty(0), np.empty(0))
 
 
@@ -81,6 +84,7 @@ class Path(NamedTuple):
 
     h: float
     v: float
+    side: float  # FORWARD or BACKWARD
     wave: Harmonics
     # amplitude of z in the first harmonic, and the phase of its crest
     reach: float

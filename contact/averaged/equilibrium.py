@@ -36,7 +36,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.cycle_mean import clear, cycle, respond
-from contact.averaged.cycle_pieces import Counted, Cycle, Mean, cycle_arrays
+from contact.averaged.cycle_pieces import BACKWARD, FORWARD, Counted, Cycle, Mean, cycle_arrays
 from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding, riding_approach
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
@@ -115,7 +115,7 @@ def settle(problem, rule, h, v, work, most, close=1e-13):
     """
     change, fast = np.inf, work.fast
     for _ in range(most):
-        cycle(problem, h, v, rule, work)
+        cycle(problem, h, v, FORWARD, rule, work)
         _, slope = mean_normal_force(problem, h, rule)
         step = (problem.preload - work.means[Mean.NORMAL]) / slope if slope > 0.0 else 0.0
         a, b, c, d = fast.normal_cos[0], fast.normal_sin[0], fast.tangential_cos[0], fast.tangential_sin[0]
@@ -135,15 +135,15 @@ def force_left(problem, mean, v):
 
 
 @compiled
-def excess(problem, rule, h, v, work):
+def excess(problem, rule, h, v, before, work):
     """Return the mean tangential force that is left to accelerate a slider at a velocity, of first order."""
-    cycle(problem, h, v, rule, work.first)
+    cycle(problem, h, v, before, rule, work.first)
     return force_left(problem, work.first.means[Mean.TANGENTIAL], v)
 
 
 @compiled
 def _left(problem, means, v):
-    return excess(problem, means.rule, means.height, v, means.work)
+    return excess(problem, means.rule, means.height, v, FORWARD, means.work)
 
 
 @formula
@@ -246,12 +246,12 @@ def solve_equilibrium(problem, harmonics, work, out):
 def _fill_rest_forces(problem, h, work, out):
     """Fill the least and the largest tangential force of a cycle at rest."""
     counts = work.first.counts
-    least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
+    least = largest = excess(problem, work.fine, h, 0.0, FORWARD, work) + problem.load
     stuck = counts[Counted.STUCK]
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
     if least - max(problem.load, 0.0) <= ROUNDING * full_friction(problem):
-        # the slider may be held or move backwards; -1e-300 stands for rest after a motion towards -x
-        largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
+        # the slider may be held or move backwards
+        largest = excess(problem, work.fine, h, 0.0, BACKWARD, work) + problem.load
     counts[Counted.STUCK] = stuck
     out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
 
@@ -271,7 +271,7 @@ def _first_order(problem, h, close, work, out):
         return status, top, 0.0
     # the search may stop early: Newton's step from there has an error of the square of the last step
     out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
-    f = excess(problem, work.fine, h, v, work)
+    f = excess(problem, work.fine, h, v, FORWARD, work)
     out[Entry.QUADRATURE] = quadrature_error((f - left) / slope)
     if slope < 0.0:
         v -= f / slope
@@ -311,16 +311,19 @@ def _second_order(problem, slope, top, work, out):
     return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 
-def mean_tangential_forces(problem, speeds):
-    """Return the mean tangential forces, scaled, of cycles at these scaled velocities, of first order."""
+def mean_tangential_forces(problem, speeds, before=FORWARD):
+    """Return the mean tangential forces, scaled, of cycles at these scaled velocities, of first order.
+
+    `before`: side of the motion before a velocity of 0, one for all or one for each.
+    """
     h, work, out = riding_approach(problem, FINE_NODES), work_arrays(1), np.empty(len(speeds))
-    for k, speed in enumerate(speeds):
-        cycle(problem, h, speed, work.fine, work.first)
+    for k, (speed, side) in enumerate(np.broadcast(speeds, before)):
+        cycle(problem, h, speed, side, work.fine, work.first)
         out[k] = work.first.means[Mean.TANGENTIAL]
     return out
 
 
 def rest_forces(problem):
     """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
-    least, largest = mean_tangential_forces(problem, np.array([0.0, -1e-300]))
+    least, largest = mean_tangential_forces(problem, np.zeros(2), (FORWARD, BACKWARD))
     return float(least), float(largest)

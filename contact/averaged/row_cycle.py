@@ -23,7 +23,7 @@ import numpy as np
 
 from contact import body
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
-from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
+from contact.averaged.cycle_pieces import BACKWARD, CLOSED, FORWARD, cycle_arrays
 from contact.averaged.march import march, passed
 from contact.averaged.riding import mean_loads, quadrature
 from contact.body import Coordinates, Paths, tilted
@@ -140,10 +140,9 @@ class RowCycle:
         np.divide(-u_z.imag, ell, out=paths.normal_sin)
         np.divide(u_x.real, c * ell, out=paths.tangential_cos)
         np.divide(-u_x.imag, c * ell, out=paths.tangential_sin)
-        # -1e-300 stands for rest after a motion towards -x (see `contact_cycles`)
-        velocities = np.full(self.x.size, -1e-300) if w == 0.0 and side < 0.0 else float(w) / (c * ell)
+        velocities, before = float(w) / (c * ell), BACKWARD if side < 0.0 else FORWARD
         out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.shape))  # p(ell)
-        contact_cycles(self.problem, 0.0, velocities, self._rule, self._work, out)
+        contact_cycles(self.problem, 0.0, velocities, before, self._rule, self._work, out)
         out[Each.FRICTION] *= force * ell * c**2  # over k_t, m^2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 

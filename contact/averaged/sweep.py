@@ -23,7 +23,7 @@ from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.coupled_motion import coupled_motion, unloaded
 from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
-from contact.averaged.cycle_pieces import cycle_arrays
+from contact.averaged.cycle_pieces import FORWARD, cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
@@ -159,7 +159,7 @@ def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForc
     by_contact = np.empty((len(Each), len(listed)))
     velocities = np.full(len(listed), motion.first_order / problem.speed)
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
-    contact_cycles(problem, riding_approach(problem), velocities, rule, work, by_contact)
+    contact_cycles(problem, riding_approach(problem), velocities, FORWARD, rule, work, by_contact)
     force_units = slider.unit_mass * problem.omega**2 * problem.length / slider.contacts(len(listed)).weight
     return forces_of(by_contact, force_units, force_units)
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.averaged.cycle_pieces import FORWARD
 from contact.averaged.equilibrium import Entry, Work, excess, full_slip_speed, solve_equilibrium, work_arrays
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
@@ -223,4 +224,4 @@ def _change(problem, base, slope, work, result):
 @compiled
 def _surplus(problem, v, work):
     """Return the mean tangential force that is left to accelerate a slider riding at a velocity."""
-    return excess(problem, work.rule, riding(problem, work.rule), v, work)
+    return excess(problem, work.rule, riding(problem, work.rule), v, FORWARD, work)

@@ -4,68 +4,68 @@ As long as the slider bounces, the classical Runge-Kutta method follows height a
 velocity changes by 1e-4 of its range in such a step, and is advanced with the mean tangential force at the middle of
 the step (`follow_bounce`). The effect of the bounce on this force is quadratic in its amplitude. When it is below the
 tolerance, only the velocity equation remains (`accelerate`), which is solved by Dormand and Prince's pair of orders 5
-and 4 with its continuous extension (Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, II.5-6).
+and 4 with its continuous extension (`runge_kutta`).
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from contact.averaged.cycle_mean import clear, cycle, respond
-from contact.averaged.cycle_pieces import Counted, Mean
+from contact.averaged.cycle_pieces import FORWARD, Counted, Cycle, Mean
 from contact.averaged.equilibrium import force_left, full_slip_speed, settle, work_arrays
 from contact.averaged.riding import Rule, mean_normal_force, riding
+from contact.averaged.runge_kutta import CLASSICAL, Stages, integrate, runge_kutta_step, stages
 from contact.body import Coordinates, body_force, contact_force
 from contact.codes import Status
 from contact.events.segment import At, Column
 from contact.jit.compiled import compiled, native
+from contact.problem import Problem
 from contact.stepping.end_corrections import cubic
 
-# A step whose error stays above the tolerance is shortened this many times, each time to between 0.2 and 0.9 of it. The
-# error falls with the step at least in proportion, so that more rejections mean rates without bound.
-MAX_REJECTED = 60
 # Change of height and fast motion, over the tolerance of a step, below which a stage's cycle counts as settled. The
 # next round would change them by (f_n/f)^2 of it.
 CLOSE = 0.1
-_TABLE = np.array(
-    [
-        [0.0] * 6,
-        [1 / 5, 0, 0, 0, 0, 0],
-        [3 / 40, 9 / 40, 0, 0, 0, 0],
-        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
-        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
-        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
-        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-    ]
-)
-_ERROR = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
-_DENSE = np.array(
-    [
-        -12715105075 / 11282082432, 0, 87487479700 / 32700410799, -10690763975 / 1880347072,
-        701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423,
-    ]
-)  # fmt: skip
+
+
+class Arrays(NamedTuple):
+    """Work arrays of the integration."""
+
+    y: np.ndarray  # (2,): h and h' of the bounce; later V alone
+    kept: np.ndarray  # (1,): what a rate leaves for the next one
+    stages: Stages
+
+
+def integration_arrays() -> Arrays:
+    """Return the work arrays of the integration."""
+    return Arrays(np.zeros(2), np.zeros(1), stages(2))
+
+
+class Bounce(NamedTuple):
+    """The bounce about the riding height, for `runge_kutta_step`; its quantities are h and h'."""
+
+    problem: Problem
+    rule: Rule
+    gain: np.ndarray  # (1,): correction of the mean normal force by second order
+    rates: Callable
 
 
 @compiled
-def _bounce_acceleration(problem, h, w, gain, rule):
-    """Return h'' of the bounce at (h, h'); `gain` is the second-order correction of the mean force."""
-    force, _ = mean_normal_force(problem, h, rule)
-    own = body_force(problem, Coordinates(-w, 0.0))
-    return -own.normal - contact_force(problem, force + gain, w)
+def _bounce_rates(bounce, time, y, out):
+    """Fill the rates of (h, h')."""
+    h, w = y
+    force, _ = mean_normal_force(bounce.problem, h, bounce.rule)
+    own = body_force(bounce.problem, Coordinates(-w, 0.0))
+    out[0], out[1] = w, -own.normal - contact_force(bounce.problem, force + bounce.gain[0], w)
+    return Status.DONE
 
 
 @compiled
-def _bounce_step(problem, h, w, gain, rule, d):
-    """Return (h, h') after a step d of the classical Runge-Kutta method."""
-    a1 = _bounce_acceleration(problem, h, w, gain, rule)
-    w2 = w + 0.5 * d * a1
-    a2 = _bounce_acceleration(problem, h + 0.5 * d * w, w2, gain, rule)
-    w3 = w + 0.5 * d * a2
-    a3 = _bounce_acceleration(problem, h + 0.5 * d * w2, w3, gain, rule)
-    w4 = w + d * a3
-    a4 = _bounce_acceleration(problem, h + d * w3, w4, gain, rule)
-    return h + d / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4), w + d / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+def _bounce_step(bounce, y, d, stages):
+    """Fill `stages.new` with (h, h') after a step d of the classical Runge-Kutta method."""
+    bounce.rates(bounce, 0.0, y, stages.rates[0])
+    runge_kutta_step(CLASSICAL, bounce, 0.0, y, d, stages)
 
 
 @compiled
@@ -92,11 +92,11 @@ class Span(NamedTuple):
 
 
 @compiled
-def follow_bounce(problem, state, span, work):
+def follow_bounce(problem, state, span, work, arrays):
     """Follow bounce and velocity until the bounce is negligible or the end; return (phase, samples taken, `Status`).
 
-    `state`, here (h, h', V), is overwritten. `gain` is the second-order correction of the mean normal force; it is
-    kept from the middle of one step to the next. `largest` is the largest squared amplitude in a period of the bounce.
+    `state`, here (h, h', V), is overwritten. `gain`, the second-order correction of the mean normal force, is kept
+    from the middle of one step to the next. `largest` is the largest squared amplitude in a period of the bounce.
     """
     rule = span.rule
     stop, per_period, at, record = span.stop, span.per_period, span.at, span.record
@@ -105,24 +105,30 @@ def follow_bounce(problem, state, span, work):
     rate = np.sqrt(slope)
     dt = 2.0 * np.pi / rate / per_period
     h, w, v = state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY]
-    phase, taken, gain, tangential_force, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
+    phase, taken, tangential_force, largest, steps = 0.0, 0, 0.0, 0.0, 0
+    y, gain, new = arrays.y, arrays.kept, arrays.stages.new
+    gain[0] = 0.0
+    bounce = Bounce(problem, rule, gain, _bounce_rates)
     while phase < stop:
         d = min(dt, stop - phase)
         h0, w0, v0 = h, w, v
-        middle, w = _bounce_step(problem, h, w, gain, rule, 0.5 * d)
-        h, w = _bounce_step(problem, middle, w, gain, rule, 0.5 * d)
+        y[0], y[1] = h, w
+        _bounce_step(bounce, y, 0.5 * d, arrays.stages)
+        middle, y[0], y[1] = new[0], new[0], new[1]
+        _bounce_step(bounce, y, 0.5 * d, arrays.stages)
+        h, w = new
         v_middle = v + 0.5 * d * force_left(problem, tangential_force, v)
         for _ in range(2 if steps == 0 else 1):  # in the first step there is no force of the step before
             if span.second_order:
-                cycle(problem, middle, v_middle, rule, work.second)
+                cycle(problem, middle, v_middle, FORWARD, rule, work.second)
                 respond(problem, work.second)
-                cycle(problem, middle, v_middle, rule, work.second)
+                cycle(problem, middle, v_middle, FORWARD, rule, work.second)
                 force, _ = mean_normal_force(problem, middle, rule)
-                gain = work.second.means[Mean.NORMAL] - force
+                gain[0] = work.second.means[Mean.NORMAL] - force
                 tangential_force = work.second.means[Mean.TANGENTIAL]
                 stuck = work.second.counts[Counted.STUCK]
             else:
-                cycle(problem, middle, v_middle, rule, work.first)
+                cycle(problem, middle, v_middle, FORWARD, rule, work.first)
                 tangential_force, stuck = work.first.means[Mean.TANGENTIAL], work.first.counts[Counted.STUCK]
             v_middle = v + 0.5 * d * force_left(problem, tangential_force, v_middle)
         if stuck > 0:
@@ -160,88 +166,79 @@ def averaged_rate(problem, h, v, rule, work, max_rounds, close):
     if max_rounds > 0:
         h, change = settle(problem, rule, h, v, work, max_rounds, close)
     if change >= close:
-        cycle(problem, h, v, rule, work)
+        cycle(problem, h, v, FORWARD, rule, work)
     return force_left(problem, work.means[Mean.TANGENTIAL], v), h
 
 
+class Speed(NamedTuple):
+    """The mean velocity without a bounce, for `runge_kutta.integrate`."""
+
+    problem: Problem
+    rule: Rule
+    cycle: Cycle
+    max_rounds: int
+    close: float
+    height: np.ndarray  # (1,): h, which follows the velocity
+    record: np.ndarray
+    rates: Callable
+    sampled: Callable
+
+
 @compiled
-def accelerate(problem, state, phase, taken, span, work, k):
-    """Follow the velocity without the bounce; return the `Status`. `k`: (7,) work array, the stages' rates."""
-    stop, at, record, tolerance = span.stop, span.at, span.record, 0.1 * span.tolerance
-    h, v, rule, second = state[At.POSITION], state[At.VELOCITY], span.rule, work.second
-    max_rounds, close = 3 if span.second_order else 0, CLOSE * tolerance
+def _speed_rates(speed, time, y, out):
+    """Fill the rate of V and the height."""
+    out[0], speed.height[0] = averaged_rate(
+        speed.problem, speed.height[0], y[0], speed.rule, speed.cycle, speed.max_rounds, speed.close
+    )
+    return Status.STICKS if speed.cycle.counts[Counted.STUCK] > 0 else Status.DONE
+
+
+@compiled
+def _speed_sampled(speed, number):
+    """Record the height."""
+    speed.record[number, Column.POSITION] = -speed.height[0]
+
+
+@compiled
+def accelerate(problem, state, phase, taken, span, work, arrays):
+    """Follow the velocity without the bounce; return the `Status`."""
+    tolerance, rule, second, h = 0.1 * span.tolerance, span.rule, work.second, arrays.kept
+    y, k, max_rounds, close = arrays.y[:1], arrays.stages.rates, 3 if span.second_order else 0, CLOSE * tolerance
+    h[0], y[0] = state[At.POSITION], state[At.VELOCITY]
     if span.second_order:
-        averaged_rate(problem, h, v, rule, second, 8, close)
+        averaged_rate(problem, h[0], y[0], rule, second, 8, close)
     else:  # the fast motion stays that of the start
-        h = riding(problem, rule)
-    k[0], h = averaged_rate(problem, h, v, rule, second, max_rounds, close)
-    top = full_slip_speed(problem.paths, 0.0)
-    d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
-    rejected = 0
-    while phase < stop:
-        d = min(d, stop - phase)
-        if stop - phase - d < 1e-9 * stop:
-            d = stop - phase
-        for i in range(1, 7):
-            new_v = v  # of the last stage: the velocity after the step
-            for j in range(i):
-                new_v += d * _TABLE[i, j] * k[j]
-            k[i], h = averaged_rate(problem, h, new_v, rule, second, max_rounds, close)
-        error = 0.0
-        for i in range(7):
-            error += d * _ERROR[i] * k[i]
-        error = abs(error) / tolerance
-        if second.counts[Counted.STUCK] > 0:
-            return Status.STICKS
-        if not np.isfinite(error) or (error > 1.0 and rejected == MAX_REJECTED):
-            return Status.UNSETTLED
-        if error > 1.0:
-            d *= max(0.2, 0.9 * error**-0.2)
-            rejected += 1
-            continue
-        rejected = 0
-        # rise, bend, fourth and last are the coefficients 2 to 5 of the continuous extension as in CONTD5 of Hairer and
-        # Wanner's program DOPRI5
-        rise = new_v - v
-        bend = d * k[0] - rise
-        fourth = rise - d * k[6] - bend
-        last = 0.0
-        for i in range(7):
-            last += d * _DENSE[i] * k[i]
-        while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
-            s = (at[taken] - phase) / d
-            record[taken, Column.VELOCITY] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
-            record[taken, Column.POSITION] = -h
-            taken += 1
-        phase += d
-        v = new_v
-        k[0] = k[6]
-        d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-    state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, 0.0, v
-    return Status.DONE
+        h[0] = riding(problem, rule)
+    speed = Speed(problem, rule, second, max_rounds, close, h, span.record, _speed_rates, _speed_sampled)
+    _speed_rates(speed, phase, y, k[0])
+    d = min(span.stop - phase, 0.02 * full_slip_speed(problem.paths, 0.0) / (abs(k[0, 0]) + 1e-300))
+    why = integrate(speed, span, tolerance, phase, taken, y, d, arrays.stages)
+    if why == Status.DONE:
+        state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h[0], 0.0, y[0]
+    return why
 
 
-@native("t f1 t t f1")
-def _response(problem, state, span, work, k):
+@native("t f1 t t t")
+def _response(problem, state, span, work, arrays):
     """Fill the answer of `response`; return the `Status`."""
     rule, second, speed = span.rule, work.second, state[At.VELOCITY]
     clear(second.fast)
     h, w, v = -state[At.POSITION], -state[At.NORMAL_VELOCITY], speed
     # the mean motion at phase 0 is the state less the fast motion, which depends on the mean motion: three rounds
     for _ in range(3):
-        cycle(problem, h, v, rule, second)
+        cycle(problem, h, v, FORWARD, rule, second)
         if second.counts[Counted.STUCK] > 0:
             return Status.STICKS
         respond(problem, second)
         fast_height, fast_rate, fast_speed = fast_state(second.fast)
         h, w, v = fast_height - state[At.POSITION], fast_rate - state[At.NORMAL_VELOCITY], speed - fast_speed
     state[At.POSITION], state[At.NORMAL_VELOCITY], state[At.VELOCITY] = h, w, v
-    phase, taken, why = follow_bounce(problem, state, span, work)
+    phase, taken, why = follow_bounce(problem, state, span, work, arrays)
     if why == Status.DONE and phase < span.stop:
-        why = accelerate(problem, state, phase, taken, span, work, k)
+        why = accelerate(problem, state, phase, taken, span, work, arrays)
     if not span.second_order:
         clear(second.fast)
-        cycle(problem, state[At.POSITION], state[At.VELOCITY], rule, second)
+        cycle(problem, state[At.POSITION], state[At.VELOCITY], FORWARD, rule, second)
         respond(problem, second)
     fast_height, fast_rate, fast_speed = fast_state(second.fast)
     state[At.POSITION] = fast_height - state[At.POSITION]
@@ -257,4 +254,4 @@ def response(problem, state, span: Span, harmonics: int) -> int:
 
     `state` holds (z_s, z_s', v) at phase 0 on entry and at the end on return.
     """
-    return _response(problem, state, span, work_arrays(harmonics), np.zeros(7))
+    return _response(problem, state, span, work_arrays(harmonics), integration_arrays())

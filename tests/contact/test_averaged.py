@@ -191,6 +191,8 @@ def test_rates_that_no_step_can_follow_end_the_averaged_motion(rate, monkeypatch
     problem, state = rest_problem(slider(), (orbit(5e-9),)), np.array([0.1, 0.0, 0.0])
     span = transient.Span(600.0, 1e-4, 8, transient.Rule(np.empty(0), np.empty(0)), 1, np.empty(0), np.empty((0, 2)))
     with np.errstate(all="ignore"):  # as in the compiled kernel
-        ended = transient.accelerate(problem, state, 0.0, 0, span, transient.work_arrays(1), np.zeros(7))
+        ended = transient.accelerate(
+            problem, state, 0.0, 0, span, transient.work_arrays(1), transient.integration_arrays()
+        )
     assert ended == Status.UNSETTLED
     assert state[2] == 0.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact.averaged.cycle_mean import cycle, respond
-from contact.averaged.cycle_pieces import Counted, Mean, cycle_arrays
+from contact.averaged.cycle_pieces import FORWARD, Counted, Mean, cycle_arrays
 from contact.averaged.event_equilibrium import balanced, mean_tangential_force
 from contact.averaged.riding import mean_loads, mean_normal_force, punch_means, quadrature, riding_height
 from contact.body import normal_amplitude, tangential_amplitude
@@ -14,7 +14,7 @@ from tests.contact.motors import orbit, slider
 
 def means(problem, h, v, nodes=20):
     work = cycle_arrays(1)
-    cycle(problem, h, v, quadrature(nodes), work)
+    cycle(problem, h, v, FORWARD, quadrature(nodes), work)
     return work.means[: Mean.FRICTION], work.counts
 
 
@@ -115,8 +115,8 @@ def test_a_cycle_with_more_events_than_are_followed_has_no_means(monkeypatch):
     names = ("_add_contact", "_follow_contact")
     for name in names:
         monkeypatch.setattr(cycle_mean, name, getattr(getattr(cycle_mean, name), "function", getattr(cycle_mean, name)))
-    plain(problem, 1.0, 0.05, quadrature(16), work)
+    plain(problem, 1.0, 0.05, FORWARD, quadrature(16), work)
     assert np.all(np.isfinite(work.means))
     monkeypatch.setattr(cycle_mean, "MAX_EVENTS", 1)
-    plain(problem, 1.0, 0.05, quadrature(16), work)
+    plain(problem, 1.0, 0.05, FORWARD, quadrature(16), work)
     assert np.all(np.isnan(work.means[: Mean.FRICTION]))

@@ -181,7 +181,13 @@ def test_a_kernel_refuses_what_its_machine_code_would_misread():
     problem = scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0)
     with pytest.raises(TypeError, match="f1 expected, got int64"):
         cycle_mean.contact_cycles(
-            problem, 1.0, np.zeros(1, np.int64), cycle_pieces.CLOSED, cycle_pieces.cycle_arrays(1, 1), np.zeros((8, 1))
+            problem,
+            1.0,
+            np.zeros(1, np.int64),
+            cycle_pieces.FORWARD,
+            cycle_pieces.CLOSED,
+            cycle_pieces.cycle_arrays(1, 1),
+            np.zeros((8, 1)),
         )
     two = scaled(slider(), (orbit(1e-9), orbit(1e-9)), direction=1.0, start=0.0)
     for height in (np.zeros(4)[::2], np.zeros(2, np.float32)):

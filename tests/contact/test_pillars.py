@@ -8,7 +8,7 @@ import pytest
 
 from contact import Orbit, PassingWave, Pillars, Slider, mean_motion, pillar_load_line, pillar_motion, pillar_traction
 from contact.averaged.cycle_mean import Each, contact_cycles
-from contact.averaged.cycle_pieces import CLOSED, cycle_arrays
+from contact.averaged.cycle_pieces import CLOSED, FORWARD, cycle_arrays
 from contact.body import Paths
 from contact.law.elastic import coulomb
 from contact.problem import ContactFactors, Problem
@@ -51,7 +51,7 @@ def cycles(h, a, b, c, w):
             paths=Paths(*(np.array([float(each[i])]) for each in parts)), law=coulomb(0),
             factors=ContactFactors(*np.ones((2, 1))),
         )  # fmt: skip
-        contact_cycles(problem, 0.0, np.full(1, w[i]), CLOSED, cycle_arrays(1, 1), out[i])
+        contact_cycles(problem, 0.0, np.full(1, w[i]), FORWARD, CLOSED, cycle_arrays(1, 1), out[i])
     found = {each.name: out[:, each, 0] for each in Each}
     found["P1"] = found["NORMAL_COS"] - 1j * found["NORMAL_SIN"]
     return found | {"Q1": found["TANGENTIAL_COS"] - 1j * found["TANGENTIAL_SIN"]}
