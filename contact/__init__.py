@@ -25,7 +25,7 @@ _PUBLIC = {
     "aliases": "balls_of pillar_load_line pillar_motion pillar_traction Pillars",
     "averaged.coupled_motion": "WaveRows",
     "choice": "Answer",
-    "error_estimate": "reference_speed speed_scale",
+    "error_estimate": "axis_ratio changed_waves_error MIN_WAVE_STEP reference_speed speed_scale",
     "exceptions": "ConvergenceError InputError",
     "envelope": "Envelope",
     "jit": "kernels",

@@ -54,6 +54,9 @@ AVERAGED_CALIBRATION, AVERAGED_BEYOND, AVERAGED_FLOOR = 5.0, 0.8, 0.003
 # own difficult ones (at most 0.4 times), 47 aimed ones and 243 of the calibration (at most 0.96 times, in the median
 # 0.11 times).
 LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.05
+# Larger over smaller amplitude up to which the smaller one's relative error grows; least relative change of a wave that
+# is tried, because a difference over a smaller one would measure rounding
+MAX_AXIS_RATIO, MIN_WAVE_STEP = 1e3, 1e-4
 # Travel. FIXED_STEPS: smallest error of a travel in fixed steps, over the travel. The difference of 64 and 96 steps per
 # cycle misses slips and contacts that are shorter than a step: of 140 draws of `tests/benchmarks/envelope_error.py` 5
 # are beyond twice the stated error without this one (up to 6 times), 1 (2.2 times) with it, 1 (2.6 times) with half of
@@ -284,6 +287,17 @@ def averaged_stall_error(ratio):
 def search_error(change: float, low: float, high: float) -> float:
     """Return the error of a root searched in a bracket; `change` is that of the last two estimates."""
     return min(change, 0.5 * (high - low))
+
+
+@formula
+def axis_ratio(normal, tangential):
+    """Return the larger of two amplitudes over the smaller, at most `MAX_AXIS_RATIO`; 1 if the smaller is zero.
+
+    An error of the wave is relative to the larger amplitude, so that the relative error of the smaller one is this
+    factor larger.
+    """
+    small, large = min(normal, tangential), max(normal, tangential)
+    return min(large / small, MAX_AXIS_RATIO) if small > 0.0 else 1.0
 
 
 @formula

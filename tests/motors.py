@@ -219,3 +219,100 @@ def corner(number: int) -> dict:
     if values["law"] == "hysteretic":
         values["stick_band"] = 0.0
     return values
+
+
+def balls_on_orbits(number: int) -> tuple[dict, list[dict]]:
+    """Return keywords of a slider on one to eight balls or punches, and of the orbit of each contact.
+
+    Sizes of real motors, f_n/f from 0.001 to 0.28; heights, of which some do not touch; loads up to 0.7 of friction.
+    """
+    rng = np.random.default_rng([4501, number])
+    n, frequency, punch = int(rng.choice([1, 1, 2, 3, 3, 4, 6, 8])), 10.0 ** rng.uniform(5.3, 7.5), rng.random() < 0.35
+    radius = 10.0 ** (rng.uniform(-6.0, -4.3) if punch else rng.uniform(-4.3, -2.5))
+    modulus, preload, friction = (
+        10.0 ** rng.uniform(10.6, 11.3),
+        10.0 ** rng.uniform(-4.5, -1.5),
+        rng.uniform(0.05, 0.45),
+    )
+    omega, ratio = 2.0 * math.pi * frequency, 10.0 ** rng.uniform(-3.0, -0.55)
+    power = 1.0 if punch else 1.5
+    stiffness = 2.0 * modulus * radius if punch else 4.0 / 3.0 * modulus * math.sqrt(radius)
+    rest = (preload / n / stiffness) ** (1.0 / power)
+    mass = power * preload / rest / (omega * ratio) ** 2
+    heights = tuple((rng.uniform(-1.5, 1.0, n) * rest).tolist()) if rng.random() < 0.4 else ()
+    body = {
+        "radius": radius, "mass": mass, "preload": preload, "friction_coefficient": friction, "heights": heights,
+        "load": float(rng.choice([0.0, rng.uniform(0.0, 0.7)])) * friction * preload, "effective_modulus": modulus,
+        "tangential_modulus": modulus * rng.uniform(0.15, 0.4), "law": "elastic", "reciprocal": False,
+        "stick_band": 0.0, "contact_damping": 0.0,
+        "normal_damping": mass * omega * ratio * 10.0 ** rng.uniform(-1.5, 0.0),
+        "tangential_damping": mass * omega * 10.0 ** rng.uniform(-6.0, -2.5), "shape": "punch" if punch else "sphere",
+    }  # fmt: skip
+    amplitude, slope, tilt = rest * 10.0 ** rng.uniform(-0.4, 1.1), rng.uniform(0.2, 1.3), rng.uniform(-0.7, 0.7)
+    size, phase = amplitude * rng.uniform(0.6, 1.0, n), rng.uniform(0.0, 2.0 * math.pi, n)
+    orbits = [
+        {"frequency": frequency, "normal": complex(a * np.exp(1j * p)),
+         "tangential": complex(-1j * slope * a * np.exp(1j * (p + tilt)))}
+        for a, p in zip(size, phase, strict=True)
+    ]  # fmt: skip
+    return body, orbits
+
+
+def contacts_on_a_wave(number: int) -> tuple[dict, dict, dict]:
+    """Return keywords of a slider on 1 to 150 contacts at their places, of the wave below it, and of the question.
+
+    Pillars or balls on a grid or at random places; heights, curvature, weights, own stiffnesses; held, free to tilt or
+    on a soft backing; waves from one or both sides that the contacts load or not.
+    """
+    rng = np.random.default_rng([4502, number])
+    across = int(rng.integers(1, 6))
+    along = int(rng.integers(1, 31)) if across == 1 else int(rng.integers(2, 31))
+    frequency = 10.0 ** rng.uniform(6.0, 7.3)
+    wavelength = 3900.0 / frequency
+    pitch = wavelength * 10.0 ** rng.uniform(-1.5, 0.3)
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(along) * pitch, np.arange(across) * pitch))
+    if rng.random() < 0.3:
+        x, y = rng.uniform(0.0, along * pitch, x.size), rng.uniform(0.0, across * pitch, x.size)
+    x, y, n = x - x.mean(), y - y.mean(), x.size
+    punch, friction = rng.random() < 0.75, rng.uniform(0.05, 0.4)
+    power = 1.0 if punch else 1.5
+    normal = 10.0 ** rng.uniform(5.5, 7.0) if punch else 4.0 / 3.0 * 64e9 * math.sqrt(10.0 ** rng.uniform(-4.3, -3.0))
+    amplitude = 10.0 ** rng.uniform(-8.7, -7.3)
+    depth = amplitude * 10.0 ** rng.uniform(-1.2, 0.3)
+    weights = rng.integers(1, 6, n).astype(float) if rng.random() < 0.2 else 1.0
+    tangential = normal * rng.uniform(0.4, 1.1)
+    if rng.random() < 0.2:
+        normal, tangential = normal * rng.uniform(0.6, 1.4, n), tangential * rng.uniform(0.6, 1.4, n)
+    body = {
+        "x": x, "y": y, "normal_stiffness": normal, "tangential_stiffness": tangential, "weights": weights,
+        "heights": rng.normal(scale=depth * 10.0 ** rng.uniform(-1.0, 0.3), size=n) if rng.random() < 0.6 else 0.0,
+        "friction_coefficient": friction, "preload": float(np.sum(weights * normal * np.ones(n))) * depth**power,
+        "tangential_damping": 0.0, "shape": "punch" if punch else "sphere",
+    }  # fmt: skip
+    if rng.random() < 0.2:
+        body["tangential_damping"] = 0.1 * friction * body["preload"] / (2.0 * math.pi * frequency * amplitude)
+    holds = rng.random()
+    if holds < 0.2 and along > 1:
+        body["tilt"] = "pitch"
+    elif holds < 0.4 and along > 1 and across > 2:
+        body["tilt"] = "free"
+    elif holds < 0.5:
+        body["backing"] = "soft"
+    if "tilt" in body:
+        body["preload_at"] = (0.1 * rng.uniform(-1.0, 1.0) * np.ptp(x), 0.05 * rng.uniform(-1.0, 1.0) * np.ptp(y))
+        body["load_height"] = float(rng.choice([0.0, rng.uniform(-0.1, 0.1) * np.ptp(x)]))
+    if rng.random() < 0.2 and np.ptp(x) > 0.0:
+        body["curvature"] = depth * rng.uniform(-1.0, 4.0) / np.ptp(x) ** 2
+    wave = {
+        "frequency": frequency, "wavelength": wavelength, "ratio": rng.uniform(0.6, 1.0), "forward": amplitude,
+        "backward": complex(amplitude * rng.choice([0.0, 0.5, 1.3]) * np.exp(2j * np.pi * rng.random())),
+        "compliance": float(rng.choice([0.0, 2.5e-12, 2.5e-12, 5e-12])),
+        "strip_width": max(np.ptp(y) + pitch, wavelength),
+    }  # fmt: skip
+    if rng.random() < 0.15:
+        wave["ratio"] = complex(wave["ratio"] * np.exp(0.2j * rng.uniform(-1.0, 1.0)))
+    load = float(rng.choice([0.0, rng.uniform(0.0, 0.3)])) * friction * body["preload"]
+    loading = bool(rng.random() < 0.6) and wave["compliance"] > 0.0
+    plain = body.get("backing") != "soft" and punch
+    question = {"load": load, "loading": "harmonics" if loading and plain and number % 10 == 0 else loading}
+    return body, wave, question

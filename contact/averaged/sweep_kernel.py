@@ -17,7 +17,14 @@ from contact.averaged.equilibrium import Entry, Work, excess, full_slip_speed, s
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.codes import Status, Steady
-from contact.error_estimate import averaged_stall_error, changed_waves_error, larger_wave, second_order_error
+from contact.error_estimate import (
+    MIN_WAVE_STEP,
+    averaged_stall_error,
+    axis_ratio,
+    changed_waves_error,
+    larger_wave,
+    second_order_error,
+)
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.protocol import Law, with_numbers
 from contact.problem import ContactFactors, SliderNumber, changed, in_units
@@ -25,9 +32,7 @@ from contact.problem import ContactFactors, SliderNumber, changed, in_units
 # f_n/f up to which a slider that moves at the larger amplitude is called held, with that velocity as its error.
 # Beyond, averaging cannot tell.
 MAX_RATIO_HELD = 0.1
-LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
 EDGE = 2e-3  # velocity over the reference speed below which the threshold is near
-MAX_AMPLITUDE_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
 
 
@@ -171,8 +176,7 @@ def _changed_wave(problem, factor, ratio_change, phase_change, out):
     paths = problem.paths
     for i in range(paths.height.size):
         normal, along = normal_amplitude(paths, i), tangential_amplitude(paths, i)
-        small, large = min(normal, along), max(normal, along)
-        unequal = min(large / small, MAX_AMPLITUDE_RATIO) if small > 0.0 else 1.0
+        unequal = axis_ratio(normal, along)
         co, si = np.cos(phase_change * unequal), np.sin(phase_change * unequal)
         tangential = factor * (1.0 + ratio_change * unequal)
         _, _, u_x, u_x_rate = at_phase(paths, i, co, si)
@@ -190,10 +194,10 @@ def _error_from_wave(problem, changed_paths, base, wave_error, work, changed_res
     """
     if wave_error == 0.0:
         return 0.0
-    step = max(wave_error, LEAST_STEP)
+    step = max(wave_error, MIN_WAVE_STEP)
     slope = 0.0
     if base != 0.0:
-        high, low = (1.0 + LEAST_STEP) * base, (1.0 - LEAST_STEP) * base
+        high, low = (1.0 + MIN_WAVE_STEP) * base, (1.0 - MIN_WAVE_STEP) * base
         slope = (_surplus(problem, high, work) - _surplus(problem, low, work)) / (high - low)
     larger = _change(_changed_wave(problem, 1.0 + step, 0.0, 0.0, changed_paths), base, slope, work, changed_result)
     smaller = _change(_changed_wave(problem, 1.0 - step, 0.0, 0.0, changed_paths), base, slope, work, changed_result)

@@ -93,10 +93,10 @@ def _point_on_balls(driven: Contact, level: float, tolerance: float, bursting: b
     with slider_keys():
         state = steady(orbits)
     nearby = _nearby(driven.slider, state, steady)
-    sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
-    from_stator = driven.stator_error * math.hypot(*sensitivities)
+    by_amplitude, by_orbit = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
+    from_stator = driven.stator_error * by_orbit
     from_contact, answer, trajectory = state.relative_error, state.answer, None
-    sensitivity = sensitivities[0] if driven.stator_error > 0 else None
+    sensitivity = by_amplitude if driven.stator_error > 0 else None
     point = Point(velocity_m_per_s=state.velocity, regime=state.regime, amplitude_sensitivity=sensitivity)
     events = steady_events(state)
     if bursting and driven.scene.burst is not None:

@@ -2,9 +2,9 @@
 
 The stator's relative error bounds the error of both complex amplitudes of an orbit, relative to the larger one.  A
 common phase is excluded because the steady velocity does not depend on it.  Three changes of the size of the error
-are tried: of all amplitudes, of the ratio of the two, and of their phase difference.  The caller adds the resulting
-changes of velocity in quadrature.  All amplitudes are both raised and lowered, because near the threshold the slider
-may stick on one side and slip on the other.
+are tried: of all amplitudes, of the ratio of the two, and of their phase difference; `contact.changed_waves_error`
+adds the resulting changes of velocity.  All amplitudes are both raised and lowered, because near the threshold the
+slider may stick on one side and slip on the other.
 """
 
 import cmath
@@ -14,11 +14,6 @@ from dataclasses import replace
 import contact
 from studies.record.point import Point
 from studies.record.status import Status
-
-# Larger over smaller amplitude of an orbit; of a more slender orbit the relative error of the smaller amplitude is
-# taken as at this ratio.
-MAX_AXIS_RATIO = 1e3
-MIN_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
 def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "") -> Point:
@@ -35,11 +30,11 @@ def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "")
 
 def velocity_sensitivities(
     velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
-) -> tuple[float, float, float]:
-    """Return the changes of the velocity, over the reference speed, for a relative change of 1 of the orbits.
+) -> tuple[float, float]:
+    """Return two changes of the velocity, over the reference speed, for a relative change of 1 of the orbits.
 
-    The three changes are those of all amplitudes (the larger of an increase and a decrease), of their ratio, and of
-    their phase; all are zero without an error or a reference speed.
+    They are that of all amplitudes (the larger of an increase and a decrease), and that of all changes together; both
+    are zero without an error or a reference speed.
 
     Parameters
     ----------
@@ -53,25 +48,20 @@ def velocity_sensitivities(
     """
     speed = contact.reference_speed(velocity, orbits)
     if relative_error == 0 or speed == 0:
-        return 0.0, 0.0, 0.0
-    step = max(relative_error, MIN_STEP)
+        return 0.0, 0.0
+    step = max(relative_error, contact.MIN_WAVE_STEP)
     changed_orbits = (
         tuple(orbit.scaled(1 + step) for orbit in orbits),
         tuple(orbit.scaled(1 - step) for orbit in orbits),
-        tuple(_with_tangential(orbit, 1 + step * _slenderness(orbit)) for orbit in orbits),
-        tuple(_with_tangential(orbit, cmath.exp(1j * step * _slenderness(orbit))) for orbit in orbits),
+        tuple(_with_tangential(orbit, 1 + step * _axis_ratio(orbit)) for orbit in orbits),
+        tuple(_with_tangential(orbit, cmath.exp(1j * step * _axis_ratio(orbit))) for orbit in orbits),
     )
     larger, smaller, ratio, phase = (abs(solve(each) - velocity) / (step * speed) for each in changed_orbits)
-    return max(larger, smaller), ratio, phase
+    return max(larger, smaller), float(contact.changed_waves_error(larger, smaller, ratio, phase))
 
 
-def _slenderness(orbit) -> float:
-    """Return the larger amplitude over the smaller, at most MAX_AXIS_RATIO.
-
-    The error is relative to the larger amplitude, so that the relative error of the smaller one is this factor larger.
-    """
-    small, large = sorted((abs(orbit.normal), abs(orbit.tangential)))
-    return min(large / small, MAX_AXIS_RATIO) if small > 0 else 1.0
+def _axis_ratio(orbit) -> float:
+    return contact.axis_ratio(abs(orbit.normal), abs(orbit.tangential))
 
 
 def _with_tangential(orbit, factor: complex):
