@@ -4,8 +4,7 @@ Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagati
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
 geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
 waveguide (guided modes, ends, network) - circuit - results - reduce (a band of frequencies) - beam (a finite aperture
-in three dimensions) - solve (answers with an error).  A check stands beside them: direct (the whole stator as one
-sparse matrix).
+in three dimensions) - solve (answers with an error).
 """
 
 from importlib import import_module
@@ -72,7 +71,6 @@ _PUBLIC = {
     "beam.beam_of_section": "beam_refusal surface_beam",
     "beam.crossed_beam": "crossed_beam CrossedBeam",
     "beam.parallel_groups": "rows_of",
-    "direct": "direct_solution sparse_solution",
     "exceptions": "ConvergenceError InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }

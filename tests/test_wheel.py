@@ -36,6 +36,16 @@ def test_a_wheel_runs_outside_the_checkout(installed, tmp_path):
     done = called(installed, "-m", "studies", "run", "twente-contact", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert len(json.loads(done.stdout)["points"]) > 1
+    done = called(installed, "-m", "studies", "study", "stability", "--quick", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    # a case whose reference is stored with the study
+    asked = (
+        "from studies.evidence.stability import stator, verdict; "
+        "case = verdict.Case(part='stator', varied='length', value=0.5, unit=''); "
+        "print(verdict.judge(stator, case).verdict)"
+    )
+    done = called(installed, "-c", asked, cwd=tmp_path)
+    assert done.stdout.strip() == "right", done.stderr
 
 
 @pytest.mark.slow

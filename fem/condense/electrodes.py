@@ -2,7 +2,7 @@
 
 An electrode is equipotential, and its charge is minus the reaction of its potential, Q_f = -sum_j A_fj u_j, with A the
 condensed matrix of the piece that it lies on.  The functions of this module set all conditions of the stator, except
-in `fem.direct`, the plain solver that the others are checked against:
+in `tests/fem/direct.py`, the plain solver that the others are checked against:
 
 | condition | of | equation | set by |
 |---|---|---|---|

@@ -4,7 +4,7 @@ They discretise the weak form of time-harmonic piezoelectricity (medium.py).  In
 medium every integral is a product of integrals along x and z, so that the element's matrix is a sum of Kronecker
 products of one-dimensional matrices (spectral.py).  Elsewhere are the matrices of the quadrilaterals of a mesh
 (`QuadSpace` in quads.py), of uniform segments (`Section.matrices` in section.py) and of absorbing layers along their
-depth (graded_medium.py).  `scikit_fem_derivatives` has the same integrals as forms of scikit-fem, for fem/direct.py.
+depth (graded_medium.py).
 """
 
 from functools import lru_cache
@@ -14,21 +14,6 @@ import numpy as np
 from fem.discretize.graded_medium import GradedMedium, element_line
 from fem.discretize.spectral import reference_matrices
 from fem.materials.medium import Medium
-
-
-def scikit_fem_derivatives():
-    """Scalar forms (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u for a scikit-fem basis in (x, z).
-
-    All are real: complex factors are contained in the tables of moduli that multiply them.
-    """
-    from skfem import BilinearForm
-
-    return (
-        BilinearForm(lambda u, v, _: v.grad[0] * u.grad[0]),
-        BilinearForm(lambda u, v, _: v.grad[0] * u.grad[1]),
-        BilinearForm(lambda u, v, _: v.grad[1] * u.grad[1]),
-        BilinearForm(lambda u, v, _: v * u),
-    )
 
 
 def element_matrix(

@@ -8,7 +8,6 @@ just above the noise of the material tables, so that its effect stays below the 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -131,7 +130,7 @@ def _steady(orbits, *, method: str = "exact", tolerance: float = 1e-9, **changes
 
 
 def _one_for_three() -> Answered:
-    shared: dict[str, Any] = {name: SLIDER[name] / 3 for name in SHARED}
+    shared = {name: SLIDER[name] / 3 for name in SHARED}
     return _steady(_orbits(), **shared)
 
 

@@ -24,7 +24,6 @@ import numpy as np
 from fem import coupling, frequency_band, material, rayleigh, rotated
 from fem.condense.columns import condensed
 from fem.condense.join import repeated
-from fem.direct import direct_solution
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
@@ -34,6 +33,7 @@ from fem.results.power_balance import power_balance
 from fem.results.solution import Solution
 from fem.solve.harmonic import solve_driven
 from fem.waveguide.ends import Wall
+from tests.fem.direct import direct_solution
 from tests.validation.attempt import attempted
 from tests.validation.contenders import CURVES, missing
 from tests.validation.stator_reference import LIMITS, problem, reference, seconds_at

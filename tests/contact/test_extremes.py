@@ -15,10 +15,11 @@ from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.orbit import towards_plus
 from studies.evidence.stability import contact as part
-from studies.evidence.stability.contact import RANGES, SWEPT, VARIED, built, corner, motor
+from studies.evidence.stability.contact import CORNERS, SWEPT, VARIED, built, motor
 from studies.evidence.stability.cross_check import cross_check
 from studies.evidence.stability.verdict import VERDICTS, Case, cases_of, judge
 from tests.contact.motors import orbit, slider
+from tests.motors import CORNER_RANGES
 
 
 def outcome(varied, value):
@@ -61,8 +62,8 @@ def test_no_case_of_the_sweep_is_wrong():
 
 def test_cases_cover_every_range_to_its_ends():
     cases = cases_of("contact", VARIED)
-    assert {case.varied for case in cases} == {*SWEPT, "corner"} >= set(RANGES)
-    for name, (low, high) in RANGES.items():
+    assert {case.varied for case in cases} == {*SWEPT, "corner"} >= set(CORNER_RANGES)
+    for name, (low, high) in CORNER_RANGES.items():
         values = [case.value for case in cases if case.varied == name]
         assert max(values) >= min(high, 1e3)
         assert min(values) <= low or name in ("load", "friction_coefficient")
@@ -178,7 +179,7 @@ def test_release_with_the_reciprocal_force_is_where_contact_is_lost():
 @pytest.mark.slow
 def test_a_height_that_is_not_forgotten_is_no_cross_check():
     # the damper of the contacts keeps the start's height for 8e4 cycles; the exact motion repeats with 0.37619 m/s
-    body, waves = built(corner(88))
+    body, waves = built(CORNERS[88])
     answer = steady(body, waves, tolerance=1e-3)
     assert answer.velocity == pytest.approx(0.37618815, rel=1e-6)
     with pytest.raises(ConvergenceError, match="still depends on the start"):

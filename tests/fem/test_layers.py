@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import fem
-from fem.direct import direct_solution
 from fem.discretize.grading import Resolution
 from fem.results.power_balance import power_balance
+from tests.fem.direct import direct_solution
 from tests.fem.stators import FREQUENCY, lossless, solution, wave_of
 
 KOVACS = lossless("LiNbO3 (Kovacs)", "128YX")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fem.circuit import Drive
-from fem.direct import direct_solution
 from fem.discretize.grading import Resolution
 from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.power_balance import power_balance
+from tests.fem.direct import direct_solution
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 GENERAL = (17.0, 31.0, 49.0)

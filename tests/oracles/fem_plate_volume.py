@@ -159,7 +159,7 @@ def _lines(start: float, stop: float, per_period: float) -> np.ndarray:
 
 def _solved(matrix, load):
     try:
-        from fem import sparse_solution
+        from tests.fem.direct import sparse_solution
     except ImportError:
         return splu(matrix.tocsc()).solve(load)
     return sparse_solution(matrix, load[:, None])[:, 0]

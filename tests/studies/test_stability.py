@@ -11,11 +11,14 @@ import fem
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS
 from studies.evidence.stability import chain as stability_chain
+from studies.evidence.stability import contact as stability_contact
 from studies.evidence.stability import free as stability_free
 from studies.evidence.stability import stator as stability_stator
+from studies.evidence.stability.reference import stored_references
 from studies.evidence.stability.verdict import Case, NoReference, Outcome, judge, judged
 from studies.refusal import RunError
 from studies.study import STUDIES
+from tests import stability_cases
 
 
 def case_of(module, part: str, varied: str, value: float) -> Outcome:
@@ -77,6 +80,24 @@ def test_a_few_cases_come_out_as_they_should(module, part, varied, value, verdic
     outcome = case_of(module, part, varied, value)
     assert outcome.verdict == verdict, outcome
     assert bool(outcome.guard) == (verdict != "right")
+
+
+def test_the_stored_corners_are_those_that_are_drawn():
+    assert stability_contact.CORNERS == stability_cases.corners()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        pytest.param(name, value, marks=() if (name, value) == ("thickness, thin", 0.05) else pytest.mark.slow)
+        for name, value in stability_cases.STORED
+    ],
+)
+def test_the_stored_references_are_those_of_one_sparse_matrix(name, value):
+    admittance, motion = stability_cases.stator_reference(name, value)
+    stored = stored_references()[name, value]
+    assert stored[0] == pytest.approx(admittance, rel=1e-7)
+    assert stored[1] == pytest.approx(motion, rel=0, abs=1e-7 * abs(motion).max())
 
 
 @pytest.mark.slow

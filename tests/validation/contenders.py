@@ -37,7 +37,8 @@ class Problem:
 
 
 def _direct(problem: Problem, *, order: int, edge_layers: int):
-    from fem import Resolution, direct_solution, slowest_wavelength, solve_circuit
+    from fem import Resolution, slowest_wavelength, solve_circuit
+    from tests.fem.direct import direct_solution
 
     def once():
         solution = direct_solution(

@@ -6,8 +6,10 @@ numbers of balls too.  The steady velocity at a tolerance of 1e-3 is compared wi
 tolerance, or a refusal with the reason; never NaN or a traceback.  Run time: about a minute of one processor.
 """
 
+import json
 import math
-from typing import Any
+from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 
@@ -15,15 +17,13 @@ import contact
 from contact.error_estimate import relative_to_reference
 from studies.evidence.stability.cross_check import cross_check
 from studies.evidence.stability.verdict import Case, Comparison, NoReference
+from studies.papers.seed import Seed
 
 TOLERANCE = 1e-3
-CORNERS = 120
 AMPLITUDE, FREQUENCY, RATIO = 5e-9, 2.2e6, 0.7
-SLIDER: dict[str, Any] = {
-    "radius": 1e-3, "mass": 0.089e-3, "preload": 0.089e-3 * 9.81, "load": 0.0, "friction_coefficient": 0.08,
-    "effective_modulus": 64e9, "tangential_modulus": 12e9, "law": "elastic", "reciprocal": False, "stick_band": 0.0,
-    "contact_damping": 0.0, "normal_damping": 0.5, "tangential_damping": 1e-4,
-}  # fmt: skip
+SLIDER = {field.name: getattr(Seed().slider, field.name) for field in fields(contact.Slider)}
+# random combinations of extreme values, by `tests/stability_cases.py`
+CORNERS = json.loads(Path(__file__).with_name("corners.json").read_text(encoding="utf-8"))
 # quantities that are varied one at a time: unit and values
 SWEPT = {
     "moduli over the seed's": ("", (1e-3, 1e-2, 0.1, 10.0, 100.0, 1e3)),
@@ -40,22 +40,12 @@ SWEPT = {
     "load": ("N", (1e-7, 1e-5, 5e-5, 1e-4, 1e-2, 1.0, 1e3)),
     "tangential_ratio": ("", (0.0, 1e-3, 1.0, 10.0, 1e3)),
 }
-VARIED = SWEPT | {"corner": ("", range(CORNERS))}
-# ranges of the quantities in a corner; quantities in MAY_BE_ZERO are zero in one of four draws
-RANGES = {
-    "moduli over the seed's": (1e-3, 1e3), "preload": (1e-9, 1e3), "amplitude": (1e-12, 1e-5),
-    "friction_coefficient": (1e-3, 5.0), "mass": (1e-12, 1.0), "radius": (1e-9, 1.0), "frequency": (1.0, 1e10),
-    "stick_band": (1e-6, 10.0), "contact_damping": (1e-6, 1e6), "normal_damping": (1e-6, 1e6),
-    "tangential_damping": (1e-6, 1e6), "load": (1e-9, 1.0), "tangential_ratio": (1e-2, 10.0),
-}  # fmt: skip
-MAY_BE_ZERO = (
-    "stick_band", "contact_damping", "normal_damping", "tangential_damping", "load", "preload", "friction_coefficient",
-)  # fmt: skip
+VARIED = SWEPT | {"corner": ("", range(len(CORNERS)))}
 
 
 def motor(case: Case):
     """Return (slider, orbits) of a case."""
-    return built(corner(int(case.value)) if case.varied == "corner" else {case.varied: case.value})
+    return built(CORNERS[int(case.value)] if case.varied == "corner" else {case.varied: case.value})
 
 
 def built(values: dict):
@@ -71,24 +61,6 @@ def built(values: dict):
     tangential = ratio * amplitude * complex(np.exp(1j * angle))
     one = contact.Orbit(frequency=frequency, normal=amplitude, tangential=tangential)
     return slider, tuple(one.scaled(complex(np.exp(-2j * np.pi * k / 7.0))) for k in range(contacts))
-
-
-def corner(number: int) -> dict:
-    """Return the values of a random corner, in which about half of the quantities differ from the default motor."""
-    draw = np.random.default_rng([20260, number])
-    values: dict[str, float | str] = {}
-    for name, (low, high) in RANGES.items():
-        if draw.random() < 0.5:
-            continue
-        zero = name in MAY_BE_ZERO and draw.random() < 0.25
-        values[name] = 0.0 if zero else float(low * (high / low) ** draw.random())
-    values["angle"] = float(draw.uniform(-np.pi, np.pi)) if draw.random() < 0.3 else -0.5 * math.pi
-    values["contacts"] = int(draw.choice([1, 1, 3]))
-    values["law"] = str(draw.choice(["elastic", "elastic", "hysteretic"]))
-    values["reciprocal"] = bool(draw.random() < 0.25)
-    if values["law"] == "hysteretic":
-        values["stick_band"] = 0.0
-    return values
 
 
 def compared(case: Case, tolerance: float) -> Comparison:

@@ -2,10 +2,11 @@
 
 The motor is a lossy plate of hard PZT of 9 x 0.7 mm with absorbing ends and one transducer of two finger pairs at
 2.2 MHz, except for the quantity that a case varies.  Each answer is compared with a reference that suits the case: one
-sparse matrix of the whole section (fem.direct), the next level of discretisation if that matrix would be too large, the
-same problem in another unit of length (the answer must not change), or circuit laws.  The power balance must hold in
-every case.  `tests/validation` compares the same cases with charges on strips of an infinite plate, solved by exact
-partial waves.
+sparse matrix of the whole section ("direct"), the next level of discretisation if that matrix would be too large
+("finer"), the same problem in another unit of length, in which the answer must not change ("size"), or the motor
+without source impedance behind a voltage divider ("circuit"). All but the finer ones are stored (reference.py). The
+power balance must hold in every case.  `tests/validation` compares the same cases with charges on strips of an infinite
+plate, solved by exact partial waves.
 """
 
 import math
@@ -14,7 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import fem
-from studies.evidence.stability.reference import compared_with_reference
+from studies.evidence.stability.reference import compared_with_reference, stored_references
 from studies.evidence.stability.resonance import cut_off, piece_resonance
 from studies.evidence.stability.verdict import Case, Comparison
 
@@ -156,7 +157,7 @@ def _near(singular: Callable[[Motor], float]) -> Callable[[float], Motor]:
     return motor
 
 
-# quantity: unit, values, motor as a function of the value, kind of reference
+# quantity: unit, values, motor as a function of the value, kind of reference (`tests/stability_cases.py`)
 VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "direct"),
     "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
@@ -199,4 +200,5 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
 def compared(case: Case, tolerance: float) -> Comparison:
     """Return error, estimate and status of a case."""
     _, _, motor, reference = VARIED[case.varied]
-    return compared_with_reference(motor(case.value), reference, tolerance, BALANCE)
+    stored = None if reference == "finer" else stored_references()[case.varied, case.value]
+    return compared_with_reference(motor(case.value), stored, tolerance, BALANCE)

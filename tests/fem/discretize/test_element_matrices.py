@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from skfem import Basis, ElementQuadP, MeshQuad
 
-from fem.discretize.element_matrices import element_matrix, scikit_fem_derivatives
+from fem.discretize.element_matrices import element_matrix
 from fem.discretize.spectral import gll_nodes
 from fem.materials import VACUUM_PERMITTIVITY, fields
 from fem.materials.medium import medium, units, vacuum_medium
+from tests.fem.direct import scikit_fem_derivatives
 from tests.fem.stators import cut, lossless
 
 ALL = ("ux", "uy", "uz", "phi")

@@ -7,12 +7,12 @@ its own along x.
 import numpy as np
 import pytest
 
-from fem.direct import direct_solution
 from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import CORNER_RATIO
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
+from tests.fem.direct import direct_solution
 from tests.fem.stators import FREQUENCY, comb, cut, plate, section
 
 STATORS = {

@@ -11,10 +11,12 @@ from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
+from scipy.sparse import csr_matrix, identity, kron, triu
+from scipy.sparse.linalg import splu
+from skfem import Basis, BilinearForm, ElementQuadP, MappingIsoparametric, MeshQuad
 
 from fem.condense.electrodes import electrode_potentials, is_port, transducer_ports
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.element_matrices import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator, Transducer, outer_gaps
@@ -72,8 +74,6 @@ def direct_solution(
         Largest element in the uniform segments, wavelengths, and geometric layers towards both ends of each, where
         evanescent fields vary fast.
     """
-    from skfem import Basis, ElementQuadP, MappingIsoparametric, MeshQuad
-
     check_layout(stator, transducers)
     if stator.absorbs_below or stator.above != "none" or stator.pieces:
         raise ValueError("the direct solver takes a stator with a real bottom, nothing above and no meshed pieces")
@@ -176,18 +176,27 @@ def _both_graded(length, layers, largest) -> np.ndarray:
 
 def _assembled(basis, body: Medium, angular: float):
     """System matrix over (scalar unknown, field), fields innermost: real scalar matrices times small tables."""
-    from scipy.sparse import csr_matrix, kron
-
     xx, xz, zz, mass = (form.assemble(basis) for form in scikit_fem_derivatives())
     tables = (body.xx, body.xz, body.zz, -(angular**2) * np.diag(body.inertia))
     parts = [kron(matrix, csr_matrix(table)) for matrix, table in zip((xx, xz, zz, mass), tables, strict=True)]
     return (sum(parts) + kron(xz.T, csr_matrix(body.xz.T))).tocsr()
 
 
+def scikit_fem_derivatives():
+    """Scalar forms (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u for a scikit-fem basis in (x, z).
+
+    All are real: complex factors are contained in the tables of moduli that multiply them.
+    """
+    return (
+        BilinearForm(lambda u, v, _: v.grad[0] * u.grad[0]),
+        BilinearForm(lambda u, v, _: v.grad[0] * u.grad[1]),
+        BilinearForm(lambda u, v, _: v.grad[1] * u.grad[1]),
+        BilinearForm(lambda u, v, _: v * u),
+    )
+
+
 def _at_line(basis, section: Section, position: float, ends: np.ndarray):
     """An end's matrix over the section's nodes, carried over to the hierarchical basis of the mesh."""
-    from scipy.sparse import csr_matrix, identity, kron
-
     nodes = section.nodes / section.length_unit
     probes = basis.probes(np.stack([np.full(len(nodes), position), nodes])).tocsr()
     columns = [FIELD_COLUMN[name] for name in section.solid.fields]
@@ -236,8 +245,6 @@ def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
 
 def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_pair) -> _Strips:
     """Solve with one potential per electrode; ``held``: unknowns that are zero, ``unit_pair``: of stress and phi."""
-    from scipy.sparse import csr_matrix
-
     stress, potential = unit_pair
     size = system.shape[0]
     # Every electrode's vertices share one unknown; what is held or vanishes is left out.
@@ -273,16 +280,12 @@ def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
     try:
         return _pardiso_solution(matrix, load)
     except MISSING:
-        from scipy.sparse.linalg import splu
-
         symmetric = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
         factor = splu(matrix.tocsc().astype(complex), diag_pivot_thresh=0.01, **symmetric)
         return factor.solve(np.asarray(load, dtype=complex))
 
 
 def _upper(matrix):
-    from scipy.sparse import triu
-
     upper = triu(matrix, format="csr").astype(complex)
     upper.sort_indices()
     return upper
