@@ -72,6 +72,8 @@ def averaged_motor(
     driven = first or first_drive(scene, tolerance=tolerance)
     slider = driven.slider
     left_out = ["the wave is that at the initial position of the slider: its variation along the way is not included"]
+    if driven.scene.wave is None:
+        left_out.append("the stator's mean temperature is stated, and does not act on the motion")
     drives = [_drive(driven, left_out)]
     for other in other_drives(scene):
         drives.append(_drive(driven_contact(other, tolerance=tolerance), left_out))
@@ -127,10 +129,20 @@ def _drive(driven: Contact, left_out: list) -> Drive:
     if reason:
         left_out.append(f"the wave follows its drive at once, because {reason}")
     response, settling = (None, 0.0) if ringing is None else _step_response(ringing)
+    warmth, thermal_time = _warmth(record)
     return Drive(
         name=driven.scene.driven_transducer.name, orbits=driven.orbits, response=response, settling=settling,
-        power=float(record.electrical.power_W_per_V2), error=float(driven.stator_error),
+        power=float(record.electrical.power_W_per_V2), warmth=warmth, thermal_time=thermal_time,
+        error=float(driven.stator_error),
     )  # fmt: skip
+
+
+def _warmth(record) -> tuple[float, float]:
+    """Return the steady mean rise in K per squared volt of a continuous drive, and its time constant in s, or zeros."""
+    heat = record.heat
+    if heat.mean_rise_K is None or heat.time_constant_s is None:
+        return 0.0, 0.0
+    return heat.mean_rise_K / (heat.duty or 1.0) / heat.voltage_V**2, heat.time_constant_s
 
 
 def _step_response(ringing: RingUp) -> tuple[np.ndarray, float]:

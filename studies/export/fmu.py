@@ -1,7 +1,8 @@
 """The averaged motor as a functional mock-up unit (FMI 3.0 or 2.0, co-simulation): sources, description, library.
 
 The FMU holds C sources that any importer can compile, and the library for this machine where a C compiler is found.
-Inputs: ``drive``, ``load_force``, ``preload``; outputs: ``position``, ``velocity``, ``surface_amplitude``, ``power``.
+Inputs: ``drive``, ``load_force``, ``preload``; outputs: ``position``, ``velocity``, ``surface_amplitude``, ``power``,
+``temperature_rise``.
 Standard: fmi-standard.org, FMI 3.0 (2022) and 2.0 (2014).
 """
 
@@ -45,9 +46,10 @@ VARIABLES = (
     ("approach", "local", "continuous", "m", None, "mean normal approach of the contacts"),
     ("sticks", "local", "discrete", "", None, "the slider sticks to the surface"),
     ("position_start", "parameter", "fixed", "m", 0.0, "position at the beginning"),
+    ("temperature_rise", "output", "continuous", "K", None, "mean, of the stator above its surroundings"),
 )  # fmt: skip
 UNITS = {"V": 'kg="1" m="2" s="-3" A="-1"', "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"',
-         "W": 'kg="1" m="2" s="-3"'}  # fmt: skip
+         "W": 'kg="1" m="2" s="-3"', "K": 'K="1"'}  # fmt: skip
 
 
 def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:

@@ -70,12 +70,13 @@ def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
     p[index.MAX_STEP], p[index.FAST_STEP] = MAX_STEP, min(FAST_STEP, 1.0 / (100.0 * fastest))
     p[index.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
     p[index.DEAD_BOUNCE] = DEAD_BOUNCE
+    p[index.THERMAL_TIME] = drives[0].thermal_time
     parts, length = [], 0
     for number, (drive, table) in enumerate(zip(drives, tables, strict=True)):
         own = index.FIRST_DRIVE + number * index.DRIVE_SIZE
         p[own + index.AMPLITUDE], p[own + index.SATURATION] = drive.amplitude, drive.saturation(slider)
         p[own + index.POWER], p[own + index.RESPONSE_STEP] = drive.power, drive.response_step
-        p[own + index.FACING] = -1.0 if drive.mirrored else 1.0
+        p[own + index.FACING], p[own + index.WARMTH] = -1.0 if drive.mirrored else 1.0, drive.warmth
         if table is None:  # as the first drive, except for the sign
             first = index.FIRST_DRIVE
             p[own : own + index.FACING] = p[first : first + index.FACING]

@@ -24,6 +24,8 @@ class Drive:
     response_step: float = RESPONSE_STEP  # s
     settling: float = 0.0  # s to within 1 %
     power: float = 0.0  # into the transducer, W per V^2
+    warmth: float = 0.0  # steady mean rise of the stator, K per V^2
+    thermal_time: float = 0.0  # s, of that rise; 0: the temperature is not known
     error: float = 0.0  # relative, of the orbits
     mirrored: bool = False  # mirror image of the first drive; the two share tables
 
@@ -133,6 +135,7 @@ class MotorState:
     velocity = property(lambda self: float(self.numbers[index.VELOCITY]))
     deformation = property(lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers))
     surface_amplitude = property(lambda self: float(self.numbers[index.SURFACE]))
+    temperature_rise = property(lambda self: float(self.numbers[index.TEMPERATURE]))
     sticks = property(lambda self: bool(self.numbers[index.STICKS]))
 
     def copy(self) -> "MotorState":

@@ -21,6 +21,7 @@ from studies.model import resolve
 from studies.model.contact import Contact
 from studies.progress import counted, reported_to
 from studies.record import Record
+from studies.record.blocks import HeatBlock
 from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.text import leaving, sentences
@@ -448,6 +449,22 @@ def _powers(record: Record, driven: Contact, rated: float, line: Any, balls: flo
         efficiency, error = power / supplied, electrical_error + error
         condition = f"largest mechanical power over {'net power of the source' if circulates else 'electrical power'}"
         yield Row("power", "efficiency of the motor", efficiency, "1", error, condition)
+    yield from _heat_limits(record.heat)
+
+
+def _heat_limits(block: HeatBlock) -> Iterator[Row]:
+    """Yield the rows on what the heat of the stator allows; their numbers hold to the band of the air's coefficient."""
+    curie = "the hottest place stays below half the Curie temperature"
+    if block.mean_rise_K is not None:
+        band = f"{block.highest_rise_low_K:.3g} to {block.highest_rise_high_K:.3g} K with the air's coefficient"
+        yield Row("power", "rise of the hottest place", block.highest_rise_K, "K", None, f"steady, {band}")
+    if block.continuous_limit_voltage_V is not None:
+        yield Row("power", "largest continuous voltage", block.continuous_limit_voltage_V, "V", None, curie)
+        yield Row("power", "largest duty", block.duty_limit, "1", None, f"at {block.voltage_V:g} V, {curie}")
+    if block.pulsed_limit_voltage_V is not None:
+        yield Row(
+            "power", "largest pulsed voltage", block.pulsed_limit_voltage_V, "V", None, "10 K in the first second"
+        )
 
 
 def _resonances(record: Record, driven: Contact) -> Iterator[Row]:

@@ -48,6 +48,16 @@ def row(sheet, name):
     return found
 
 
+def test_the_heat_allows_what_the_run_states(sheet):
+    """Heat grows with V^2: half of 300 degC less 20 degC over the rise at the rated level."""
+    rise = row(sheet, "rise of the hottest place").value
+    assert rise == sheet.record.heat.highest_rise_K
+    assert row(sheet, "largest continuous voltage").value == pytest.approx(90.0 * (130.0 / rise) ** 0.5, rel=1e-12)
+    assert row(sheet, "largest duty").value == pytest.approx(min(130.0 / rise, 1.0), rel=1e-12)
+    rate = sheet.record.heat.heating_rate_K_per_s
+    assert row(sheet, "largest pulsed voltage").value == pytest.approx(90.0 * (10.0 / rate) ** 0.5, rel=1e-12)
+
+
 def test_speed_and_thresholds_are_the_run_s(sheet):
     assert sheet.rated == 90.0
     point = sheet.record.points[-1]

@@ -16,6 +16,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact
+import studies
 from studies.__main__ import main
 from studies.export import reduced_motor
 from studies.export.averaged_motor import averaged_motor
@@ -238,6 +239,74 @@ def test_c_and_python_take_the_same_steps(library):
     for name in ("position", "velocity", "deformation"):
         assert getattr(library, f"sawmotor_{name}")(state) == pytest.approx(getattr(python, name), rel=1e-9, abs=1e-16)
     assert library.sawmotor_advance(state, number(1e-9), number(0), number(-1.0), number(1e-3)) == 1
+
+
+WARMTH, THERMAL_TIME = 3e17, 0.05  # K per m^2 of the prescribed wave, s
+
+
+def warmed_motor():
+    """The motor of a stator that warms, faster than any real one."""
+    index, numbers = reduced_motor.index, motor().parameters.copy()
+    numbers[index.THERMAL_TIME] = THERMAL_TIME
+    for drive in range(2):
+        numbers[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.WARMTH] = (1 + drive) * WARMTH
+    return replace(motor(), parameters=numbers)
+
+
+def test_the_stator_warms_as_one_body(tmp_path):
+    """T' = (w s^2 - T)/tau in closed form, in Python and in C, while the motion is that of a cold one."""
+    (tmp_path / "motor.c").write_text(source(warmed_motor()))
+    (tmp_path / "motor.h").write_text(header(warmed_motor()))
+    target = tmp_path / "motor.so"
+    subprocess.run([*compiler(), "-std=c99", "-O1", "-shared", "-fPIC", "-o", target, tmp_path / "motor.c", "-lm"],
+                   cwd=tmp_path, check=True)  # fmt: skip
+    library, number = ctypes.CDLL(str(target)), ctypes.c_double
+    library.sawmotor_temperature_rise.restype = number
+    state = (number * reduced_motor.index.STATE_SIZE)()
+    library.sawmotor_start(state, number(motor().preload), number(0.0))
+    python, cold, rise = warmed_motor().start(), motor().start(), 0.0
+    for duration, level in ((0.02, AMPLITUDE), (0.03, -AMPLITUDE), (0.04, 0.0)):
+        python.advance(duration, level)
+        cold.advance(duration, level)
+        assert library.sawmotor_advance(state, number(level), number(0), number(motor().preload), number(duration)) == 0
+        steady = (1 + (level < 0)) * WARMTH * level**2
+        rise = steady + (rise - steady) * np.exp(-duration / THERMAL_TIME)
+        assert python.temperature_rise == pytest.approx(rise, rel=1e-12)
+        assert library.sawmotor_temperature_rise(state) == pytest.approx(rise, rel=1e-12)
+    assert rise > 1.0
+    assert python.position == cold.position
+    assert cold.temperature_rise == 0.0
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fmpy's own imports
+def test_the_fmu_carries_the_stator_s_temperature(tmp_path):
+    fmpy = pytest.importorskip("fmpy")
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(fmu(warmed_motor(), "3")[0])
+    result = fmpy.simulate_fmu(
+        str(path), stop_time=0.1, step_size=1e-3, output_interval=1e-2, start_values={"drive": AMPLITUDE},
+        output=["temperature_rise"],
+    )  # fmt: skip
+    expected = WARMTH * AMPLITUDE**2 * -np.expm1(-result["time"] / THERMAL_TIME)
+    assert result["temperature_rise"] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_the_warmth_is_the_run_s():
+    """A stator of PZT-8: its mean rise over the squared voltage, and its time constant."""
+    table = {
+        "stator": {"material": "PZT-8", "length": "20 mm", "thickness": "2 mm", "width": "12 mm", "ends": "absorbing",
+                   "diffraction": False},
+        "transducer": [{"name": "t", "center": "5 mm", "finger_pairs": 4, "period": "1 mm", "metallisation": 0.5,
+                        "aperture": "8 mm"}],
+        "drive": {"frequency": "2.2 MHz", "transducer": "t", "voltage": [40.0, 60.0], "duty": 0.5},
+        "slider": {"position": "14 mm", "contacts": 1, "radius": "1 mm", "mass": "0.089 g", "preload": "2 mN",
+                   "ball": "steel", "friction_coefficient": 0.2, "damping": {"normal": "0.5 N s/m"}},
+    }  # fmt: skip
+    found = averaged_motor(Scene.from_table("", table), tolerance=1e-2)
+    heat = studies.run(found.scene, tolerance=1e-2).heat
+    state = found.start()
+    state.advance(heat.time_constant_s, 60.0)
+    assert state.temperature_rise == pytest.approx(2.0 * heat.mean_rise_K * -np.expm1(-1.0), rel=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fmpy's own imports

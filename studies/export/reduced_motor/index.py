@@ -25,7 +25,8 @@ MAX_STEP = 11  # longest time step of slip on a steady wave, s
 FAST_STEP = 12  # that of all other motion, s
 RING_STEP = 13  # that of sticking contacts on a steady wave, and of slip during a bounce on a wave, s
 DEAD_BOUNCE = 14  # amplitude at which a bounce ends, over |steady approach| + normal amplitude (`bounce.settle`)
-FIRST_DRIVE = 15
+THERMAL_TIME = 15  # time constant of the stator's mean temperature, s; 0: its temperature is not known
+FIRST_DRIVE = 16
 # Indices of the parameters of each drive; the block of the first one begins at FIRST_DRIVE
 AMPLITUDE = 0  # largest |u_z| of the contacts per unit of the drive, m: s of a steady wave
 SATURATION = 1  # v_1, (m/s)/m: from V = v_1 s on friction has one direction throughout the cycle
@@ -36,7 +37,8 @@ LOADS = 5  # where the table R begins
 FORCES = 6  # where the table g begins
 RESPONSE = 7  # where the step response begins, real and imaginary part
 FACING = 8  # 1, or -1 where the table g is that of the mirrored wave
-DRIVE_SIZE = 9
+WARMTH = 9  # steady mean rise of the stator above its surroundings, K per squared unit of the drive
+DRIVE_SIZE = 10
 
 # Indices of the state (a flat array of doubles)
 TIME = 0  # s
@@ -59,7 +61,8 @@ LOWEST = 16  # deformation at which the slider begins to slip towards +x, m
 HIGHEST = 17  # and towards -x, m
 CELL = 18  # cell of the table g that was read last, from 1 and with the sign of V; 0: none
 CUBIC = 19  # 4 coefficients of the cubic over that cell, 19 to 22
-HISTORY = 23
+TEMPERATURE = 23  # mean rise of the stator above its surroundings, K
+HISTORY = 24
 # Indices of the history of each drive; that of the first one begins at HISTORY
 LEVEL = 0  # present value of the drive, zero or positive
 COUNT = 1  # number of stored changes
@@ -67,4 +70,4 @@ SETTLED = 2  # sum of the changes that have settled
 CHANGES = 3  # pairs (time in s, change of the drive)
 ENTRIES = 48  # largest number of stored changes
 HISTORY_SIZE = 99  # CHANGES + 2 ENTRIES
-STATE_SIZE = 221  # HISTORY + 2 HISTORY_SIZE
+STATE_SIZE = 222  # HISTORY + 2 HISTORY_SIZE

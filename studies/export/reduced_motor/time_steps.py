@@ -1,5 +1,7 @@
 """Integration of the motor in time under constant inputs: wave, bounce, stick and slip."""
 
+from math import exp
+
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
 from studies.export.reduced_motor.bounce import bounce_step, settle, update_steady_approach
@@ -28,6 +30,19 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
 
 
 @compiled
+def warm(p: Array, state: Array, level: float, duration: float) -> float:
+    """Advance the stator's mean temperature, exactly for a constant level; it does not act on the motion."""
+    own: int = index.FIRST_DRIVE
+    if p[index.THERMAL_TIME] > 0.0:
+        if level < 0.0 and p[index.DRIVES] > 1.5:
+            own = index.FIRST_DRIVE + index.DRIVE_SIZE
+        steady = p[own + index.WARMTH] * level * level
+        left = exp(-duration / p[index.THERMAL_TIME])
+        state[index.TEMPERATURE] = steady + (state[index.TEMPERATURE] - steady) * left
+    return 0.0
+
+
+@compiled
 def advance(
     p: Array, tables: Array, state: Array, level: float, force: float, preload: float, duration: float
 ) -> float:
@@ -42,6 +57,7 @@ def advance(
     changed = change_drive(p, state, 0, max(level, 0.0))
     if two_drives == 1:
         changed = abs(changed) + abs(change_drive(p, state, 1, max(-level, 0.0)))
+    warm(p, state, level, duration)
     start = state[index.TIME]
     done = 0.0  # part of the duration, s
     # number of changes to which the surface has not settled; while there are any the wave varies

@@ -10,7 +10,7 @@
 #endif
 
 enum { V_TIME, V_DRIVE, V_LOAD, V_PRELOAD, V_POSITION, V_VELOCITY, V_AMPLITUDE, V_POWER, V_FORCE, V_DEFORMATION,
-       V_APPROACH, V_STICKS, V_START, V_END };
+       V_APPROACH, V_STICKS, V_START, V_RISE, V_END };
 
 typedef struct {
     sawmotor_state state;
@@ -39,6 +39,7 @@ static int motor_get(const Motor *motor, unsigned reference, double *value) {
     case V_APPROACH: *value = sawmotor_approach(&motor->state); return 0;
     case V_STICKS: *value = sawmotor_sticks(&motor->state); return 0;
     case V_START: *value = motor->start; return 0;
+    case V_RISE: *value = sawmotor_temperature_rise(&motor->state); return 0;
     default: return 1;
     }
 }

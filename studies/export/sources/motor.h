@@ -33,6 +33,7 @@ double sawmotor_force(const sawmotor_state *state);              /* mean tangent
 double sawmotor_deformation(const sawmotor_state *state);        /* of the contacts, m */
 double sawmotor_approach(const sawmotor_state *state);           /* mean approach of the contacts, m */
 int sawmotor_sticks(const sawmotor_state *state);                /* 1: the slider sticks */
+double sawmotor_temperature_rise(const sawmotor_state *state);   /* of the stator, mean, above its surroundings, K */
 double sawmotor_power(double level);                             /* into the driven transducer in the steady state, W */
 
 #endif

@@ -21,6 +21,7 @@ double sawmotor_deformation(const sawmotor_state *state) {
 }
 double sawmotor_approach(const sawmotor_state *state) { return state->number[APPROACH]; }
 int sawmotor_sticks(const sawmotor_state *state) { return state->number[STICKS] > 0.5; }
+double sawmotor_temperature_rise(const sawmotor_state *state) { return state->number[TEMPERATURE]; }
 double sawmotor_power(double level) {
     int drive = level < 0.0 && SAWMOTOR_DRIVES > 1;
     return parameters[FIRST_DRIVE + drive * DRIVE_SIZE + POWER] * level * level;
