@@ -1,4 +1,4 @@
-"""The chain.  Symmetries and limits of the physics, and the record against what the scene asked for."""
+"""A run: symmetries and limits of the physics, the record against what the scene asked for, the rule for stators."""
 
 import gc
 import weakref
