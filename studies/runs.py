@@ -35,6 +35,7 @@ from studies.solve.solved_stator import SolvedStator
 from studies.solve.stators import Stators
 from studies.solve.surface_blocks import amplitude_points, node, surface_columns, wave_block
 from studies.solve.surface_motion import SurfaceMotion
+from studies.solve.wave_ripple import with_wave_ripple
 
 LOGGER = logging.getLogger(__name__)
 
@@ -116,7 +117,8 @@ def _with_slider(scene: Scene, tolerance: float) -> Record:
     motion, refusal = None, ""
     if driven.solved is not None:
         motion = stators.motion_under(driven)
-        vanished = "" if scene.on_pillars else node(motion, scene.positions)  # the centre is one of many pillars
+        # of a passing wave, the centre is one place of many
+        vanished = "" if driven.passing else node(motion, scene.positions)
         refusal = vanished or driven.refusal
         if not refusal:
             contact_start = time.perf_counter()
@@ -198,10 +200,6 @@ def _rippled(answer: SliderAnswer, driven: Contact, motion: SurfaceMotion, toler
     """Return the answer with mean and range of the velocity over half a wavelength."""
     LOGGER.debug("velocities about the position")
     scene = driven.scene
-    solved = SolvedStator.of(motion, scene.positions, nearby=not scene.on_pillars)
-    driven = Contact.of_stator(scene, solved, motion)
-    if scene.on_pillars:
-        from studies.solve.pillar_ripple import with_pillar_ripple
-
-        return with_pillar_ripple(answer, driven, tolerance)
-    return with_ripple(answer, driven, tolerance)
+    solved = SolvedStator.of(motion, scene.positions, nearby=not driven.passing)
+    driven = Contact.of_stator(scene, solved, lambda: motion)
+    return (with_wave_ripple if driven.passing else with_ripple)(answer, driven, tolerance)

@@ -188,9 +188,9 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
     resolved_scene = resolved(Scene.load(scene))
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
-    if resolved_scene.on_pillars and not pillars:
+    if not pillars:
         known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
-        resolved_scene.refuse("slider.pillars", f"are not supported by this study: {known}")
+        resolved_scene.refuse_pillars(f"are not supported by this study: {known}")
     if resolved_scene.wave is not None:
         return Contact.prescribed(resolved_scene)
     if not resolved_scene.transducer:

@@ -89,6 +89,8 @@ class WaveRows:
         Mean powers that the surface transfers to the contacts through P and through Q, W.
     apparent_power : float
         Apparent power of both, VA.
+    deepest : ndarray, shape (n,)
+        Approach of each contact on the highest crest of the fundamental, m; negative where it does not touch.
     forces : MeanForces
         Mean forces and first harmonics of each contact, N.
     friction : ndarray, shape (n,)
@@ -120,6 +122,7 @@ class WaveRows:
     truncation: float
     work: tuple[float, float]
     apparent_power: float
+    deepest: np.ndarray = field(repr=False)
     forces: MeanForces = field(repr=False)
     friction: np.ndarray = field(repr=False)
     sweeps: int
@@ -337,6 +340,7 @@ class CoupledSearch:
             loading_number=wave.loading_number(slider.preload), harmonics=order.size,
             overtones=passed[0 if forward_drives else 1, :, 1:], truncation=self.truncation,
             work=tuple(work.imag.sum(axis=(1, 2)).tolist()), apparent_power=float(np.abs(work.sum(axis=0)).sum()),
+            deepest=(self.equilibrium.approaches + abs(cycle.amplitudes()[0])[cycle.row])[classes],
             forces=each, friction=friction[classes], sweeps=cycle.evaluations,
             state=SearchState(
                 self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy(),

@@ -35,9 +35,8 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     SceneError, RunError
         If the scene has no slider, or the averaged motor does not take it.
     """
-    if scene.on_pillars:
-        rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
-        scene.refuse("slider.pillars", rule)
+    rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
+    scene.refuse_pillars(rule)
     if scene.slider is not None and scene.slider.heights:
         rule = "must be absent: the tables of the averaged motor take contacts of one height"
         scene.refuse("slider.heights", rule)

@@ -23,7 +23,7 @@ from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
 from studies.scene.keys import coordinate
 from studies.scene.override import walk
-from studies.solve.requested_quantities import OF_PILLARS, keywords
+from studies.solve.requested_quantities import ALSO, keywords
 
 LOGGER = logging.getLogger(__name__)
 
@@ -47,6 +47,10 @@ LENGTH_STEP, ANGLE_STEP = 2e-3, 0.05
 USUAL_WAVELENGTH = 1e-3  # m, where a [wave] states none
 
 
+# Quantities that are computed accurately enough for differences where velocities are solved one by one
+SMOOTH = ("ripple", "thrust", "efficiency")
+
+
 def numbers(predictor: MeasurementPredictor) -> list[str]:
     """Return the keys of a scene's coordinates and positive numbers that an answer may depend on.
 
@@ -61,8 +65,8 @@ def numbers(predictor: MeasurementPredictor) -> list[str]:
 
 def answers_of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
     """Return the names of the answers that the slider has."""
-    pillars = predictor.one_by_one
-    return tuple(name for name, each in ANSWERS.items() if not pillars or {*keywords([each.column])} <= {*OF_PILLARS})
+    known = SMOOTH if predictor.one_by_one else ALSO
+    return tuple(name for name, each in ANSWERS.items() if {*keywords([each.column])} <= {*known})
 
 
 def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:

@@ -64,7 +64,7 @@ def candidates(problem: Problem) -> list[Measurement]:
         if "burst" not in data and base.quantity != "position":
             start = [p.start(predictor.value(p.key)) for p in problem.parameters]
             driven = predictor.contact(problem.scene_numbers(start) | base.settings)
-            rise = driven.slider.mass / driven.slider.least_friction(len(driven.orbits))
+            rise = driven.moving_slider.mass / driven.slider.least_friction(driven.contacts)
             length = 3.0 * float(np.max(np.abs(base.values))) * rise
             settings = base.settings | {"wave.burst" if predictor.prescribed_wave else "drive.burst": length}
             time = tuple(np.linspace(0.02, 1.0, INSTANTS) * length)

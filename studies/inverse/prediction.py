@@ -137,7 +137,7 @@ class MeasurementPredictor(Predictor):
             elif measurement.quantity in ("burst", "position"):
                 answers.append(self._burst(measurement, driven, float(factors[0]), numbers))
             elif measurement.quantity == "ring-down frequency":
-                answers.append(np.array([driven.slider.tangential_resonance(len(driven.orbits))]))
+                answers.append(np.array([driven.moving_slider.tangential_resonance(driven.contacts)]))
             else:
                 raise ValueError(f"no prediction of the quantity {measurement.quantity!r}")
         velocities = self.velocities(states) if states else np.empty(0)
@@ -192,9 +192,9 @@ class MeasurementPredictor(Predictor):
     def velocities(self, states: list[tuple[Contact, float]]) -> np.ndarray:
         """Return the steady velocity of each contact at a level, m/s; NaN where there is none."""
         if self.one_by_one:
-            from studies.solve.pillar_points import pillar_velocity
+            from studies.solve.loaded_wave import wave_velocity
 
-            return np.array([pillar_velocity(driven, level) for driven, level in states])
+            return np.array([wave_velocity(driven, level) for driven, level in states])
         answers = steady_answers(states, self.tolerance)
         return as_array(answer.point.velocity_m_per_s for answer in answers)
 
@@ -204,7 +204,7 @@ class MeasurementPredictor(Predictor):
         if self.prescribed_wave:
             return velocities
         if self.one_by_one:
-            from studies.solve.pillar_ripple import mean_velocity
+            from studies.solve.wave_ripple import mean_velocity
 
             return np.array(
                 [mean_velocity(driven, *each, self.tolerance) for each in zip(levels, velocities, strict=True)]

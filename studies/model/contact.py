@@ -9,7 +9,7 @@ as one.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, Self
 
@@ -27,23 +27,29 @@ def prescribed_orbits(wave: Wave) -> tuple:
     return (contact.Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
 
 
-def scaled(orbits: tuple, level: float) -> tuple:
-    """Return orbits for a level of 1 at another level, see `Contact`."""
+def scaled(orbits, level: float):
+    """Return orbits, or a passing wave, for a level of 1 at another level, see `Contact`."""
+    if isinstance(orbits, contact.PassingWave):
+        return orbits.scaled(level)
     return tuple(orbit.scaled(level) for orbit in orbits)
 
 
 @lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
-    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers; of pillars, that of a mean one."""
-    share, radius, moduli = slider.share, slider.radius, (slider.effective_modulus, slider.tangential_modulus)
-    if slider.pillars is not None:
-        from studies.model.pillars import mean_pillar
+    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers.
 
-        share, radius, moduli = mean_pillar(slider)
+    Of equal contacts that move alike it is one of ``slider.share`` equal parts.
+    """
+    if slider.pillars is not None:
+        from studies.model.pillars import slider_of
+
+        return slider_of(slider)
+    share = slider.share
     return contact.Slider(
-        radius=radius, mass=slider.mass / share, preload=slider.preload_force / share, load=slider.load / share,
-        friction_coefficient=slider.static_coefficient, effective_modulus=moduli[0], tangential_modulus=moduli[1],
-        law="hysteretic" if slider.remembers else "elastic", reciprocal=slider.reciprocal and slider.pillars is None,
+        radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share, load=slider.load / share,
+        friction_coefficient=slider.static_coefficient, effective_modulus=slider.effective_modulus,
+        tangential_modulus=slider.tangential_modulus, law="hysteretic" if slider.remembers else "elastic",
+        reciprocal=slider.reciprocal,
         stick_band=slider.stick_band, contact_damping=slider.damping.contact,
         normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
         shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
@@ -68,13 +74,13 @@ class Contact:
     """
 
     scene: Scene  # as resolved
-    orbits: tuple = field(repr=False)  # under the balls for a level of 1
+    # for a level of 1: a contact.Orbit under each contact, or the contact.PassingWave under a slider
+    orbits: Any = field(repr=False)
     # |u_z| and |u_x| for a level of 1, m: under the slider's centre; of a slider on pillars the rms over the pillars
     amplitudes: tuple[float, float]
     stator_error: float = 0.0  # of the orbits, relative
     ringing: Any = None  # studies.solve.ring_up.RingUp: growth of the orbits during a burst
-    # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
-    passing: tuple | Any = field(default=None, repr=False)
+    misfit: float = 0.0  # rms misfit of a passing wave to the surface motion, relative to the larger of its two waves
     along: Any = None  # studies.solve.travel.WaveAlong: the orbits along the slider's travel
     record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
     # studies.solve.solved_stator.SolvedStator; None with a prescribed wave
@@ -84,25 +90,30 @@ class Contact:
     def prescribed(cls, scene: Scene, record: Record | None = None) -> Self:
         """Return the contact of a resolved scene with a prescribed wave."""
         amplitudes = 1.0, scene.wave.tangential_ratio
-        return cls(scene=scene, orbits=prescribed_orbits(scene.wave), amplitudes=amplitudes, record=record)
+        orbits = prescribed_orbits(scene.wave)
+        if scene.on_pillars:
+            from studies.model.pillars import prescribed_wave
+
+            orbits = prescribed_wave(scene)
+        return cls(scene=scene, orbits=orbits, amplitudes=amplitudes, record=record)
 
     @classmethod
-    def of_stator(cls, scene: Scene, solved: Any, motion: Any = None) -> Self:
+    def of_stator(cls, scene: Scene, solved: Any, motion: Callable[[], Any] | Any = None) -> Self:
         """Return the contact on a solved stator, or its surface motion where the scene has no slider.
 
-        ``motion``: of the surface; only sliders on pillars need it.
+        ``motion()`` returns that of the surface; it is called where the waves under a slider are fitted to it.
         """
         positions, slider = scene.positions, scene.slider
-        first, passing = solved.at[positions[0]], None
+        first, misfit = solved.at[positions[0]], 0.0
         amplitudes = abs(first.normal), abs(first.tangential)
+        orbits = () if slider is None else solved.orbits(slider.contact_positions)
         if scene.on_pillars:
             from studies.model.slider_wave import mean_amplitudes, stator_wave
 
-            passing = stator_wave(scene, motion)
-            amplitudes = mean_amplitudes(slider, passing[0])
+            orbits, misfit = stator_wave(scene, motion())
+            amplitudes = mean_amplitudes(slider, orbits)
         return cls(
-            scene=scene, orbits=() if slider is None else solved.orbits(slider.contact_positions), solved=solved,
-            passing=passing, amplitudes=amplitudes,
+            scene=scene, orbits=orbits, solved=solved, misfit=misfit, amplitudes=amplitudes,
             stator_error=max(solved.at[position].relative_error for position in positions),
         )  # fmt: skip
 
@@ -110,6 +121,21 @@ class Contact:
     def slider(self):
         """The `contact.Slider`."""
         return contact_slider(self.scene.slider)
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts that are computed."""
+        return self.slider.count if self.passing else len(self.orbits)
+
+    @property
+    def passing(self) -> bool:
+        """Whether the slider stands on waves that pass below it, which it may load."""
+        return isinstance(self.orbits, contact.PassingWave)
+
+    @property
+    def moving_slider(self):
+        """The `contact.Slider` with the mass of the scene, for a motion in time."""
+        return replace(self.slider, mass=self.scene.slider.mass / self.scene.slider.share)
 
     @property
     def level(self) -> float:
@@ -138,26 +164,30 @@ class Contact:
         """The scene's levels above 0, rising."""
         return tuple(sorted({level for level in self.scene.levels if level > 0.0}))
 
-    def at(self, level: float) -> tuple:
-        """Return the orbits at a level."""
+    def at(self, level: float):
+        """Return the orbits, or the passing wave, at a level."""
         return scaled(self.orbits, level)
 
-    def above(self, factor: float, moves: Callable[[float], bool] | None = None) -> tuple[float, ...]:
-        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is.
+    def moves(self, level: float) -> bool:
+        """Return whether a slider on a passing wave moves at a level."""
+        try:
+            return contact.steady(self.slider, self.at(level), tolerance=1.0, method="averaged").velocity != 0.0
+        except contact.ConvergenceError:
+            return False
 
-        ``moves``: returns whether the slider moves at a level; for pillars, whose threshold has no closed form.
-        """
-        if moves is None:
+    def above(self, factor: float) -> tuple[float, ...]:
+        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
+        if self.passing:  # how much of the wave the slider takes depends on the level
+            limit, moving = "", [self.moves(level / factor) for level in self.levels]
+        else:
             threshold = factor * contact.threshold_factor(self.slider, self.orbits)
             limit, moving = f", {self.scene.named(threshold)}", [level > threshold for level in self.levels]
-        else:
-            limit, moving = "", [moves(level / factor) for level in self.levels]
         if not any(moving):
             what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
             self.scene.refuse(self.scene.level_key, f"must hold a value above {what}{limit}: nothing moves below")
         return tuple(level for level, own in zip(self.levels, moving, strict=True) if own)
 
-    def spread(self, factor: float, count: int, moves: Callable[[float], bool] | None = None) -> list[float]:
+    def spread(self, factor: float, count: int) -> list[float]:
         """Return at most ``count`` of the levels that `above` returns, evenly spaced, the last included."""
-        moving = self.above(factor, moves)
+        moving = self.above(factor)
         return sorted({moving[round(k * (len(moving) - 1) / count)] for k in range(1, count + 1)})

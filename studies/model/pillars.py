@@ -166,23 +166,24 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
 
 
 @lru_cache(16)
-def pillars_of(slider: Slider, interaction: bool | None = None):
-    """Return the `contact.Pillars` of a resolved slider."""
+def slider_of(slider: Slider, interaction: bool | None = None):
+    """Return the `contact.Slider` of a resolved slider on pillars.
+
+    Its mass is infinite: it is too heavy to follow the wave within a cycle, and does not bounce.
+    """
     geometry, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
+    for name, value in (("friction_coefficient", slider.friction_coefficient), ("preload", slider.preload_force)):
+        if not value > 0.0:
+            raise SceneError(f"slider.{name}", "must be positive with [slider.pillars]")
     with slider_keys():
-        return contact.Pillars(
+        return contact.Slider(
             x=geometry.x, y=geometry.y, heights=geometry.heights, normal_stiffness=k_n, tangential_stiffness=k_t,
-            friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
-            tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
-            load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
+            radius=geometry.diameter / 2, friction_coefficient=slider.friction_coefficient, mass=math.inf,
+            preload=slider.preload_force, load=slider.load, law="elastic", reciprocal=False, stick_band=0.0,
+            contact_damping=0.0, normal_damping=0.0, tangential_damping=slider.damping.tangential, shape="punch",
+            tilt=slider.tilt, preload_at=slider.preload_at, load_height=slider.load_height, backing=slider.backing,
+            curvature=slider.pillars.curvature,
         )  # fmt: skip
-
-
-def mean_pillar(slider: Slider) -> tuple[int, float, tuple[float, float]]:
-    """Return the number of pillars of a resolved slider, their mean radius in m, and E* and G* of their stiffnesses."""
-    diameter, (k_n, k_t) = layout(slider).diameter, stiffnesses(slider)
-    radius = float(diameter.mean() / 2)
-    return diameter.size, radius, (float(k_n.mean()) / (2 * radius), float(k_t.mean()) / (8 * radius))
 
 
 def extent(slider: Slider) -> tuple[float, float]:
@@ -205,7 +206,7 @@ def prescribed_wave(scene: Scene):
     wave = scene.wave
     return contact.PassingWave(
         frequency=wave.frequency, wavelength=wave.wavelength or 1.0, ratio=wave.tangential_ratio, backward=1.0,
-        compliance=wave.compliance or 0.0, strip_width=strip_width(scene.slider),
+        compliance=wave.compliance or 0.0, strip_width=strip_width(scene.slider), loading=scene.slider.loading,
     )  # fmt: skip
 
 
@@ -213,7 +214,7 @@ def check_pillars(scene: Scene) -> None:
     """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
     slider = scene.slider
     geometry = layout(slider)
-    pillars_of(slider)
+    slider_of(slider)
     if scene.stator is None:
         return
     half, middle, (left, right) = geometry.diameter / 2, slider.center[1], extent(slider)

@@ -49,7 +49,7 @@ def stator_wave(scene: Scene, motion):
     passing = contact.PassingWave(
         frequency=wave.frequency, wavelength=wavelength, ratio=orbit / 1j, forward=complex(forward),
         backward=complex(backward), compliance=fem.bound_compliance(stator, wave.frequency),
-        strip_width=width,
+        strip_width=width, loading=slider.loading,
     )  # fmt: skip
     return passing, misfit / passing.amplitude
 

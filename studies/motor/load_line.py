@@ -8,8 +8,6 @@ Run time: about 2 s, plus the time of the stator.
 """
 
 import logging
-from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +16,6 @@ from studies.record.plots import curve, family, finished
 from studies.record.quantities import quantity
 from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
-from studies.solve.pillar_points import PillarContact, moves
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
@@ -40,18 +37,12 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
     """
     driven = driven_contact(scene, tolerance=tolerance, pillars=True)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
-    on_pillars = partial(moves, driven) if resolved_scene.on_pillars else None
-    for level in driven.spread(1.05, LINES, on_pillars):
+    for level in driven.spread(1.05, LINES):
         name = driven.scene.named(level)
         LOGGER.info(f"load line: {name}")
-        if resolved_scene.on_pillars:
-            lines[name] = PillarContact.of(driven).load_line(level, points)
-        else:
-            lines[name] = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
-    if resolved_scene.on_pillars:
-        slider = replace(slider, preload=resolved_scene.slider.preload_force)  # of all pillars
+        lines[name] = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
     balls = resolved_scene.slider.share
-    friction = slider.static_friction(len(driven.orbits))
+    friction = slider.static_friction(driven.contacts)
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",
                "blocked thrust over mu times preload, the largest",

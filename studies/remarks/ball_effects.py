@@ -25,7 +25,7 @@ POINT_ADMITTANCE = 0.93  # Re(v/F) over omega^2 / (2 pi mu c_T) of a point load 
 NO_FRICTION = 1e-9  # coefficient of a frictionless contact: the averaged equilibrium requires a positive one
 LOADS = 5  # levels of a run at which the load on the wave is computed, 6 ms each; linear in the voltage between them
 NODE = 1e-6  # |u_z|/|u_x| below which u_z is a node: waves from both sides cancel
-# Names of effects, here and in `pillar_effects`
+# Names of effects, here and in `loaded_wave_effects`
 LOAD, OVERTONES = "load of the slider on the wave", "overtones of the wave under the pillars"
 
 
@@ -37,7 +37,7 @@ def point_admittance(omega: float, shear_modulus: float, shear_speed: float) -> 
 def radiation(record: Record) -> Effects:
     """Yield the power that a contact radiates into the stator, relative to its elastic force."""
     slider = record.scene.slider
-    if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
+    if slider is None or not slider.preload_force > 0:
         return
     solid, contacts = fem_objects.surface_solid(record.scene.stator), slider.computed_contacts
     omega, body = 2 * math.pi * record.wave.frequency_Hz, contact_slider(slider)
@@ -52,7 +52,7 @@ def loads_on_wave(record: Record) -> list[list[tuple]]:
     """Return for each point a list with the effect of the contacts' load on the wave, empty where there is none."""
     slider = record.scene.slider
     none: list[list[tuple]] = [[] for _ in record.points]
-    if slider is None or record.scene.on_pillars or not slider.preload_force > 0:
+    if slider is None or not slider.preload_force > 0:
         return none
     tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     if normal.max() < NODE * tangential.max() or amplitude_per_power(record) is None:
@@ -78,27 +78,27 @@ def wave_load(record: Record, voltages) -> list[float]:
     """
     slider, stator = record.scene.slider, fem_objects.stator(record.scene.stator)
     body = contact_slider(slider)
-    # `contact.balls_of` takes the elastic law with Coulomb's friction alone
-    body = replace(
-        body, law="elastic", reciprocal=False, stick_band=0.0, friction=None,
-        friction_coefficient=body.static_coefficient or NO_FRICTION,
-    )  # fmt: skip
     offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
-    # each computed contact stands for slider.share contacts; the body bears 1/share of the slider's preload
-    balls = contact.balls_of(replace(body, preload=body.preload * slider.share), offsets, weights=slider.share)
+    # A loaded wave takes the elastic law with Coulomb's friction alone. Each computed contact stands for slider.share
+    # contacts; the body bears 1/share of the slider's preload.
+    balls = replace(
+        body, law="elastic", reciprocal=False, stick_band=0.0, friction=None, mass=math.inf, load=0.0,
+        friction_coefficient=body.static_coefficient or NO_FRICTION, preload=body.preload * slider.share,
+        x=offsets, weights=slider.share,
+    )  # fmt: skip
     tangential, _, normal = abs(record.surface_motion.at(list(slider.contact_positions)))
     strongest = int(np.argmax(normal))  # the centre may be a node of the wave
     at_one_volt = contact.PassingWave(
         frequency=record.wave.frequency_Hz, wavelength=wavelength(record), forward=float(normal[strongest]),
         ratio=float(tangential[strongest] / normal[strongest]), strip_width=record.scene.driven_transducer.aperture,
-        compliance=fem.bound_compliance(stator, record.wave.frequency_Hz),
+        compliance=fem.bound_compliance(stator, record.wave.frequency_Hz), loading=True,
     )  # fmt: skip
     changes, near = [], None
     for voltage in voltages:
         wave = replace(at_one_volt, forward=at_one_volt.forward * float(voltage))
         try:
-            near = contact.pillar_motion(balls, wave, loading=True, near=near)
-            changes.append(abs(near.exit_over_entry - 1.0))
+            near = contact.steady(balls, wave, tolerance=1.0, near=near)
+            changes.append(abs(near.loaded.exit_over_entry - 1.0))
         except contact.ConvergenceError:
             changes.append(wave.loading_number(balls.preload))
     return changes

@@ -15,7 +15,9 @@ from studies.record.point import Point
 from studies.record.text import percent
 from studies.remarks.ball_effects import OVERTONES, loads_on_wave, radiation, travel_over_ripple
 from studies.remarks.ball_surface import AT_LARGEST, ball_surface, ball_surface_at
+from studies.remarks.loaded_wave_effects import effects_at_points
 from studies.remarks.stator_effects import AMPLITUDE, heating, large_strain, stator_effects
+from studies.solve.solved_stator import contact_of_run
 
 SHARED = (AMPLITUDE, "velocity")  # quantities at the slider whose relative changes add up to the model error
 NO_ANSWER = 1.0  # smallest relative change for which the answer is refused
@@ -30,18 +32,24 @@ def model_error(record: Record) -> tuple[Effect, ...]:
     return tuple(_largest(record, *_effects(record)))
 
 
+def on_passing_wave(record: Record) -> bool:
+    """Whether the slider of a run stands on waves that pass below it."""
+    return record.scene.slider is not None and contact_of_run(record).passing
+
+
 def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...]]]:
     """Return the effects that do not depend on the level, and for each point those that do."""
     always: list[tuple] = []
     at_points: list[list[tuple]] = [[] for _ in record.points]
-    if record.scene.on_pillars:
-        from studies.remarks.pillar_effects import effects_at_points
-
+    passing = on_passing_wave(record)
+    if passing:
         at_points = effects_at_points(record)
     if record.surface_wave is not None:
-        always = [*stator_effects(record), *radiation(record), *heating(record)]
-        for own, point, loads in zip(at_points, record.points, loads_on_wave(record), strict=True):
-            own += [*loads, *travel_over_ripple(record, point), *large_strain(record, point.level)]
+        of_contacts, loads = ([], at_points) if passing else (radiation(record), loads_on_wave(record))
+        always = [*stator_effects(record), *of_contacts, *heating(record)]
+        at_points = [list(each) for each in loads]
+        for own, point in zip(at_points, record.points, strict=True):
+            own += [*travel_over_ripple(record, point), *large_strain(record, point.level)]
     elif record.scene.wave is not None:
         for own, point in zip(at_points, record.points, strict=True):
             own += large_strain(record, point.level)
@@ -60,7 +68,7 @@ def _largest(record: Record, always: tuple, at_points: list[tuple]) -> list[Effe
     """Return each effect once, with the size that `model_error` states."""
     levels = [point.level for point in record.points]
     last = at_points[levels.index(max(levels))] if levels else ()
-    if record.scene.on_pillars:
+    if on_passing_wave(record):
         of_points = last
     else:
         everywhere = (each for own in at_points for each in own if each.effect not in AT_LARGEST)

@@ -19,11 +19,11 @@ from studies.record.text import percent
 from studies.remarks.ball_effects import NODE
 from studies.remarks.ball_surface import AT_LARGEST, DECIDES, smooth_balls
 from studies.remarks.heat_warnings import heat_warnings
+from studies.remarks.loaded_wave_effects import height_warnings, wave_warnings
 from studies.remarks.model_error import SHARED
 from studies.remarks.scene_warnings import scene_warnings
 from studies.remarks.stator_effects import surface_strain
 from studies.scene import Scene
-from studies.solve.contact_at_level import contact_load
 from studies.solve.solved_stator import contact_of_run
 
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
@@ -57,10 +57,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
             *smooth_balls(record), *_contact(record), *_points(record), *_ripple(record), *_end_of_way(record),
             *_other_motion(record),
         ]  # fmt: skip
-    if record.scene.on_pillars:
-        from studies.remarks.pillar_effects import pillar_warnings
-
-        warnings += pillar_warnings(record)
+        warnings += [*wave_warnings(record), *height_warnings(record.scene.slider)]
     return tuple(warnings)
 
 
@@ -204,7 +201,8 @@ def _contact(record: Record) -> Iterator[str]:
     """Yield warnings about lateral motion, load, a damper that pulls, and pressures above a material's strength."""
     normal, tangential = (abs(record.wave.get(f"{name}_m_per_V", np.nan)) for name in ("normal", "tangential"))
     # NaN, and therefore false, for a scene with a [wave], which has no motion per volt
-    if normal < NODE * tangential and record.scene.slider.pillars is None:
+    driven = contact_of_run(record)
+    if normal < NODE * tangential and not driven.passing:
         yield (
             "u_z vanishes at the slider's centre: the amplitudes of the points are taken "
             "at the centre and do not describe the wave under the contacts: choose another slider.position"
@@ -218,9 +216,8 @@ def _contact(record: Record) -> Iterator[str]:
             f"the surface moves sideways under the slider, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {'reduce the drive of the crossing transducers' if record.scene.crossed else nearer}"
         )
-    driven = contact_of_run(record)
     slider, orbits = driven.slider, driven.at(max(record.scene.levels))
-    friction = slider.static_friction(len(orbits))
+    friction = slider.static_friction(driven.contacts)
     if slider.load > friction:
         limit, share = "the damper alone" if slider.tangential_damping else "nothing", record.scene.slider.share
         yield (
@@ -237,8 +234,8 @@ def _contact(record: Record) -> Iterator[str]:
             f"down, with up to {-pull * 1e3:.3g} mN during {100 * share:.2g} % of a cycle, which a dry contact cannot: "
             "choose a smaller one"
         )
-    highest = contact_load(slider, orbits, math.inf)["contact_pressure_Pa"]
-    at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
+    highest = max((point.contact_pressure_Pa or 0.0 for point in record.points), default=0.0)
+    at_rest = float(np.max(slider.pressure(slider.rest_approaches(driven.contacts))))
     punch = slider.shape == "punch"
     kind, what = ("Mean pressure under a punch,", "punches") if punch else ("Hertz pressure", "balls")
     parts = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))

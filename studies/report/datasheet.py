@@ -30,8 +30,7 @@ from studies.report.intermediate import si
 from studies.runs import run
 from studies.scene import Scene
 from studies.solve.burst_steps import Steps
-from studies.solve.pillar_points import PillarContact
-from studies.solve.pillar_points import burst as pillar_burst
+from studies.solve.bursts import QUASI_STATIC
 from studies.solve.predictor import Predictor
 from studies.solve.ripple import Known
 from studies.solve.solved_stator import contact_of_run
@@ -39,7 +38,6 @@ from studies.solve.stroke_speed import StrokeSpeed, slider_range, stroke_speed
 
 if TYPE_CHECKING:
     from contact.answers.transient import Trajectory
-    from studies.solve.pillar_points import PillarBurst
 
 LOGGER = logging.getLogger(__name__)
 LOADS = 13  # number of loads of a load line
@@ -96,7 +94,7 @@ class Datasheet:
     lines: dict  # by level: contact.LoadLine of one computed ball
     balls: float  # number of balls that one computed ball represents
     # Start from rest at the rated level and the stop after it
-    start_stop: "Trajectory | PillarBurst"
+    start_stop: "Trajectory"
     steps: tuple  # contact.Step of the shortest burst for each size in `STEPS`, None where there is none
 
     def __str__(self) -> str:
@@ -161,20 +159,19 @@ def datasheet(
         if record.shortfall:
             raise RunError(record.shortfall)
         driven = contact_of_run(record)
-        on_pillars = record.scene.on_pillars
-        moving = record.moving_levels if on_pillars else driven.above(1.0)
+        moving = record.moving_levels if driven.passing else driven.above(1.0)
         if not moving:
             record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
         rated = moving[-1]
         levels = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
         try:
-            answer = (_of_pillars if on_pillars else _of_balls)(driven, rated, levels)
+            answer = _contact(driven, rated, levels)
         except contact.ConvergenceError as error:
             raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
         line = answer["lines"][driven.scene.named(rated)]
         under_load, remarks = _under_load(record, rated, load)
         remarks += answer.pop("remarks", ())
-        travel = None if record.scene.stator is None or on_pillars else _over_stroke(record, driven, rated)
+        travel = None if record.scene.stator is None or driven.passing else _over_stroke(record, driven, rated)
         starts, remark = _start_distance(driven, rated, answer["start_stop"])
         remarks += remark
         rows = (
@@ -199,13 +196,20 @@ def _without_load(scene: Scene) -> Scene:
     return replace(scene, slider=replace(scene.slider, load=0.0), uncertain=uncertain)
 
 
-def _of_balls(driven: Contact, rated: float, levels: list[float]) -> dict:
-    """Return load lines, start and stop, steps, and the rows on forces and positioning of a slider on balls."""
+def _contact(driven: Contact, rated: float, levels: list[float]) -> dict:
+    """Return load lines, start and stop, steps, and the rows on forces and positioning.
+
+    A slider on a passing wave has no steps, because its bounce is not modelled.
+    """
     options, named = {"points": LOADS, "tolerance": CONTACT_TOLERANCE}, driven.scene.named
     shown = counted(LOGGER, "load lines", levels)
     lines = {named(level): contact.load_line(driven.slider, driven.at(level), **options) for level in shown}
     LOGGER.info("start and stop")
     start_stop = _start_and_stop_motion(driven, rated)
+    if driven.passing:
+        return {"lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0} | _rows_on_passing_wave(
+            driven, lines[named(rated)], start_stop
+        )
     bursts = Steps.of(driven)
     steps, remarks = _steps(bursts, rated)
     balls = driven.scene.slider.share
@@ -226,30 +230,29 @@ def _steps(bursts: Steps, rated: float) -> tuple[tuple, tuple[str, ...]]:
     return tuple(steps), tuple(remarks)
 
 
-def _of_pillars(driven: Contact, rated: float, levels: list[float]) -> dict:
-    """Return the fields of `_of_balls` for a slider on pillars, without steps, because its bounce is not modelled."""
-    body, slider = PillarContact.of(driven), driven.scene.slider
-    shown = counted(LOGGER, "load lines", levels)
-    lines = {driven.scene.named(level): body.load_line(level, LOADS) for level in shown}
-    line = lines[driven.scene.named(rated)]
-    LOGGER.info("start and stop")
-    free, holding_force = line.motions[0], slider.static_coefficient * slider.preload_force
-    start_stop = pillar_burst(body, rated, free, BURST_RATIO * abs(free.velocity) / (holding_force / slider.mass))
-    relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
-    stall, held = (line.stall, relative_error), (line.held_up_to, relative_error)
+def _rows_on_passing_wave(driven: Contact, line, start_stop) -> dict:
+    """Return the rows of a slider on a passing wave on forces, start and stop, and power."""
+    slider = driven.moving_slider
+    holding_force, relative_error = (
+        slider.static_friction(driven.contacts),
+        2.0 * driven.stator_error + CONTACT_TOLERANCE,
+    )
+    stall, held = (line.blocked_thrust, relative_error), (line.held_up_to, relative_error)
     rows = (*_force_rows(stall, held, holding_force, slider.mass), *_start_and_stop_rows(start_stop, ""))
-    friction = Row("power", "friction power", free.friction_power, "W", relative_error, "no load, all pillars")
-    return {"lines": lines, "start_stop": start_stop, "steps": (), "balls": 1.0, "rows": rows, "powers": (friction,)}
+    power = line.states[0].loaded.friction_power
+    friction = Row("power", "friction power", power, "W", relative_error, "no load, all pillars")
+    return {"rows": rows, "powers": (friction,)}
 
 
 def _start_and_stop_motion(driven: Contact, rated: float) -> Any:
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
-    slider, orbits = driven.slider, driven.at(rated)
-    acceleration = slider.least_friction(len(orbits)) / slider.mass
-    steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
+    slider, orbits = driven.moving_slider, driven.at(rated)
+    acceleration = slider.least_friction(driven.contacts) / slider.mass
+    steady = contact.steady(driven.slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     acceleration_time = abs(steady) / acceleration
     times = {"duration": BURST_RATIO * acceleration_time, "after": 2.0 * acceleration_time}
-    return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000)
+    method = QUASI_STATIC if driven.passing else "auto"
+    return contact.burst(slider, orbits, **times, tolerance=1e-3, samples=4000, method=method)
 
 
 def _over_stroke(record: Record, driven: Contact, rated: float) -> StrokeSpeed | None:
@@ -368,7 +371,7 @@ def _forces(driven: Contact, rated: float, line: Any, balls: float) -> Iterator[
     slider, stall = driven.slider, line.stall
     averaged, held = contact.blocked_thrust(slider, driven.at(rated))
     increased, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
-    friction = slider.static_friction(len(driven.orbits))
+    friction = slider.static_friction(driven.contacts)
     error = held_error = abs(increased / averaged - 1.0) + stall.error / stall.value
     # a contact sticks at rest: `held` comes from averaging, whose error is estimated from that of the stall force
     if held > averaged * (1.0 + 1e-9):

@@ -37,8 +37,8 @@ class Balance:
 def balances(record: Record) -> tuple[Balance, ...]:
     """Return the energy balances of the steady state at a few moving points of a record with a slider."""
     scene = record.scene
-    # the points of a slider on pillars already contain these powers
-    if scene.slider is None or scene.on_pillars:
+    # the points of a slider on a passing wave already contain these powers
+    if scene.slider is None or any(point.friction_power_W is not None for point in record.points):
         return ()
     driven = contact_of_run(record)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"

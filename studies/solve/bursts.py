@@ -1,4 +1,4 @@
-"""The motion of a slider on balls during and after a burst: with its travel, or on the wave at its first position.
+"""The motion of a slider during and after a burst: with its travel, or on the wave at its first position.
 
 The wave grows and decays as in `ring_up` if the method of solution accepts an envelope.  Otherwise it is steady from
 the start of the burst to its end, where it stops.
@@ -16,7 +16,8 @@ MIN_TRAVEL = 0.1  # wavelengths: a shorter travel is neglected
 FAR = 2.0  # wavelengths: a slider that comes this far at its steady velocity is followed along the field at once
 SAMPLES = 2000  # instants of a stored trajectory; they do not affect the integration
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
-SHAPED_METHODS = ("auto", "stepped")  # burst methods that accept an envelope
+QUASI_STATIC = "quasi-static"  # on a passing wave, where height and tilts follow the velocity at once
+SHAPED_METHODS = ("auto", "stepped", QUASI_STATIC)  # burst methods that accept an envelope
 
 
 def followed_burst(driven: Contact, level: float, velocity: float, tolerance: float, after: float | None = None):
@@ -50,12 +51,12 @@ def _burst(
     track: contact.Track | None = None,
 ):  # fmt: skip
     """Return the trajectory of a slider on a track, or of one that remains on the wave at its initial position."""
-    slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
-    friction = slider.least_friction(len(orbits))
+    slider, duration, ringing = driven.moving_slider, driven.scene.burst, driven.ringing
+    friction = slider.least_friction(driven.contacts)
     stopping_time = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
-    ringing_time = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
+    ringing_time = 20 / slider.tangential_resonance(driven.contacts) if slider.preload > 0 else 0.0
     after = min(1.2 * stopping_time + ringing_time, 10 * duration) if after is None else after
-    method = method_of(driven.scene, "a burst", BURST_METHODS)
+    method = QUASI_STATIC if driven.passing else method_of(driven.scene, "a burst", BURST_METHODS)
 
     def followed(envelope=None, after=after):
         options = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope, "track": track}
@@ -63,7 +64,7 @@ def _burst(
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
         return followed()
-    ring_down = ringing.ring_down
+    ring_down = None if driven.passing else ringing.ring_down
     try:
         # `after` of `contact.burst`: the time, with the envelope of the ring-down
         faded = after if ring_down is None else (after + float(ring_down.time[-1]), ring_down)

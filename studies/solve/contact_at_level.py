@@ -13,6 +13,7 @@ from studies.record.status import Status
 from studies.record.values import Columns
 from studies.solve.bursts import STEADY_METHODS, followed_burst, method_of
 from studies.solve.event_counts import burst_events, burst_values, steady_events
+from studies.solve.loaded_wave import wave_point, wave_tables
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import judged, velocity_sensitivities
@@ -27,12 +28,12 @@ TOGETHER = 1e-3  # relative difference of the releases of two contacts that leav
 
 def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
-    scene, on_pillars = driven.scene, driven.scene.on_pillars
+    scene = driven.scene
     LOGGER.info("contact")
     summary, threshold = SummaryBlock(), math.inf
-    if not on_pillars:
-        with slider_keys():
-            driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
+    with slider_keys():
+        driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
+    if not driven.passing:  # the threshold of a loaded wave takes about as long as 30 levels
         if not contact.kernels.ready():
             LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")
         summary, threshold = _summary(driven)
@@ -41,15 +42,11 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
         LOGGER.debug(f"point {number} of {len(scene.levels)}")
         answer = point_answer(driven, level, tolerance)
         point = Point(voltage_V=None if scene.wave is not None else level) | driven.amplitudes_at(level) | answer.point
-        if not on_pillars:
+        if not driven.passing:
             point |= contact_load(driven.slider, driven.at(level), threshold / level if level else math.inf)
         answers.append(replace(answer, point=point))
-        last = answer.motion or last
-    tables: dict = {}
-    if last is not None:
-        from studies.solve.pillar_points import pillar_tables
-
-        tables = pillar_tables(last)
+        last = answer.motion if answer.motion is not None and level > 0.0 else last
+    tables = wave_tables(last)
     return SliderAnswer(
         answers=tuple(answers), summary=summary, **{name: Columns(table) for name, table in tables.items()}
     )
@@ -61,12 +58,7 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
     If ``bursting`` is False, only the steady state is computed, even if the scene has a burst.
     """
     try:
-        if driven.scene.slider.pillars is None:
-            answer = _point_on_balls(driven, level, tolerance, bursting)
-        else:
-            from studies.solve.pillar_points import pillar_point
-
-            answer = pillar_point(driven, level, tolerance, bursting=bursting)
+        answer = _answer(driven, level, tolerance, bursting)
         _refuse_runaway(answer.point.velocity_m_per_s)
         return answer
     except contact.ConvergenceError as error:
@@ -83,12 +75,12 @@ def _refuse_runaway(velocity: float) -> None:
         )
 
 
-def _point_on_balls(driven: Contact, level: float, tolerance: float, bursting: bool) -> PointAnswer:
+def _answer(driven: Contact, level: float, tolerance: float, bursting: bool) -> PointAnswer:
     orbits, goal = driven.at(level), SHARE * tolerance
     method = method_of(driven.scene, "the steady state", STEADY_METHODS)
 
-    def steady(some: tuple):
-        return contact.steady(driven.slider, some, tolerance=goal, method=method)
+    def steady(some, near=None):
+        return contact.steady(driven.slider, some, tolerance=goal, method=method, near=near)
 
     with slider_keys():
         state = steady(orbits)
@@ -96,9 +88,10 @@ def _point_on_balls(driven: Contact, level: float, tolerance: float, bursting: b
     by_amplitude, by_orbit = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
     from_stator = driven.stator_error * by_orbit
     from_contact, answer, trajectory = state.relative_error, state.answer, None
-    sensitivity = by_amplitude if driven.stator_error > 0 else None
+    known = driven.stator_error > 0 or (driven.passing and level > 0.0)
+    sensitivity = by_amplitude if known else None
     point = Point(velocity_m_per_s=state.velocity, regime=state.regime, amplitude_sensitivity=sensitivity)
-    events = steady_events(state)
+    events = steady_events(state) | wave_point(driven, state, level)
     if bursting and driven.scene.burst is not None:
         trajectory, moved = followed_burst(driven, level, state.velocity, goal)
         point |= moved | burst_values(trajectory)
@@ -108,7 +101,9 @@ def _point_on_balls(driven: Contact, level: float, tolerance: float, bursting: b
             from_contact, answer = max(from_contact, trajectory.relative_error), trajectory.answer
     # the contact may exceed its fraction of the tolerance: the sum of both errors decides
     point |= judged(tolerance, from_stator, from_contact, "" if answer.status == Status.OK else answer.why) | events
-    return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact, trajectory=trajectory)
+    return PointAnswer(
+        point=point, from_stator=from_stator, from_contact=from_contact, trajectory=trajectory, motion=state
+    )
 
 
 def _nearby(slider, state, steady):
@@ -117,6 +112,8 @@ def _nearby(slider, state, steady):
     It uses the averaged motion, shifted so that it agrees with the state, because averaging is much faster. Where
     averaging does not converge, it uses ``steady``.
     """
+    if state.loaded is not None:
+        return lambda orbits: steady(orbits, state).velocity
     try:
         shift = state.velocity - contact.mean_motion(slider, state.orbits).velocity
     except contact.ConvergenceError:

@@ -17,7 +17,7 @@ class PointAnswer:
     from_stator: float = 0.0
     from_contact: float = 0.0
     trajectory: Any = field(default=None, repr=False)  # of a burst
-    motion: Any = field(default=None, repr=False)  # contact.PillarMotion of a slider on pillars
+    motion: Any = field(default=None, repr=False)  # contact.SteadyState
     averaged: bool = False  # True where the steady state is an averaged one
     thrust: float | None = None  # blocked thrust of one of the equal parts of a slider, N; of averaged states
     refused: bool = False  # True where the scene was refused

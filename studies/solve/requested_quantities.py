@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +11,12 @@ import contact
 from studies.model.contact import Contact
 from studies.record.point import Point
 from studies.refusal import SceneError
+from studies.solve.bursts import QUASI_STATIC
 from studies.solve.contact_at_level import contact_load
 from studies.solve.electrical import source_power
 from studies.solve.point_answer import PointAnswer
 from studies.solve.ripple import Known, NearbyContact, ripple_point, ripples
+from studies.solve.wave_ripple import wave_ripple_point
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time
 
@@ -30,7 +33,8 @@ ALSO = {
     "step": ("step_m",),
     "efficiency": ("contact_efficiency", "motor_efficiency"),
 }  # fmt: skip
-OF_PILLARS = ("ripple", "thrust", "efficiency")  # keywords of ALSO that apply to a slider on pillars
+# keywords of ALSO that apply to a slider on pillars
+OF_PILLARS = ("ripple", "pressure", "thrust", "start-up", "efficiency")
 FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
 AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
 ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
@@ -67,24 +71,24 @@ def requested_quantities(
     Forces and powers are totals over all contacts. ``averaged``: True computes the start-up by averaging wherever that
     is applicable, whatever its error.
     """
-    if driven.scene.slider.pillars is not None:
-        return _of_pillars(also, driven, answer.point, tolerance)
     point = _ripple(driven, answer, tolerance) if "ripple" in also else Point()
-    slider, orbits = driven.slider, driven.at(driven.level)
-    threshold = contact.threshold_factor(slider, orbits) if {"limits", "pressure"} & set(also) else 0.0
-    if "limits" in also:
+    slider, orbits, known = driven.slider, driven.at(driven.level), answer.point
+    limited = {"limits", "pressure"} & set(also) and not driven.passing
+    threshold = contact.threshold_factor(slider, orbits) if limited else 0.0
+    if "limits" in also and limited:
         point |= Point(threshold_factor=threshold, release_factor=contact.release_factor(slider, orbits))
     if "pressure" in also:
-        point |= contact_load(slider, orbits, threshold)
+        own = Point(contact_pressure_Pa=known.contact_pressure_Pa)
+        point |= contact_load(slider, orbits, threshold) if limited else own
     with suppress(contact.ConvergenceError):
         if "step" in also:
-            point |= Point(step_m=abs(contact.step(slider, orbits, cycles=1).displacement))
+            point |= Point(step_m=abs(contact.step(driven.moving_slider, orbits, cycles=1).displacement))
     if not {"thrust", "efficiency", "start-up"} & set(also):
         return point
     # `driven.slider` is one of `share` equal parts of the slider
     share, thrust = driven.scene.slider.share, answer.thrust
     try:
-        thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0) if thrust is None else thrust
+        thrust = _thrust(slider, orbits, known.velocity_m_per_s) if thrust is None else thrust
     except contact.ConvergenceError:
         return point  # start-up and efficiency need the thrust
     point |= Point(thrust_N=thrust * share)
@@ -92,7 +96,7 @@ def requested_quantities(
     if "start-up" in also:
         with suppress(contact.ConvergenceError):
             final = abs(answer.point.velocity_m_per_s)
-            time = start_up_time(slider, orbits, final, thrust, tolerance, averaged=averaged)
+            time = start_up_time(driven.moving_slider, orbits, final, thrust, tolerance, averaged=averaged)
             point |= Point(start_up_time_s=time)
     if "efficiency" in also:
         with suppress(contact.ConvergenceError):
@@ -101,10 +105,21 @@ def requested_quantities(
     return point
 
 
+def _thrust(slider, orbits, velocity: float) -> float:
+    """Return the blocked thrust in N; 0 where the wave does not move the slider."""
+    passes_in_vain = isinstance(orbits, contact.PassingWave) and velocity == 0.0
+    return 0.0 if passes_in_vain else max(contact.blocked_thrust(slider, orbits)[0], 0.0)
+
+
 def _ripple(driven: Contact, answer: PointAnswer, tolerance: float) -> Point:
     """Return mean and range of the velocity over half a wavelength; along a prescribed wave all places are alike."""
-    if driven.solved is None:
+    if driven.solved is None or (driven.passing and driven.level == 0.0):
         return _alike(answer.point)
+    if driven.passing:
+        with suppress(contact.ConvergenceError):
+            point, size = wave_ripple_point(driven, driven.level, answer.point, tolerance)
+            return point | Point(velocity_ripple=size)
+        return Point()
     nearby, level = NearbyContact.of(driven, tolerance), driven.level
     share = answer.point.relative_error / driven.stator_error if driven.stator_error else 0.0
     found = {} if nearby is None else ripples(nearby, {level: Known(answer.point.velocity_m_per_s, share)})
@@ -135,7 +150,8 @@ def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple
     if not thrust > 0.0:
         return 0.0, 0.0
     state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
-    power_out, power_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
+    wave = orbits if isinstance(orbits, contact.PassingWave) else orbits[0]
+    power_out, power_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * wave.frequency
     return power_out, power_out / power_in if power_in > 0.0 else 0.0
 
 
@@ -144,36 +160,6 @@ def refuse_of_pillars(also: Iterable[str]) -> None:
     for word in also:
         if word not in OF_PILLARS:
             raise SceneError("also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}")
-
-
-def _of_pillars(also: Iterable[str], driven: Contact, answer: Point, tolerance: float) -> Point:
-    """Return ripple, thrust and efficiency of all pillars on the wave that they load."""
-    from studies.solve.pillar_points import PillarContact
-
-    refuse_of_pillars(also)
-    body, point = PillarContact.of(driven), Point()
-    if "ripple" in also:
-        point |= _ripple_of_pillars(body, answer, tolerance)
-    if not {"thrust", "efficiency"} & set(also):
-        return point
-    thrust, power, efficiency = 0.0, 0.0, 0.0  # without motion
-    if answer.velocity_m_per_s != 0.0:
-        line = body.load_line(driven.level, points=3)  # at 0, half of the stall load, stall load
-        thrust, power, efficiency = line.blocked_thrust, float(line.power[1]), float(line.efficiency[1])
-    point |= Point(thrust_N=thrust)
-    return point | (_efficiencies(driven, power, efficiency) if "efficiency" in also else {})
-
-
-def _ripple_of_pillars(body, answer: Point, tolerance: float) -> Point:
-    """Return the columns of ``ALSO`` for the keyword ripple."""
-    from studies.solve.pillar_ripple import pillar_ripple_point
-
-    if body.driven.solved is None or body.driven.level == 0.0:
-        return _alike(answer)
-    with suppress(contact.ConvergenceError):
-        point, size = pillar_ripple_point(body, body.driven.level, answer, tolerance)
-        return point | Point(velocity_ripple=size)
-    return Point()
 
 
 def start_up_time(
@@ -191,13 +177,17 @@ def start_up_time(
     if not (final > 0.0 and force > 0.0):
         return None
     duration = 4.0 * slider.mass * final / force
-    options = {"duration": duration, "after": 0.0, "tolerance": tolerance, "samples": 400}
+    options: dict[str, Any] = {"duration": duration, "after": 0.0, "tolerance": tolerance, "samples": 400}
+    if isinstance(orbits, contact.PassingWave):
+        averaged, options = False, options | {"method": QUASI_STATIC}
+    else:
+        options["method"] = "averaged" if averaged else "auto"
     try:
-        motion = contact.burst(slider, orbits, method="averaged" if averaged else "auto", **options)
+        motion = contact.burst(slider, orbits, **options)
     except contact.ConvergenceError:
         if not averaged:
             raise
-        motion = contact.burst(slider, orbits, method="auto", **options)
+        motion = contact.burst(slider, orbits, **options | {"method": "auto"})
     excess = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
     times = [root for root in excess.roots(extrapolate=False) if root > 0.0]
     return float(times[0]) if times else None

@@ -70,5 +70,5 @@ def contact_of_run(record: Record) -> Contact:
     if record.scene.wave is not None:
         return Contact.prescribed(record.scene, record)
     motion = record.surface_motion
-    driven = Contact.of_stator(record.scene, SolvedStator.of(motion, record.scene.positions), motion)
+    driven = Contact.of_stator(record.scene, SolvedStator.of(motion, record.scene.positions), lambda: motion)
     return replace(driven, stator_error=float(record.wave.relative_error), record=record)

@@ -86,7 +86,7 @@ class Stators:
             if shared == own:
                 raise
             solved = self._solution(stator, own, goal)
-        return Contact.of_stator(scene, solved, self.motion(stator, own, goal) if scene.on_pillars else None)
+        return Contact.of_stator(scene, solved, lambda: self.motion(stator, own, goal))
 
     def motion(self, stator: Scene, positions: Any, goal: float | None = None, missed: bool = True) -> SurfaceMotion:
         """Return the surface motion of a stator at positions (x, y) in m; only the latest is stored.

@@ -36,8 +36,10 @@ def steady_answers(states: list[tuple[Contact, float]], tolerance: float) -> lis
 def averaged_answers(states: list[tuple[Contact, float]], tolerance: float) -> list[PointAnswer | None]:
     """Return the averaged steady state of each contact as in `steady_answers`, or None if its error is too large."""
     answers: list[PointAnswer | None] = [None] * len(states)
-    sliders = [driven.scene.slider for driven, _ in states]
-    allowed = [k for k, each in enumerate(sliders) if each.method in AVERAGED_METHODS and each.pillars is None]
+    allowed = [
+        k for k, (driven, _) in enumerate(states)
+        if driven.scene.slider.method in AVERAGED_METHODS and not driven.passing
+    ]  # fmt: skip
     some = (states[k] for k in allowed)
     contacts = [(driven.slider, driven.orbits, driven.stator_error, level) for driven, level in some]
     for k, state in zip(allowed, averaged_states(contacts), strict=True):

@@ -10,10 +10,13 @@ slider may stick on one side and slip on the other.
 import cmath
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import contact
 from studies.record.point import Point
 from studies.record.status import Status
+
+WAVE_STEP = 1e-3  # relative change of a passing wave
 
 
 def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "") -> Point:
@@ -29,7 +32,7 @@ def judged(tolerance: float, of_stator: float, of_contact: float, why: str = "")
 
 
 def velocity_sensitivities(
-    velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
+    velocity: float, orbits: tuple | Any, relative_error: float, solve: Callable[[Any], float]
 ) -> tuple[float, float]:
     """Return two changes of the velocity, over the reference speed, for a relative change of 1 of the orbits.
 
@@ -40,13 +43,18 @@ def velocity_sensitivities(
     ----------
     velocity : float
         Steady velocity in m/s with these orbits.
-    orbits : tuple of contact.Orbit
+    orbits : tuple of contact.Orbit or contact.PassingWave
+        Of a passing wave, the amplitude alone is changed, by WAVE_STEP.
     relative_error : float
         Of the orbits; the changes that are tried have this size.
     solve : callable
         Returns the steady velocity of other orbits, m/s.
     """
     speed = contact.reference_speed(velocity, orbits)
+    if isinstance(orbits, contact.PassingWave):
+        change = abs(solve(orbits.scaled(1.0 + WAVE_STEP)) - velocity) if velocity != 0.0 else 0.0
+        by_amplitude = change / (WAVE_STEP * speed) if speed else 0.0
+        return by_amplitude, by_amplitude
     if relative_error == 0 or speed == 0:
         return 0.0, 0.0
     step = max(relative_error, contact.MIN_WAVE_STEP)

@@ -13,19 +13,19 @@ about 2. Sources:
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
 import contact
 import fem
 from studies.model import pillars
+from studies.model.contact import Contact
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance
 from studies.remarks.ball_surface import ADHESION
 from studies.remarks.stator_effects import AMPLITUDE, Effects
-from studies.solve.pillar_points import PillarContact, bounce_ratio
+from studies.solve.loaded_wave import wave_state
 from studies.solve.solved_stator import contact_of_run
 
 # Ratio of the compliance of silicon on 128YX lithium niobate under a pressure that travels with the wave to the static
@@ -43,23 +43,29 @@ MARGIN = "the margin to bulk waves (it leaks from 100 % on)"
 
 def effects_at_points(record: Record) -> list[list[tuple]]:
     """Return the neglected effects at each point of a run with pillars, each as fields of an `Effect`."""
-    body, motion = PillarContact.of(contact_of_run(record)), None
+    body, motion = contact_of_run(record), None
     effects: list[list[tuple]] = [[] for _ in record.points]
     for own, point in zip(effects, record.points, strict=True):
         with suppress(contact.ConvergenceError):
             if level := point.level:
-                motion = body.motion(level, near=motion)
+                motion = wave_state(body, level, near=motion)
                 own += _at_level(record, body, motion, point)
     return effects
 
 
-def _at_level(record: Record, body: PillarContact, motion, point: Point) -> Effects:
-    wave, slider, level = motion.wave, record.scene.slider, point.level
+def _at_level(record: Record, body: Contact, state, point: Point) -> Effects:
+    motion, slider, level = state.loaded, record.scene.slider, point.level
+    wave = motion.wave
     if body.misfit > 0.0:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", AMPLITUDE, body.misfit, how
     how = "square of the contact resonance over the wave's frequency"
-    yield "the slider's own vibration", "velocity", bounce_ratio(slider, wave.frequency) ** 2, how
+    yield (
+        "the slider's own vibration",
+        "velocity",
+        (body.moving_slider.normal_resonance(body.contacts) / wave.frequency) ** 2,
+        how,
+    )
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")
@@ -67,26 +73,26 @@ def _at_level(record: Record, body: PillarContact, motion, point: Point) -> Effe
             how = '|U_2/U_1| at the exit, first order; slider.loading = "harmonics" computes them'
             yield OVERTONES, "velocity", point.overtone_ratio, how
         yield from _scattering(motion)
-    yield from _compliance(body, motion, slider, level)
+    yield from _compliance(body, motion, slider)
     yield from leak(record, motion)
     if slider.pillars.height_scatter > 0.0:
         how = f"{SAMPLE:g} over the square root of the number of pillars, rms"
-        yield "another seed of the heights", "velocity", SAMPLE / math.sqrt(motion.pillars.number), how
-    yield from _neighbours(body, motion, slider, level)
+        yield "another seed of the heights", "velocity", SAMPLE / math.sqrt(motion.slider.number), how
+    yield from _neighbours(body, state, slider, level)
     mean_radius = float(pillars.layout(slider).diameter.mean()) / 2
-    pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.pillars.number
+    pull_off = math.sqrt(8 * math.pi * mean_radius**3 * slider.effective_modulus * ADHESION) * motion.slider.number
     how = f"pull-off of flat punches, {ADHESION:g} J/m^2; a roughness of some nm removes it"
     yield "adhesion of perfectly flat pillars", "the preload", pull_off / slider.preload_force, how
 
 
-def _compliance(body, motion, slider, level) -> Effects:
+def _compliance(body, motion, slider) -> Effects:
     """Yield the effect of the elastic deformation of stator and slider on the scale of the wavelength."""
     layout, wave = pillars.layout(slider), motion.wave
-    prescribed = body.driven.scene.wave
+    prescribed = body.scene.wave
     if wave.amplitude == 0.0 or layout.x.size < 2 or (prescribed is not None and prescribed.wavelength is None):
         return
     area = (float(np.ptp(layout.x)) + layout.pitch) * pillars.strip_width(slider)
-    pressure = float(np.abs(motion.first_normal).sum()) / area
+    pressure = float(np.abs(motion.forces.first_normal).sum()) / area
     dent = TRAVELLING * 2 / slider.effective_modulus * pressure / wave.wavenumber / wave.amplitude
     half_stall = slider.friction_coefficient * slider.preload_force / 2
     over_half_stall = min(1.0, abs(motion.load) / half_stall) if motion.load else 0.0
@@ -97,7 +103,7 @@ def _compliance(body, motion, slider, level) -> Effects:
 
 def _scattering(motion) -> Effects:
     """Yield the effect of the power scattered by unequal pillar forces, taken as independent point sources."""
-    wave, forces = motion.wave, np.abs(motion.first_normal)
+    wave, forces = motion.wave, np.abs(motion.forces.first_normal)
     shear, speed = SHEAR_TIMES_COMPLIANCE / wave.compliance, wave.frequency * wave.wavelength / RAYLEIGH_OVER_SHEAR
     power = 0.5 * point_admittance(wave.omega, shear, speed) * float(np.sum((forces - forces.mean()) ** 2))
     if motion.wave_power_in > 0.0:
@@ -125,7 +131,7 @@ def leak(record: Record, motion) -> Effects:
     yield "speed-up of the wave by its load", MARGIN, advance / margin, how
     if stator.layers:
         return
-    wave, body = motion.wave, motion.pillars
+    wave, body = motion.wave, motion.slider
     stiffness_ratio = float(np.mean(body.tangential_stiffness / body.normal_stiffness))
     # springs per area whose first-order shift of the wavenumber, Gamma (K_n + |orbit|^2 K_t), is the pillars' advance
     normal_stiffness = advance * wave.wavenumber / (wave.compliance * (1 + abs(wave.orbit) ** 2 * stiffness_ratio))
@@ -137,24 +143,24 @@ def leak(record: Record, motion) -> Effects:
         yield "first order in the load on the wave", "the phase's advance", -exact / advance - 1, how
 
 
-def _neighbours(body, motion, slider, level) -> Effects:
+def _neighbours(body, state, slider, level) -> Effects:
     """Yield the effect of the elastic interaction of neighbouring pillars, by solving the motion again with it."""
     layout = pillars.layout(slider)
     computable = 4 <= layout.x.size <= MAX_COMPARED and float(layout.diameter.mean()) / 2 / layout.pitch <= 0.4
-    if slider.pillars.interaction or not computable or motion.velocity == 0.0:
+    if slider.pillars.interaction or not computable or state.velocity == 0.0:
         return
     try:
-        other = replace(body, pillars=pillars.pillars_of(slider, interaction=True)).motion(level, near=motion)
+        other = wave_state(body, level, near=state, slider=pillars.slider_of(slider, interaction=True))
     except contact.ConvergenceError:
         return
     how = "computed with slider.pillars.interaction = true"
-    yield "stiffening of pillars by their neighbours", "velocity", other.velocity / motion.velocity - 1, how
+    yield "stiffening of pillars by their neighbours", "velocity", other.velocity / state.velocity - 1, how
 
 
-def pillar_warnings(record: Record) -> Iterator[str]:
-    """Yield the warnings that apply only to sliders on pillars.
+def wave_warnings(record: Record) -> Iterator[str]:
+    """Yield the warnings about neglected effects of a loaded wave that do not change the velocity.
 
-    `studies.remarks.run_warnings` covers effects that change the velocity; this function covers the other effects.
+    `studies.remarks.run_warnings` covers those that do.
     """
     for each in record.model_error:
         quantity, size, source = each.quantity, each.size, each.source
@@ -163,7 +169,13 @@ def pillar_warnings(record: Record) -> Iterator[str]:
             yield f"the loaded wave leaks into bulk waves, which is neglected ({source}): {remedy}"
         if quantity == "the preload" and size >= 0.1:
             yield f"model error: {each.effect} would add {100 * size:.3g} % of the preload ({source})"
-    slider, block = record.scene.slider, record.scene.slider.pillars
+
+
+def height_warnings(slider) -> Iterator[str]:
+    """Yield the warnings about the heights of pillars, and about dampers that do not act on them."""
+    block = slider.pillars
+    if slider.pillars is None:
+        return
     if block.height_scatter > 0.0 and block.seed == pillars.SEED:
         yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"
     if block.seed is not None and not block.height_scatter:

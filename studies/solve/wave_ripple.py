@@ -1,4 +1,4 @@
-"""Velocity of a slider on pillars over half a wavelength about its position, as `ripple` has it for balls.
+"""Velocity of a slider on a passing wave over half a wavelength about its position, as `ripple` has it on orbits.
 
 The waves in both directions under the slider are plane ones (`slider_wave`). A displacement d of the slider changes
 their phases by k d and -k d, so that the velocity has the period of half a wavelength exactly. It is computed at evenly
@@ -18,7 +18,7 @@ import contact
 from studies.model.contact import Contact
 from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
-from studies.solve.pillar_points import PillarContact
+from studies.solve.loaded_wave import wave_state
 from studies.solve.point_answer import SliderAnswer
 from studies.solve.ripple import Ripple
 
@@ -33,7 +33,7 @@ DRAWN = 256  # places of the Fourier series at which its extremes are looked for
 BOUND = 4.0
 
 
-def pillar_ripple(body: PillarContact, level: float, velocity: float, tolerance: float) -> tuple[Ripple, float]:
+def wave_ripple(driven: Contact, level: float, velocity: float, tolerance: float) -> tuple[Ripple, float]:
     """Return the ripple at a level, and the reference speed in m/s of its error.
 
     ``velocity``: at the slider's position, m/s.  Raises contact.ConvergenceError without an answer at a place.
@@ -43,10 +43,12 @@ def pillar_ripple(body: PillarContact, level: float, velocity: float, tolerance:
         for turn in np.arange(count) / count:  # of half a wavelength
             if turn not in speeds:
                 phase = np.exp(-1j * np.pi * turn)
-                wave = replace(body.wave, forward=body.wave.forward * phase, backward=body.wave.backward / phase)
-                near = replace(body, wave=wave).motion(level, near=near)
+                wave = driven.orbits
+                wave = replace(wave, forward=wave.forward * phase, backward=wave.backward / phase)
+                near = wave_state(driven, level, near=near, orbits=wave)
                 speeds[turn] = near.velocity
-                scale, error = near.speed_scale, max(error, near.relative_error)
+                scale = contact.reference_speed(near.velocity, near.orbits)
+                error = max(error, near.relative_error)
         values = np.array([speeds[turn] for turn in sorted(speeds)])
         harmonics = np.fft.rfft(values) / count
         left_out = _left_out(abs(harmonics[: (count + 1) // 2]))
@@ -71,11 +73,11 @@ def _left_out(sizes: np.ndarray) -> float:
     return 2.0 * last * ratio / (1.0 - ratio)
 
 
-def pillar_ripple_point(body: PillarContact, level: float, point: Point, tolerance: float) -> tuple[Point, float]:
+def wave_ripple_point(driven: Contact, level: float, point: Point, tolerance: float) -> tuple[Point, float]:
     """Return the ripple as values of a point with an answer, and its range over the reference speed."""
-    ripple, reference = pillar_ripple(body, level, point.velocity_m_per_s, tolerance)
+    ripple, reference = wave_ripple(driven, level, point.velocity_m_per_s, tolerance)
     sensitivity = 1.0 if point.amplitude_sensitivity is None else point.amplitude_sensitivity
-    from_wave = (body.driven.stator_error + body.misfit) * sensitivity
+    from_wave = (driven.stator_error + driven.misfit) * sensitivity
     return ripple.point(reference, from_wave), ripple.range / reference
 
 
@@ -84,30 +86,30 @@ def mean_velocity(driven: Contact, level: float, velocity: float, tolerance: flo
     if level == 0.0 or not math.isfinite(velocity):
         return velocity
     try:
-        return pillar_ripple(PillarContact.of(driven), level, velocity, tolerance)[0].mean
+        return wave_ripple(driven, level, velocity, tolerance)[0].mean
     except contact.ConvergenceError:
         return math.nan
 
 
-def with_pillar_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
-    """Return the answer of a slider on pillars with mean and range of its points, and the ripple in its summary.
+def with_wave_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
+    """Return the answer of a slider on a passing wave with mean and range of its points, and the ripple in its summary.
 
     The columns are added if the range exceeds the tolerance at one point or more.
     """
-    body = PillarContact.of(driven)
-    sizes = sorted((abs(body.wave.forward), abs(body.wave.backward)))
+    wave = driven.orbits
+    sizes = sorted((abs(wave.forward), abs(wave.backward)))
     bound = BOUND * sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
     answers, found = list(answer.answers), []
     for k, each in enumerate(answer.answers):
         if each.point.answered and each.point.level > 0.0 and bound > tolerance:
             with suppress(contact.ConvergenceError):  # a point without an answer at a place has no ripple
-                point, size = pillar_ripple_point(body, each.point.level, each.point, tolerance)
+                point, size = wave_ripple_point(driven, each.point.level, each.point, tolerance)
                 answers[k] = replace(each, point=each.point | point)
                 found.append(size)
     if not found and bound > tolerance:
         return answer
     size = max(found, default=bound)
-    quarter, center = 0.25 * body.wave.wavelength, driven.scene.slider.center[0]
+    quarter, center = 0.25 * wave.wavelength, driven.scene.slider.center[0]
     summary = answer.summary | SummaryBlock(
         velocity_ripple=size, ripple_from_m=center - quarter, ripple_to_m=center + quarter
     )
