@@ -40,8 +40,10 @@ def damper_pull(slider: Slider, orbits: Surface) -> tuple[float, float]:
     >>> f"{1e3 * force:.2f} mN, {100 * share:.0f} % of the cycle"
     '-1.84 mN, 20 % of the cycle'
     """
-    slider, listed = prescribed(slider, orbits)
     chi = slider.contact_damping
+    if chi == 0.0:
+        return 0.0, 0.0
+    slider, listed = prescribed(slider, orbits)
     fastest = max(orbit.omega * abs(orbit.normal) for orbit in listed)
     if chi * fastest <= 1.0 or slider.preload == 0.0:
         return 0.0, 0.0

@@ -172,13 +172,13 @@ def slider_of(slider: Slider, interaction: bool | None = None):
     Its mass is infinite: it is too heavy to follow the wave within a cycle, and does not bounce.
     """
     geometry, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
-    for name, value in (("friction_coefficient", slider.friction_coefficient), ("preload", slider.preload_force)):
+    for name, value in (("friction_coefficient", slider.static_coefficient), ("preload", slider.preload_force)):
         if not value > 0.0:
             raise SceneError(f"slider.{name}", "must be positive with [slider.pillars]")
     with slider_keys():
         return contact.Slider(
             x=geometry.x, y=geometry.y, heights=geometry.heights, normal_stiffness=k_n, tangential_stiffness=k_t,
-            radius=geometry.diameter / 2, friction_coefficient=slider.friction_coefficient, mass=math.inf,
+            radius=geometry.diameter / 2, friction_coefficient=slider.static_coefficient, mass=math.inf,
             preload=slider.preload_force, load=slider.load, law="elastic", reciprocal=False, stick_band=0.0,
             contact_damping=0.0, normal_damping=0.0, tangential_damping=slider.damping.tangential, shape="punch",
             tilt=slider.tilt, preload_at=slider.preload_at, load_height=slider.load_height, backing=slider.backing,

@@ -60,12 +60,8 @@ def _at_level(record: Record, body: Contact, state, point: Point) -> Effects:
         how = "rms misfit of two plane waves to the surface mode under the slider"
         yield "beating and spreading of the wave under the slider", AMPLITUDE, body.misfit, how
     how = "square of the contact resonance over the wave's frequency"
-    yield (
-        "the slider's own vibration",
-        "velocity",
-        (body.moving_slider.normal_resonance(body.contacts) / wave.frequency) ** 2,
-        how,
-    )
+    resonance = math.sqrt(float(np.sum(body.slider.normal_stiffness)) / body.moving_slider.mass) / (2 * math.pi)
+    yield "the slider's own vibration", "velocity", (resonance / wave.frequency) ** 2, how
     if wave.compliance > 0.0:
         if not motion.loading and motion.loading_number > 0.0:
             yield (LOAD, "velocity", motion.loading_number, "loading number 2 Gamma F/(w A), about the phase in rad")

@@ -1,8 +1,7 @@
 """The effects that the model of one run neglects, each with a closed-form estimate of its size, and their sum.
 
-The numerical error does not contain them. The estimates hold to a factor of about 2. Those of the stator, of balls and
-of pillars are made by `stator_effects`, `ball_effects` and `pillar_effects`; they yield nothing if an effect does not
-arise or if the model includes it.
+The numerical error does not contain them. The estimates hold to a factor of about 2. They are made by `stator_effects`,
+`ball_effects` and `loaded_wave_effects`; these yield nothing if an effect does not arise or if the model includes it.
 """
 
 import math

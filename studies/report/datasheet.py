@@ -233,10 +233,8 @@ def _steps(bursts: Steps, rated: float) -> tuple[tuple, tuple[str, ...]]:
 def _rows_on_passing_wave(driven: Contact, line, start_stop) -> dict:
     """Return the rows of a slider on a passing wave on forces, start and stop, and power."""
     slider = driven.moving_slider
-    holding_force, relative_error = (
-        slider.static_friction(driven.contacts),
-        2.0 * driven.stator_error + CONTACT_TOLERANCE,
-    )
+    holding_force = slider.static_friction(driven.contacts)
+    relative_error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
     stall, held = (line.blocked_thrust, relative_error), (line.held_up_to, relative_error)
     rows = (*_force_rows(stall, held, holding_force, slider.mass), *_start_and_stop_rows(start_stop, ""))
     power = line.states[0].loaded.friction_power
@@ -472,7 +470,7 @@ def _heat_limits(block: HeatBlock) -> Iterator[Row]:
 
 def _resonances(record: Record, driven: Contact) -> Iterator[Row]:
     """Yield the rows on the drive's frequency and the resonances of the slider on its contacts."""
-    scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
+    scene, contacts, slider = record.scene, driven.contacts, driven.moving_slider
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
         LOGGER.info("stator: search for the strongest wave")

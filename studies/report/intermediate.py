@@ -138,22 +138,27 @@ def _free(record: Record):
 
 def _contact(record: Record):
     block, slider = record.scene.slider, contact_slider(record.scene.slider)
-    contacts = block.computed_contacts
-    depth, normal_force = max(slider.rest_approaches(contacts)), slider.preload / contacts
-    average_note, highest_note = (" on average", ", of the highest contact") if block.heights else ("", "")
+    slider = replace(slider, mass=block.mass / block.share)
+    contacts = max(block.computed_contacts, slider.count)
+    depths, normal_force = slider.rest_approaches(contacts), slider.preload / contacts
+    depth = float(max(depths))
+    average_note, highest_note = ("", "") if slider.level else (" on average", ", of the highest contact")
     resonance_functions = (slider.normal_resonance, slider.tangential_resonance) if normal_force > 0 else ()
     resonances = [si(each(contacts), "Hz") for each in resonance_functions] or ["0 Hz", "0 Hz"]
     # `sawmotor check` prints the moduli of the two surfaces alone
     compliant = block.pillars is not None and block.pillars.height is not None
     bodies = " with the compliance of a pillar's height" if compliant else ""
-    yield f"modulus E*{bodies}", si(slider.effective_modulus, "Pa"), SPECIFIED
-    yield f"modulus G*{bodies}", si(slider.tangential_modulus, "Pa"), SPECIFIED
+    moduli, radius = (slider.effective_modulus, slider.tangential_modulus), np.mean(slider.radius)
+    if moduli[0] is None:  # those of a contact of the mean stiffnesses and radius
+        moduli = np.mean(slider.normal_stiffness) / (2 * radius), np.mean(slider.tangential_stiffness) / (8 * radius)
+    yield f"modulus E*{bodies}", si(moduli[0], "Pa"), SPECIFIED
+    yield f"modulus G*{bodies}", si(moduli[1], "Pa"), SPECIFIED
     yield f"normal force on a contact at rest{average_note}", si(normal_force, "N"), CLOSED
     yield f"approach at rest{highest_note}", si(depth, "m"), CLOSED
-    yield "radius of the contact at rest", si(slider.contact_radius(depth), "m"), CLOSED
+    yield "radius of the contact at rest", si(float(np.max(slider.contact_radius(depths))), "m"), CLOSED
     largest = "mean" if slider.shape == "punch" else "largest"
-    yield f"{largest} pressure at rest", si(slider.pressure(depth), "Pa"), CLOSED
-    yield "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED
+    yield f"{largest} pressure at rest", si(float(np.max(slider.pressure(depths))), "Pa"), CLOSED
+    yield "slip limit of the deformation at rest", si(float(np.max(slider.limit_slope * depths)), "m"), CLOSED
     yield "bounce and ring at rest", ", ".join(resonances), CLOSED
     stator = record.wave.relative_error or 0.0
     limits = record.summary

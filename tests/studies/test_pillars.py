@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -320,12 +319,13 @@ def test_pillars_beside_the_middle_line_of_a_beam_have_its_amplitude(small):
 
 def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
     # i omega F u/V, with the forces of the pillars and the stator's own motion below each of them
-    from studies.solve.pillar_points import PillarContact, at_the_transducers
+    from studies.solve.loaded_wave import wave_point, wave_state
 
-    body = PillarContact.of(contact_of_run(driven))
-    motion = body.motion(150.0)
-    u_x, u_z = driven.surface_wave.rayleigh_motion(18e-3 + motion.pillars.x)[:2]
-    forces = np.sum(motion.first_normal * u_z + motion.first_tangential * u_x)
+    body = contact_of_run(driven)
+    state = wave_state(body, 150.0)
+    motion = state.loaded
+    u_x, u_z = driven.surface_wave.rayleigh_motion(18e-3 + motion.slider.x)[:2]
+    forces = np.sum(motion.forces.first_normal * u_z + motion.forces.first_tangential * u_x)
     expected = -1j * motion.wave.omega * forces / 150.0
     change = driven.points[0]["admittance_change_S"]
     assert change == pytest.approx(expected, rel=0.05)
@@ -333,8 +333,8 @@ def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
     assert 1e-4 < abs(change) / abs(driven.electrical["admittance_S"]) < 0.1
     assert "received_over_free" not in driven.points[0]  # nothing stands behind the slider
     receiver = replace(driven.scene.transducer[0], name="right", center=25e-3)
-    other = replace(body.driven, scene=driven.scene.replace(transducer=[driven.scene.transducer[0], receiver]))
-    seen = at_the_transducers(replace(body, driven=other), motion, 150.0)
+    other = replace(body, scene=driven.scene.replace(transducer=[driven.scene.transducer[0], receiver]))
+    seen = wave_point(other, state, 150.0)
     assert seen["received_over_free"] == motion.exit_over_entry
 
 
@@ -350,15 +350,12 @@ def test_what_is_recovered_behind_a_slider_is_what_it_leaves():
 
 
 def test_the_size_of_first_order_in_the_load_is_that_of_the_exact_root(driven):
-    from studies.remarks.pillar_effects import leak
-    from studies.solve.pillar_points import PillarContact
+    from studies.remarks.loaded_wave_effects import leak
+    from studies.solve.loaded_wave import wave_state
 
-    motion = PillarContact.of(contact_of_run(driven)).motion(150.0)
+    motion = wave_state(contact_of_run(driven), 150.0).loaded
     length = float(np.ptp(motion.row_x))
-    light = SimpleNamespace(
-        row_x=motion.row_x, loading=True, wave=motion.wave, pillars=motion.pillars,
-        loading_number=1e-3 * motion.wave.wavenumber * length,
-    )  # fmt: skip
+    light = replace(motion, loading_number=1e-3 * motion.wave.wavenumber * length)
     (_, _, leak, _), (_, _, size, _) = leak(driven, light)
     assert leak == pytest.approx(1e-3 / 0.01252, rel=1e-3)  # 128YX, open
     # -0.5 % at 2.7e-3, by the published roots, and in proportion
@@ -512,7 +509,7 @@ def test_thrust_and_efficiency_of_a_sweep_are_those_of_the_load_line():
 
 def test_what_is_not_known_of_pillars_is_refused_before_anything_is_computed():
     with pytest.raises(
-        SceneError, match="also must be of ripple, thrust, efficiency for a slider on pillars, got 'limits'"
+        SceneError, match="also must be of ripple, pressure, thrust, start-up, efficiency for a slider on pillars, got 'limits'"
     ):
         sweep(scene(), {}, also=("limits",))
     with pytest.raises(SceneError, match="outcomes must be of velocity, thrust, efficiency for this slider"):
@@ -550,17 +547,16 @@ def test_a_sweep_or_fit_refuses_pillars_in_the_words_of_a_run(key, value, rule):
 
 def test_a_burst_and_its_stop_are_mirrored_with_the_wave_and_the_load():
     """A wave to -x drives to +x; one to +x under the mirrored pillars drives the other way, load and stop too."""
-    from studies.solve.pillar_points import PillarContact, burst
-
     record = run(scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9, "seed": 3}, load=2e-3))
-    here = PillarContact.of(contact_of_run(record))
-    wave = replace(here.wave, forward=here.wave.backward, backward=here.wave.forward)
-    there = replace(here, wave=wave, pillars=replace(here.pillars, x=-here.pillars.x))
+    driven = contact_of_run(record)
+    slider, wave = driven.moving_slider, driven.at(20e-9)
+    back = replace(wave, forward=wave.backward, backward=wave.forward)
     moved = []
-    for body in (here, there):
-        steady = body.motion(20e-9)
-        moved.append((steady.velocity, burst(body, 20e-9, steady, 2e-4)))
-        line = body.load_line(20e-9, 4)
+    for body, passing in ((slider, wave), (replace(slider, x=-slider.x), back)):
+        steady = contact.steady(replace(body, mass=math.inf), passing, tolerance=1e-3)
+        times = {"duration": 2e-4, "after": 1e-4, "samples": 300}
+        moved.append((steady.velocity, contact.burst(body, passing, **times, tolerance=1e-3, method="quasi-static")))
+        line = contact.load_line(replace(body, mass=math.inf), passing, points=4, tolerance=1e-3)
         assert np.all(np.diff(np.abs(line.velocity)) < 0.0)
         assert np.all(line.power[1:-1] > 0.0)
     (one, first), (other, second) = moved

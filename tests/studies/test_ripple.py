@@ -22,12 +22,12 @@ from studies.record.point import Point
 from studies.record.run_pictures import velocity as draw_velocity
 from studies.remarks.run_warnings import warnings_of
 from studies.solve import chebyshev
+from studies.solve.loaded_wave import wave_velocity
 from studies.solve.measured_run import measured_block
 from studies.solve.nearby_motion import nearby_motions
-from studies.solve.pillar_points import PillarContact
-from studies.solve.pillar_ripple import pillar_ripple_point
 from studies.solve.ripple import Known, NearbyContact, ripples
 from studies.solve.solved_stator import SolvedStator, contact_of_run
+from studies.solve.wave_ripple import wave_ripple_point
 
 TOLERANCE = 1e-2
 COLUMNS = ("mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s")
@@ -275,15 +275,15 @@ def test_the_picture_shows_range_and_mean(rippled):
 def test_pillars_on_waves_from_both_sides_have_the_range_of_displaced_pillars():
     """Oracle: the same pillars at other coordinates, on the same waves, 48 places and the trapezoidal rule."""
     scene = Scene.load(Path(__file__).parent / "scenes" / "pillars.toml")
-    body = PillarContact.of(Contact.prescribed(resolved(scene)))
-    body = replace(body, wave=replace(body.wave, forward=0.2 * body.wave.backward))  # it runs to -x
+    body = Contact.prescribed(resolved(scene))
+    body = replace(body, orbits=replace(body.orbits, forward=0.2 * body.orbits.backward))  # it runs to -x
     level = 20e-9
-    point = Point(velocity_m_per_s=body.motion(level).velocity)
-    columns, size = pillar_ripple_point(body, level, point, 1e-3)
+    point = Point(velocity_m_per_s=wave_velocity(body, level))
+    columns, size = wave_ripple_point(body, level, point, 1e-3)
     velocities = []
-    for shift in body.wave.wavelength / 2 * np.arange(48) / 48:
-        moved = replace(body.pillars, x=np.array(body.pillars.x) + shift)
-        velocities.append(contact.pillar_motion(moved, body.at(level), load=0.0, loading=scene.slider.loading).velocity)
+    for shift in body.orbits.wavelength / 2 * np.arange(48) / 48:
+        moved = replace(body.slider, x=np.array(body.slider.x) + shift)
+        velocities.append(contact.steady(moved, body.at(level), tolerance=1e-3).velocity)
     expected = np.mean(velocities), min(velocities), max(velocities)
     error = 2 * columns["mean_velocity_relative_error"] * abs(columns["mean_velocity_m_per_s"])
     assert [columns[name] for name in COLUMNS] == pytest.approx(expected, abs=error + 1e-3 * np.ptp(velocities))
