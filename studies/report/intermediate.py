@@ -1,7 +1,10 @@
 """The intermediate numbers of a run, from drive to contact, each with its error or its origin."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
+
+import numpy as np
 
 from studies.model.contact import contact_slider
 from studies.record import Record
