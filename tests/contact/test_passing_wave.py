@@ -21,6 +21,7 @@ from contact import (
     stall,
     steady,
     step,
+    threshold,
     velocity_derivative,
 )
 from tests.contact.motors import orbit, slider
@@ -60,6 +61,15 @@ def test_the_derivative_of_the_velocity_is_that_of_its_differences():
 
     high, low = (steady(*family(s), tolerance=TOLERANCE).velocity for s in (1e-4, -1e-4))
     assert velocity_derivative(family) == pytest.approx((high - low) / 2e-4, rel=1e-5)
+
+
+def test_the_threshold_lies_between_a_held_and_a_moving_slider():
+    factor = threshold(BODY, LOADED)
+    below, above = (
+        steady(BODY, LOADED.scaled(factor.value * size), tolerance=TOLERANCE).velocity for size in (0.9999, 1.0001)
+    )
+    assert (below, above != 0.0) == (0.0, True)
+    assert 1e-6 < factor.error / factor.value < 1e-4
 
 
 @pytest.mark.parametrize("load", [0.0, 5e-3])
