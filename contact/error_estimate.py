@@ -8,9 +8,9 @@ max(|v|, omega |u_x|/10). The true error is at most twice the stated one in 98 o
 Some errors are completed elsewhere: the effect of an undamped bounce, of a motion that is not reached from rest and of
 a slider that is just held is added in `answers.steady` and `averaged.sweep_kernel`, that of an irregular long run in
 `periodic.settling`, that of a burst compared with its exact solution in `answers.burst_methods`, the search of a load
-line in `answers.load_line`. The parts of an averaged burst are added up in `averaged.burst`; the error of pillars is
-the residual of their equations (`averaged.pillar_slider`) and `richardson` of the number of harmonics
-(`averaged.pillar_motion`).
+line in `answers.load_line`. The parts of an averaged burst are added up in `averaged.burst`; that of a
+slider which tilts or loads the wave is the residual of its equations and `richardson` of the number of harmonics
+(`averaged.coupled_motion`).
 
 The functions stand in the order burst, step, steady state (shooting, long run, averaged), threshold and release, stall,
 errors of the wave. `ratio` is f_n/f, the contact resonance over the frequency of the wave.

@@ -16,13 +16,13 @@ function `left(problem, means, v)`, the mean force that is left to accelerate th
     `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
     `event_equilibrium.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
     `bounce.Heights`           several heights of a bounce
-    `pillar_slider.PillarSlider`  many contacts with their own positions, stiffnesses and weights, on a wave that they
-                               load; only where Newton's method of `pillar_equilibrium`, which searches all unknowns
+    `coupled_motion.CoupledSearch`  a slider that tilts, has a soft backing or loads the wave; only where
+                               Newton's method of `coupled_equilibrium`, which searches all unknowns
                                at once and comes first, returns no moving slider
 
-For balls on a prescribed wave this search is compiled as a whole. `pillar_equilibrium` gives the same velocity of first
-order (4e-13 apart for 1 to 8 balls), but takes 9 to 4 times the CPU time for one state of 1 to 8 balls and 45 to 10
-times that of a state in a sweep.
+For a body that is held on a prescribed wave this search is compiled as a whole. `coupled_equilibrium` gives the same
+velocity of first order (4e-13 apart for 1 to 8 balls), but takes 9 to 4 times the CPU time for one state of 1 to 8
+balls and 45 to 10 times that of a state in a sweep.
 
 All this is first-order averaging, error O((f_n/f)^2). The correction of second order feeds the fast part of the
 slider's own motion, the answer to the harmonics of the forces, back into the cycle (`cycle_mean.respond`); at a steady
