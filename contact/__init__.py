@@ -34,6 +34,7 @@ _PUBLIC = {
     "law.rough": "Asperities johnson_number MeanField Roughness",
     "law.user": "UserLaw",
     "orbit": "Orbit",
+    "rules": "FrictionRules SliderRules",
     "slider": "Slider",
     "track": "Track",
     "wave": "PassingWave",

@@ -6,7 +6,6 @@ Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = s
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import SimpleNamespace
@@ -23,6 +22,7 @@ from contact.law.falling import FallingFriction
 from contact.law.protocol import Law, slip_limit
 from contact.law.user import Contact, UserLaw, tried, user_law
 from contact.roots import bracketed
+from contact.rules import SliderRules
 
 LAWS = ("elastic", "hysteretic")
 TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
@@ -60,7 +60,7 @@ class Contacts(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Slider(parameter_check.Checks):
+class Slider(SliderRules):
     """A slider and its contacts.
 
     Attributes
@@ -194,30 +194,6 @@ class Slider(parameter_check.Checks):
     def special_friction(self) -> str:
         """What the friction depends on beside the normal force, in words; empty for Coulomb's law."""
         return "" if self.friction is None else "a friction that depends on more than the normal force"
-
-    def check_law(self) -> Iterator[tuple[str, str]]:
-        """Require a law, a stick band and a friction that go together."""
-        if self.law == "hysteretic" and self.shape == "punch":
-            yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
-        if self.law == "hysteretic" and self.stick_band > 0:
-            yield "stick_band", f"must be 0 with the hysteretic law, got {self.stick_band:g} m/s"
-        special = f"with {self.special_friction}"
-        if not self.special_friction:
-            return
-        if self.law == "hysteretic":
-            yield "law", f'must be "elastic" {special}'
-        elif self.reciprocal:
-            yield "reciprocal", f"must be false {special}"
-        elif self.stick_band > 0:
-            yield "stick_band", f"must be 0 {special}"
-
-    def check_backing(self) -> Iterator[tuple[str, str]]:
-        """Require a slider that is held on a soft backing."""
-        if self.backing == "soft" and self.tilt != "held":
-            yield (
-                "tilt",
-                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
-            )
 
     def refuse_other_laws(self, where: str = "") -> None:
         """Raise an InputError unless the law is Coulomb's with the elastic spring alone."""

@@ -46,6 +46,7 @@ _PUBLIC = {
     "condense.size": "stator_size",
     "waveguide.force": "force_response ForceResponse LineForce",
     "waveguide.grating": "grating",
+    "sources": "SourceRules",
     "circuit": (
         "best_match Drive Element matched_load motional_model MotionalModel "
         "rectifier_resistance solve_circuit touchstone"

@@ -161,7 +161,7 @@ class Number(ValueRule):
         return f"{super().sentence(value)}{' and finite' if infinite else ''}"
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class ComplexNumber(ValueRule):
     """A finite number, real or complex."""
 
@@ -177,7 +177,7 @@ class ComplexNumber(ValueRule):
         return number
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Count(ValueRule):
     """An integer of at least ``least`` and at most ``most``."""
 
@@ -197,7 +197,7 @@ class Count(ValueRule):
         return f"an integer {ends}"
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Words(ValueRule):
     """One of a few words."""
 
@@ -213,7 +213,7 @@ class Words(ValueRule):
         return " or ".join(f'"{word}"' for word in self.words)
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Signs(ValueRule):
     """A text of the allowed signs, at least one."""
 
@@ -229,7 +229,7 @@ class Signs(ValueRule):
         return f"a text of the signs {' '.join(self.signs)}"
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Either(ValueRule):
     """What one of two rules allows."""
 

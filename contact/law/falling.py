@@ -19,7 +19,6 @@ mu(p, w) P, and the spring relaxes. The energy that it releases is lost in slip.
 contact has no mass, and with a friction that decreased by its own relaxation its motion would not be determined.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,10 +29,11 @@ from contact.jit.compiled import formula
 from contact.law.elastic import back_load, coulomb, deformation, friction_energy
 from contact.law.normal import load, mean_pressure, slope
 from contact.law.protocol import Law
+from contact.rules import FrictionRules
 
 
 @dataclass(frozen=True, kw_only=True)
-class FallingFriction(parameter_check.Checks):
+class FallingFriction(FrictionRules):
     """How friction departs from its static coefficient, `Slider.friction_coefficient`.
 
     Attributes
@@ -62,15 +62,6 @@ class FallingFriction(parameter_check.Checks):
             if value is not None:
                 object.__setattr__(self, name, rule(f"friction.{name}", value, unit))
         self._refuse("friction")
-
-    def check_pairs(self) -> Iterator[tuple[str, str]]:
-        """Require both parameters of a dependence, and one dependence at least."""
-        for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
-            for present, missing in ((one, other), (other, one)):
-                if getattr(self, present) is not None and getattr(self, missing) is None:
-                    yield missing, f"is required and missing: {present} is given"
-        if self.sliding is None and self.high_pressure is None and self.speed is None and self.pressure is None:
-            yield "", "needs sliding with speed, or high_pressure with pressure; without them a friction is a number"
 
     def law(self, static: float, ratio: float, pressure: float) -> Law:
         """Return the law of a static coefficient; `ratio` is E/4G, `pressure` p in Pa at an approach of 1 m."""

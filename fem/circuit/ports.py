@@ -8,7 +8,7 @@ everything below it solves for unit voltage at every port.  The open strips of a
 ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
@@ -17,7 +17,8 @@ import numpy as np
 from fem.circuit.ladder import Ladder, carried
 from fem.condense.electrodes import terminated
 from fem.geometry import Transducer
-from fem.parameters import ComplexNumber, InputError, Parameters, finite_complex, shown
+from fem.parameters import ComplexNumber, InputError
+from fem.sources import SourceRules
 
 # Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
 MATCHING_ROUNDS = 200
@@ -25,7 +26,7 @@ MATCHING_TOLERANCE = 1e-13  # relative change of the source's impedance
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drive(Parameters):
+class Drive(SourceRules):
     """Sources at one or several transducers.
 
     Attributes
@@ -47,16 +48,6 @@ class Drive(Parameters):
     sources: Mapping[str, complex]
     impedance: Annotated[complex, ComplexNumber("ohm")] = 0.0
     match: Ladder = ()
-
-    def check_sources(self) -> Iterator[tuple[str, str]]:
-        """Require at least one source that is not 0."""
-        if self.sources is None:
-            return
-        sources = dict(self.sources)
-        for name, amplitude in sources.items():
-            finite_complex(f"drive.sources.{name}", amplitude)
-        if not any(sources.values()):
-            yield "sources", f"must have at least one amplitude that is not 0, got {shown(sources)}"
 
 
 def as_drive(drive: "str | Drive") -> Drive:

@@ -62,7 +62,7 @@ def _friction(slider: Slider):
     if isinstance(law, LawText):
         return contact.UserLaw(law.name, law.source)
     if isinstance(mu, Friction):
-        return contact.FallingFriction(**mu.arguments())
+        return contact.FallingFriction(**mu.arguments(contact.FallingFriction))
     return None
 
 

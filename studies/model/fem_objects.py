@@ -77,7 +77,7 @@ def stator(block: Stator, plane: int = 0):
     """Return the ``fem.Stator`` of a stator block; ``plane``: number of layers above the fingers."""
     own = {"solid": solid(block), "thickness": math.inf if block.thickness == "half-space" else block.thickness}
     with stator_keys("stator"):
-        return fem.Stator(**block.arguments() | own, layers=layers(block), plane=plane)
+        return fem.Stator(**block.arguments(fem.Stator) | own, layers=layers(block), plane=plane)
 
 
 def whole_stator(scene: Scene):
@@ -181,7 +181,7 @@ def driven(scene: Scene):
 def _transducer(block: Transducer, period: float):
     x, y = block.center_xy
     own = {"center": x, "center_y": y, "angle": math.radians(block.angle % 360), "period": period}
-    return fem.Transducer(**block.arguments() | own)
+    return fem.Transducer(**block.arguments(fem.Transducer) | own)
 
 
 def unturned(block: Transducer, period: float):

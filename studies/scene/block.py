@@ -106,7 +106,7 @@ class Block(Checks):
     """
 
     block: ClassVar[str]  # path in a scene
-    parameters_of: ClassVar[str] = ""  # the object, such as fem.Transducer
+    parameters_of: ClassVar[str] = ""  # the object or its rules, such as fem.Transducer
     keys: ClassVar[dict[str, str]] = {}  # the object's fields that have another name as keys
 
     def __post_init__(self):
@@ -165,9 +165,9 @@ class Block(Checks):
             raise SceneError.together(problems)
         return block
 
-    def arguments(self) -> dict:
-        """Return the present values of the keys that are fields of the block's object, by field."""
-        names = {each.name for each in fields(object_of(type(self)))} & keys_of(type(self)).keys()  # type: ignore[arg-type]
+    def arguments(self, kind: type) -> dict:
+        """Return the present values of the keys that are fields of a class of parameters, by field."""
+        names = {each.name for each in fields(kind)} & keys_of(type(self)).keys()
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def to_table(self) -> dict:

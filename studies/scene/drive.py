@@ -94,7 +94,7 @@ class Drive(Block):
     """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
 
     block: ClassVar[str] = "drive"
-    parameters_of = "fem.Drive"
+    parameters_of = "fem.SourceRules"
     frequency: Annotated[
         float | str,
         Quantity("Hz") | choice("center"),

@@ -14,7 +14,7 @@ class Friction(Block):
     """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number."""
 
     block: ClassVar[str] = "slider.friction_coefficient"
-    parameters_of = "contact.FallingFriction"
+    parameters_of = "contact.FrictionRules"
     keys: ClassVar[dict[str, str]] = {"": "static"}
     static: Annotated[float, Quantity(), "Coefficient at rest and at low pressure."]
     sliding: Annotated[

@@ -44,7 +44,7 @@ class Slider(Block):
     """
 
     block: ClassVar[str] = "slider"
-    parameters_of = "contact.Slider"
+    parameters_of = "contact.SliderRules"
     position: Annotated[
         float | tuple[float, float] | Any,
         surface_position(),

@@ -1,0 +1,60 @@
+"""Rules of several parameters of a slider together, apart from the solvers: they also check the blocks of a scene."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from contact.parameter_check import Checks
+
+
+class SliderRules(Checks):
+    """Rules of `contact.Slider`."""
+
+    law: Any
+    shape: str
+    stick_band: float
+    reciprocal: bool
+    special_friction: Any  # what the friction depends on beside the normal force, in words; empty for Coulomb's law
+    backing: str
+    tilt: str
+
+    def check_law(self) -> Iterator[tuple[str, str]]:
+        """Require a law, a stick band and a friction that go together."""
+        if self.law == "hysteretic" and self.shape == "punch":
+            yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
+        if self.law == "hysteretic" and self.stick_band > 0:
+            yield "stick_band", f"must be 0 with the hysteretic law, got {self.stick_band:g} m/s"
+        special = f"with {self.special_friction}"
+        if not self.special_friction:
+            return
+        if self.law == "hysteretic":
+            yield "law", f'must be "elastic" {special}'
+        elif self.reciprocal:
+            yield "reciprocal", f"must be false {special}"
+        elif self.stick_band > 0:
+            yield "stick_band", f"must be 0 {special}"
+
+    def check_backing(self) -> Iterator[tuple[str, str]]:
+        """Require a slider that is held on a soft backing."""
+        if self.backing == "soft" and self.tilt != "held":
+            yield (
+                "tilt",
+                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
+            )
+
+
+class FrictionRules(Checks):
+    """Rules of `contact.FallingFriction`."""
+
+    sliding: float | None
+    speed: float | None
+    high_pressure: float | None
+    pressure: float | None
+
+    def check_pairs(self) -> Iterator[tuple[str, str]]:
+        """Require both parameters of a dependence, and one dependence at least."""
+        for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
+            for present, missing in ((one, other), (other, one)):
+                if getattr(self, present) is not None and getattr(self, missing) is None:
+                    yield missing, f"is required and missing: {present} is given"
+        if self.sliding is None and self.high_pressure is None and self.speed is None and self.pressure is None:
+            yield "", "needs sliding with speed, or high_pressure with pressure; without them a friction is a number"
