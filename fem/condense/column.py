@@ -278,6 +278,7 @@ class ColumnField:
             columns = [FIELD_COLUMN[name] for name in medium.fields]
             shaped = values.reshape(order + 1, order + 1, len(columns), -1)
             out[:, element * order : (element + 1) * order + 1, columns] = shaped
+        section.fill_bonds(np.moveaxis(out, -1, 0))
         return out
 
     def surface_motion(self, sides: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 from fem.analytic.layered_wave import bound_wave
 from fem.discretize import bond as bonds
 from fem.discretize.absorber import absorber
-from fem.discretize.graded_medium import OwnLineMedium
+from fem.discretize.graded_medium import is_bond
 from fem.discretize.grading import CORNER_RATIO, LAYER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.layered_depth import Region, divided, with_corner
 from fem.discretize.section import FIELD_COLUMN, Section
@@ -225,7 +225,7 @@ def _numbered(names, solid_elements, media, order, stator) -> np.ndarray:
     for element, own in enumerate(media):
         if "phi" not in own.fields:  # a conductor, whose potential counts as zero
             exists[element * order : (element + 1) * order + 1, FIELD_COLUMN["phi"]] = False
-        if isinstance(own, OwnLineMedium) and not own.inner_nodes:
+        if is_bond(own):
             exists[element * order + 1 : (element + 1) * order] = False
     if stator.bottom == "clamped" or stator.absorbs_below:
         exists[0, :3] = False

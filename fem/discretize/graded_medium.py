@@ -67,6 +67,11 @@ def graded_medium(
     return mean, GradedMedium(**own, line=line, lossy_mass=lossy_mass, loss=loss)
 
 
+def is_bond(medium: Medium) -> bool:
+    """True for the medium of an element whose faces alone have unknowns."""
+    return isinstance(medium, OwnLineMedium) and not medium.inner_nodes
+
+
 def element_line(medium: Medium, order: int) -> LineMatrices:
     """One-dimensional matrices of an element through the depth, for an element of height 1."""
     return medium.line if isinstance(medium, OwnLineMedium) else reference_matrices(order)

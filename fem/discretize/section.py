@@ -11,14 +11,14 @@ A segment of the stator that is uniform in x obeys (semi-analytical finite eleme
 with K1t = K1^T where nothing depends on y; with a lateral wavenumber K1t(k_y) = K1(-k_y)^T.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from fem.discretize.graded_medium import along_x, element_line
+from fem.discretize.graded_medium import along_x, element_line, is_bond
 from fem.discretize.spectral import line_nodes, reference_matrices
 from fem.materials.medium import Medium
 
@@ -119,13 +119,26 @@ class Section:
         """Nodes of the solid without absorbing layer and vacuum, from its bottom to its surface."""
         return slice(self.bottom, self.surface + 1)
 
+    def solids_of_elements(self, solids: Sequence) -> tuple:
+        """Solids of the body's elements from the bottom up, of those of the stator; None for a bond."""
+        elements = range(self.bottom // self.order, self.surface // self.order)
+        return tuple(None if is_bond(self.media[k]) else solids[self.owners[k]] for k in elements)
+
     def on_nodes(self, lines: np.ndarray) -> np.ndarray:
         """Scaled u_x, u_y, u_z and phi at the body's nodes for unknowns of lines (size, m): shape (m, nodes, 4)."""
         dofs = self.dofs[self.body]
         out = np.zeros((lines.shape[1], *dofs.shape), dtype=complex)
         exists = dofs >= 0
         out[:, exists] = np.moveaxis(lines[dofs[exists]], 0, 1)
+        self.fill_bonds(out, self.bottom // self.order)
         return out
+
+    def fill_bonds(self, values: np.ndarray, first: int = 0) -> None:
+        """Set values (..., nodes, 4) between the faces of bonds to the mean of both; ``first``: first element."""
+        for element, medium in enumerate(self.media[first : len(self.owners)]):
+            if is_bond(medium):
+                low, high = element * self.order, (element + 1) * self.order
+                values[..., low + 1 : high, :] = 0.5 * (values[..., [low], :] + values[..., [high], :])
 
     @property
     def field_units(self) -> np.ndarray:

@@ -8,6 +8,7 @@ Strain energy density S : c^E : S / 2, and the power flow -T . v + phi dD/dt (Au
 Solids*, vol. 1, section 5), with T = c S + e^T grad phi and D = e S - eps grad phi.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -50,6 +51,51 @@ def densities(solid: Solid, frequency: float, values: np.ndarray, along: np.ndar
     blocks = [slice(first, first + _LINES) for first in range(0, len(values), _LINES)]
     parts = [_densities(solid, frequency, values[b], along[b], upward[b]) for b in blocks]
     return Densities(**{name: np.concatenate([part[name] for part in parts]) for name in Densities.__annotations__})
+
+
+def layered_densities(
+    solids: Sequence[Solid | None], frequency: float, values: np.ndarray, along: np.ndarray, ends: np.ndarray
+) -> Densities:
+    """Return energy and power of a field in layers, whose derivatives along z jump at interfaces.
+
+    Parameters
+    ----------
+    solids : sequence of Solid or None
+        Of each element from the bottom up; None for a bond, which has no volume.
+    frequency : float
+        Hz.
+    values, along : ndarray, shape (nx, elements * order + 1, 4)
+        As in `densities`.
+    ends : ndarray, shape (elements + 1,)
+        z of the elements' ends, m.
+
+    Returns
+    -------
+    Densities
+        At an interface the mean of both sides.
+    """
+    order, out = (values.shape[1] - 1) // len(solids), None
+    first = 0
+    while first < len(solids):
+        stop = first + 1
+        while stop < len(solids) and solids[stop] == solids[first]:
+            stop += 1
+        solid, nodes = solids[first], slice(first * order, stop * order + 1)
+        if solid is not None:
+            upward = upward_slope(values[:, nodes], order, np.diff(ends[first : stop + 1]))
+            own = vars(densities(solid, frequency, values[:, nodes], along[:, nodes], upward))
+            if out is None:
+                out = {
+                    name: np.zeros((*values.shape[:2], *each.shape[2:]), dtype=each.dtype) for name, each in own.items()
+                }
+            for name, each in own.items():
+                if first > 0 and solids[first - 1] is not None:
+                    each[:, 0] = 0.5 * (each[:, 0] + out[name][:, nodes.start])
+                out[name][:, nodes] = each
+        first = stop
+    if out is None:
+        raise ValueError("a field needs a solid")
+    return Densities(**out)
 
 
 def _densities(solid, frequency, values, along, upward) -> dict:

@@ -14,7 +14,7 @@ import numpy as np
 from fem.condense.columns import ColumnsField
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.materials import Solid
-from fem.results.densities import Densities, densities, flattened, shared, upward_slope
+from fem.results.densities import Densities, densities, flattened, layered_densities, shared, upward_slope
 from fem.results.driven_answer import SurfaceWave
 from fem.results.evaluation import ENDS, columns_in_order, recovered
 from fem.results.segment_modes import FreeWave
@@ -195,6 +195,9 @@ def _grid_densities(wave: SurfaceWave, parts: list["_Part"], values: np.ndarray,
     section = fields.section.full
     units = section.field_units
     along = np.concatenate([part.along for part in parts]) * units
+    if fields.stator.layers:
+        solids = section.solids_of_elements(fields.stator.solids)
+        return layered_densities(solids, wave.frequency, values, along, depth[:: section.order])
     upward = np.concatenate([part.upward_slopes(section, depth) for part in parts]) * units
     whole = densities(fields.stator.solid, wave.frequency, values, along, upward)
     first = np.cumsum([0, *(len(part.x) for part in parts)])
@@ -316,8 +319,8 @@ def free_field(
     values = np.exp(exponent * x)[:, None, None] * wave.profile
     field_densities = None
     if energies:
-        upward = upward_slope(values, wave.order, np.diff(wave.depth[:: wave.order]))
-        field_densities = densities(wave.solid, wave.frequency, values, exponent * values, upward)
+        ends = wave.depth[:: wave.order]
+        field_densities = layered_densities(wave.solids, wave.frequency, values, exponent * values, ends)
     return WaveField(
         x=x,
         z=wave.depth,

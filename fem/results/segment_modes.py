@@ -84,7 +84,9 @@ class FreeWave:
     order : int
         Polynomial order of the elements that the nodes belong to.
     solid : Solid
-        The section's, in the frame of the cut.
+        The section's below its layers, in the frame of the cut.
+    solids : tuple of Solid or None
+        Of each element from the bottom up; None for a bond.
     relative_error : float
         Of the velocity, from two orders.
     unknowns : int
@@ -98,5 +100,6 @@ class FreeWave:
     profile: np.ndarray = field(repr=False)
     order: int
     solid: Solid = field(repr=False)
+    solids: tuple[Solid | None, ...] = field(repr=False)
     relative_error: float
     unknowns: int

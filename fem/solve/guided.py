@@ -123,6 +123,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         profile=profile,
         order=section.order,
         solid=stator.solid,
+        solids=section.solids_of_elements(stator.solids),
         relative_error=float(error),
         unknowns=section.size,
     )

@@ -158,6 +158,30 @@ def test_power_is_balanced_and_transfer_reciprocal(stack):
     assert abs(admittances[0, 1] - admittances[1, 0]) < 1e-10 * abs(admittances[0, 1])
 
 
+def test_energy_of_a_free_wave_in_layers():
+    """Power through the depth is the energy times the group velocity: two routes to one number, bond and film too."""
+    substrate, layers = STACKS["bonded LN on Si"]
+    stator = half_space(substrate, layers)
+    powers, energies, slow = [], [], []
+    for frequency in (F, F * (1 + 1e-3), F * (1 - 1e-3)):
+        wave = fem.free_wave(stator, frequency=frequency, tolerance=1e-6)
+        field = fem.free_field(wave, span=(0.0, 4e-4), energies=True)
+        densities, ends = field.densities, wave.depth[:: wave.order]
+        weights = np.zeros(len(wave.depth))
+        lumped = fem.reference_matrices(wave.order).mass.sum(axis=1)
+        for element, height in enumerate(np.diff(ends)):
+            weights[element * wave.order : (element + 1) * wave.order + 1] += height * lumped
+        inside = np.array([solid is not None for solid in wave.solids])
+        assert inside.sum() == len(inside) - 1
+        densest = np.interp(wave.depth, [-1e-4 - 1e-9, -1e-4], [substrate.density, KOVACS.density])
+        kinetic = 0.25 * densest * (2 * np.pi * frequency) ** 2 * np.sum(abs(wave.profile[:, :3]) ** 2, axis=1)
+        powers.append(weights @ densities.power_flow[0, :, 0])
+        energies.append(weights @ kinetic * 2)  # as much potential energy as kinetic energy
+        slow.append(2 * np.pi * frequency / wave.velocity)
+    group = 2 * np.pi * 2e-3 * F / (slow[1] - slow[2])
+    assert powers[0] / energies[0] == pytest.approx(group, rel=3e-3)
+
+
 def test_what_a_stator_with_layers_cannot_be():
     film = layer(SILICA, 1e-6)
     with pytest.raises(fem.InputError, match=r"transducer\.plane must be surface or the number of layers .* 1 to 1"):
