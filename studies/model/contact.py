@@ -66,6 +66,19 @@ def _friction(slider: Slider):
     return None
 
 
+def _surface(scene: Scene, orbits: Callable[[], tuple], motion: Callable[[], Any] | Any) -> tuple:
+    """Return the motion of the surface under a slider for a level of 1, and its misfit; see `Contact`.
+
+    ``orbits()`` returns it as orbits at the contacts; the waves below pillars come from the scene, or are fitted to the
+    stator's ``motion()``.
+    """
+    if not scene.on_pillars:
+        return orbits()
+    from studies.model.slider_wave import passing_wave
+
+    return passing_wave(scene, motion)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Contact:
     """A slider and the surface motion that drives it: the problem that the contact's solvers solve.
@@ -89,13 +102,8 @@ class Contact:
     @classmethod
     def prescribed(cls, scene: Scene, record: Record | None = None) -> Self:
         """Return the contact of a resolved scene with a prescribed wave."""
-        amplitudes = 1.0, scene.wave.tangential_ratio
-        orbits = prescribed_orbits(scene.wave)
-        if scene.on_pillars:
-            from studies.model.pillars import prescribed_wave
-
-            orbits = prescribed_wave(scene)
-        return cls(scene=scene, orbits=orbits, amplitudes=amplitudes, record=record)
+        orbits, _ = _surface(scene, lambda: (prescribed_orbits(scene.wave), 0.0), None)
+        return cls(scene=scene, orbits=orbits, amplitudes=(1.0, scene.wave.tangential_ratio), record=record)
 
     @classmethod
     def of_stator(cls, scene: Scene, solved: Any, motion: Callable[[], Any] | Any = None) -> Self:
@@ -104,13 +112,16 @@ class Contact:
         ``motion()`` returns that of the surface; it is called where the waves under a slider are fitted to it.
         """
         positions, slider = scene.positions, scene.slider
-        first, misfit = solved.at[positions[0]], 0.0
-        amplitudes = abs(first.normal), abs(first.tangential)
-        orbits = () if slider is None else solved.orbits(slider.contact_positions)
-        if scene.on_pillars:
-            from studies.model.slider_wave import mean_amplitudes, stator_wave
+        first = solved.at[positions[0]]
 
-            orbits, misfit = stator_wave(scene, motion())
+        def at_contacts():
+            return (() if slider is None else solved.orbits(slider.contact_positions)), 0.0
+
+        orbits, misfit = _surface(scene, at_contacts, motion)
+        amplitudes = abs(first.normal), abs(first.tangential)
+        if isinstance(orbits, contact.PassingWave):
+            from studies.model.slider_wave import mean_amplitudes
+
             amplitudes = mean_amplitudes(slider, orbits)
         return cls(
             scene=scene, orbits=orbits, solved=solved, misfit=misfit, amplitudes=amplitudes,

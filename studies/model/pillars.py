@@ -55,7 +55,7 @@ def resolved_pillars(slider: Slider) -> Slider:
         modulus, ratio = shear * (3 * lame + 2 * shear) / (lame + shear), lame / (2 * (lame + shear))
         own["youngs_modulus"] = block.youngs_modulus or modulus
         own["poisson_ratio"] = ratio if block.poisson_ratio is None else block.poisson_ratio
-    return replace(slider, pillars=replace(block, **own)) if own else slider
+    return replace(slider, pillars=replace(block, **own), shape="punch")
 
 
 class Layout(NamedTuple):
@@ -191,6 +191,11 @@ def extent(slider: Slider) -> tuple[float, float]:
     geometry, centre = layout(slider), slider.center[0]
     half = geometry.diameter / 2
     return centre + float((geometry.x - half).min()), centre + float((geometry.x + half).max())
+
+
+def extents(slider: Slider) -> list[tuple[float, float]]:
+    """Return the `extent` as the only interval that the pillars cover."""
+    return [extent(slider)]
 
 
 def strip_width(slider: Slider) -> float:

@@ -102,10 +102,9 @@ def _resolved(scene: Scene, spread: bool | None) -> Scene:
 def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
-    if slider.pillars is not None:
-        from studies.model.pillars import resolved_pillars
+    from studies.model.pillars import resolved_pillars
 
-        slider = replace(resolved_pillars(slider), shape="punch")
+    slider = resolved_pillars(slider)
     if slider.ball is None:
         return slider
     from studies.model.contact_moduli import pair_moduli
@@ -248,26 +247,27 @@ def _check_layout(scene: Scene) -> None:
 
 def check_slider(scene: Scene) -> None:
     """Refuse a resolved slider that stands where it cannot, or whose burst takes too long to compute."""
-    _refuse_gaps(scene)
-    _refuse_covered(scene)
-    _refuse_endless_burst(scene)
-    if scene.slider.pillars is not None:
-        from studies.model.pillars import check_pillars
+    ends = _ends_of_contacts
+    if scene.on_pillars:
+        from studies.model.pillars import check_pillars, extents
 
         check_pillars(scene)
+        ends = extents
+    _refuse_gaps(scene, ends)
+    _refuse_covered(scene)
+    _refuse_endless_burst(scene)
 
 
-def _refuse_gaps(scene: Scene) -> None:
+def _ends_of_contacts(slider: Slider) -> list[tuple[float, float]]:
+    return [(x, x) for x, _ in slider.contact_positions]
+
+
+def _refuse_gaps(scene: Scene, ends) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     if not scene.piece:
         return
-    intervals = [(x, x) for x, _ in scene.slider.contact_positions]
-    if scene.on_pillars:
-        from studies.model.pillars import extent
-
-        intervals = [extent(scene.slider)]
     for each in pieces(scene):
-        for (low, high), (left, right) in itertools.product(each.gaps, intervals):
+        for (low, high), (left, right) in itertools.product(each.gaps, ends(scene.slider)):
             if left < high and right > low:
                 rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
                 got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")

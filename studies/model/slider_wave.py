@@ -10,12 +10,17 @@ import numpy as np
 import contact
 import fem
 from studies.model import fem_objects
-from studies.model.pillars import layout, strip_width
+from studies.model.pillars import layout, prescribed_wave, strip_width
 from studies.refusal import SceneError
 from studies.scene import Scene
 
 FITTED = 49  # points along x of the fit
 ACROSS = 5  # Gauss points over the width of the strip
+
+
+def passing_wave(scene: Scene, motion):
+    """Return the `contact.PassingWave` under a slider for a level of 1, and its misfit; ``motion()``: of the stator."""
+    return (prescribed_wave(scene), 0.0) if scene.wave is not None else stator_wave(scene, motion())
 
 
 def stator_wave(scene: Scene, motion):

@@ -36,7 +36,7 @@ def pictures(record: "Record") -> dict[str, Callable]:
         drawings["surface"] = surface if record.scene.transducer else profile
     if "scan" in record.measured or "trace" in record.measured:
         drawings["measured"] = measured_picture
-    if record.pillars:
+    if record.slider_wave:
         drawings |= {"slider_wave": slider_wave, "pressure": pressure}
         if any(point.wave_power_in_W for point in record.points):
             drawings["power"] = power

@@ -165,16 +165,3 @@ def wave_warnings(record: Record) -> Iterator[str]:
             yield f"the loaded wave leaks into bulk waves, which is neglected ({source}): {remedy}"
         if quantity == "the preload" and size >= 0.1:
             yield f"model error: {each.effect} would add {100 * size:.3g} % of the preload ({source})"
-
-
-def height_warnings(slider) -> Iterator[str]:
-    """Yield the warnings about the heights of pillars, and about dampers that do not act on them."""
-    block = slider.pillars
-    if slider.pillars is None:
-        return
-    if block.height_scatter > 0.0 and block.seed == pillars.SEED:
-        yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"
-    if block.seed is not None and not block.height_scatter:
-        yield f"slider.pillars.seed = {block.seed} has no effect: slider.pillars.height_scatter is 0 m"
-    if slider.damping.normal or slider.damping.contact:
-        yield "slider.damping.normal and contact have no effect: the averaged slider on pillars does not bounce"

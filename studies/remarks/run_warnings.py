@@ -19,7 +19,7 @@ from studies.record.text import percent
 from studies.remarks.ball_effects import NODE
 from studies.remarks.ball_surface import AT_LARGEST, DECIDES, smooth_balls
 from studies.remarks.heat_warnings import heat_warnings
-from studies.remarks.loaded_wave_effects import height_warnings, wave_warnings
+from studies.remarks.loaded_wave_effects import wave_warnings
 from studies.remarks.model_error import SHARED
 from studies.remarks.scene_warnings import scene_warnings
 from studies.remarks.stator_effects import surface_strain
@@ -57,7 +57,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
             *smooth_balls(record), *_contact(record), *_points(record), *_ripple(record), *_end_of_way(record),
             *_other_motion(record),
         ]  # fmt: skip
-        warnings += [*wave_warnings(record), *height_warnings(record.scene.slider)]
+        warnings += wave_warnings(record)
     return tuple(warnings)
 
 

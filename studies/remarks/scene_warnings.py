@@ -6,6 +6,7 @@ from itertools import combinations
 
 from studies.model.materials import solid_remarks
 from studies.scene import Scene
+from studies.scene.pillars import SEED
 from studies.scene.slider import Slider
 
 LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that a smaller preload is suspicious
@@ -69,6 +70,17 @@ def _velocities(scene: Scene) -> Iterator[str]:
             )
 
 
+def _pillars(slider: Slider) -> Iterator[str]:
+    """Yield warnings about the heights of pillars, and about dampers that do not act on them."""
+    block = slider.pillars
+    if block.height_scatter > 0.0 and block.seed == SEED:
+        yield f"the heights scatter with the seed {block.seed}, the default of slider.pillars.seed"
+    if block.seed is not None and not block.height_scatter:
+        yield f"slider.pillars.seed = {block.seed} has no effect: slider.pillars.height_scatter is 0 m"
+    if slider.damping.normal or slider.damping.contact:
+        yield "slider.damping.normal and contact have no effect: the averaged slider on pillars does not bounce"
+
+
 def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
     """Yield warnings about an unusual radius, distance or friction coefficient."""
     if slider.static_coefficient > MAX_USUAL_FRICTION:
@@ -77,6 +89,7 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
             f"{MAX_USUAL_FRICTION:g}"
         )
     if slider.pillars is not None:
+        yield from _pillars(slider)
         return
     diameter, stator, balls = 2 * slider.radius, scene.stator, _BALLS[slider.shape]
     if stator is None:

@@ -15,6 +15,7 @@ import numpy as np
 import contact
 import fem
 from studies.model import fem_objects, resolve
+from studies.model.contact import contact_slider
 from studies.model.scene_errors import as_run_errors
 from studies.record.text import labelled, table
 from studies.remarks.left_out import left_out
@@ -84,13 +85,11 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
-        number = len(slider.offsets)
-        if slider.pillars is not None:
-            from studies.model.pillars import layout
-
-            number = layout(slider).x.size
-            seconds += PILLAR * number * len(scene.levels)
-            block_bytes += PILLAR_BYTES * number / MEMORY_FACTOR
+        body = contact_slider(slider)
+        placed = np.size(body.x) if np.ndim(body.x) else 0  # contacts with places of their own
+        number = placed or len(slider.offsets)
+        seconds += PILLAR * placed * len(scene.levels)
+        block_bytes += PILLAR_BYTES * placed / MEMORY_FACTOR
         contacts = len(set(slider.offsets))  # contacts at the same position move identically
         facts = [f"{slider.law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
