@@ -9,7 +9,7 @@ from scipy.linalg import solve_banded
 from studies import Scene, run
 from studies.refusal import SceneError
 from studies.remarks.heat_warnings import heat_warnings
-from studies.scene.blocks import Cooling, IsotropicSolid
+from studies.scene.blocks import Cooling, IsotropicSolid, Stator
 from studies.solve.heat import drift, frequency_slope, heat_block, plate, powers, sources
 
 
@@ -115,6 +115,10 @@ def test_a_rise_beyond_the_coefficients_has_no_drift_and_a_small_one_that_of_the
     assert drift(chip, 5000.0) is None
     assert frequency_slope(chip) == pytest.approx(drift(chip, 0.1) / 0.1, rel=1e-3)
     assert drift(motor.scene.stator, 2.0) is None
+    coated = {"layer": [{"material": "fused silica", "thickness": "10 um"}]}
+    layered = Stator.from_table("stator", chip.to_table() | coated)  # of which the frequency decides
+    assert drift(layered, 2.0) is None
+    assert drift(replace(layered, temperature_coefficient=-5e-5), 2.0) == pytest.approx(-1e-4, rel=1e-12)
 
 
 def driven(record, **drive):
