@@ -233,15 +233,16 @@ class Slider(SliderRules):
         """SPHERE or PUNCH of `contact.law.normal`."""
         return normal.SHAPES.index(self.shape)
 
-    def _key(self):
+    @cached_property
+    def _key(self) -> tuple:
         values = (getattr(self, each.name) for each in fields(self))
         return tuple(each.tobytes() if isinstance(each, np.ndarray) else each for each in values)
 
     def __eq__(self, other):
-        return isinstance(other, Slider) and self._key() == other._key()
+        return isinstance(other, Slider) and self._key == other._key
 
     def __hash__(self):
-        return hash(self._key())
+        return hash(self._key)
 
     @cached_property
     def even(self) -> bool:

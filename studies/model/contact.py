@@ -24,7 +24,12 @@ from studies.scene.slider import Slider
 
 def prescribed_orbits(wave: Wave) -> tuple:
     """Return the orbit of a prescribed wave for a normal amplitude of 1 m."""
-    return (contact.Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
+    return _unit_orbits(wave.frequency, wave.tangential_ratio)
+
+
+@lru_cache(1000)  # of a sweep's points many have the same
+def _unit_orbits(frequency: float, tangential_ratio: float) -> tuple:
+    return (contact.Orbit(frequency=frequency, normal=1.0, tangential=-1j * tangential_ratio),)
 
 
 def scaled(orbits, level: float):

@@ -147,8 +147,9 @@ def solved_points(
         os.environ["SAWMOTOR_THREADS"] = str(threads)
     changes = [dict(zip(question.keys, each, strict=True)) for each in values]
     answers = predictor.answers(changes, question.also, quick=True)
+    names = question.outcomes
     rows = [
-        (point, *(_finite(answer.point.get(name)) for name in question.outcomes))
+        (point, *[_finite(getattr(answer.point, name)) for name in names])
         for point, answer in zip(points, answers, strict=True)
     ]
     return rows, time.perf_counter() - start_time, predictor.stators.seconds - before
