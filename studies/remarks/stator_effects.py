@@ -180,7 +180,7 @@ def vacuum_effect(record: Record) -> Effects:
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
     """
     if record.scene.stator.above == "none":
-        stator, frequency = fem_objects.whole_stator(record.scene), record.wave.frequency_Hz
+        stator, frequency = fem_objects.whole_stator(record.scene), record.scene.frequency
         permittivity = stator.solids[-1].permittivity
         eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
         share = fem.VACUUM_PERMITTIVITY / eps_p

@@ -222,7 +222,7 @@ def test_it_says_what_the_model_leaves_out_with_its_size(sheet):
     assert sizes[-1].startswith("below the tolerance")
     for text in (unescape(datasheet_page.page(sheet)), str(sheet)):
         assert all(each in text for each in sizes)
-    assert sheet.to_dict()["model_error"] == sheet.record.model_error
+    assert sheet.to_dict()["model_error"] == [each.to_dict() for each in sheet.record.model_error]
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
