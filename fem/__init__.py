@@ -27,7 +27,9 @@ _PUBLIC = {
     "materials.strength": "Strength strength",
     "mesh.section_mesh": "MeshError read_mesh SectionMesh",
     "mesh.piece": "MeshPiece",
-    "geometry": "fingers_off_stator one_electrode repeated_names Bond covers Layer outer_gaps Stator Transducer",
+    "geometry": (
+        "Bond covers fingers_off_stator Layer one_electrode outer_gaps plane_rule repeated_names Stator Transducer"
+    ),
     "layout": "check_beside_pieces check_layout check_plan check_turned LENGTH_UNITS TURNED turned_rules",
     "analytic.wave_compliance": "bound_compliance spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",

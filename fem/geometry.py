@@ -274,6 +274,14 @@ class Transducer(Parameters):
         return self.fingers[[each == sign for each in self.signs]]
 
 
+def plane_rule(plane: int, layers: int) -> str:
+    """Return the rule that fingers below so many of all layers break; empty if none."""
+    if 0 <= plane <= layers:
+        return ""
+    above = f"the number of layers above the fingers, 1 to {layers}" if layers else "absent without layers"
+    return f'must be "surface" or {above}'
+
+
 def _check_layers(stator: Stator) -> None:
     """Raise an InputError for layers or a plane of the fingers that a section cannot have."""
     for number, each in enumerate(stator.layers):
@@ -283,10 +291,7 @@ def _check_layers(stator: Stator) -> None:
             )
     if stator.layers and stator.pieces:
         raise InputError("piece", "cannot stand in a stator with layers: the section beside it is one solid")
-    if not 0 <= stator.plane <= len(stator.layers):
-        rule = f"must be surface or the number of layers above the fingers, 1 to {len(stator.layers)}"
-        if not stator.layers:
-            rule = "must be surface where the stator has no layer"
+    if rule := plane_rule(stator.plane, len(stator.layers)):
         raise InputError("transducer.plane", rule, stator.plane)
 
 

@@ -198,9 +198,8 @@ def check_layers(scene) -> Refused:
     layers, planes = len(scene.stator.layer), [each.plane for each in scene.transducer]
     for index, plane in enumerate(planes):
         key = f"transducer.{index}.plane"
-        if plane != "surface" and plane > layers:
-            above = f"the number of layers above the fingers, 1 to {layers}" if layers else "absent without layers"
-            yield key, f'must be "surface" or {above}, got {plane}'
+        if rule := fem.plane_rule(0 if plane == "surface" else plane, layers):
+            yield key, f"{rule}, got {plane}"
         elif plane != planes[0]:
             yield key, f"must be the same for all transducers, {shown(planes[0])}, got {shown(plane)}"
     if not layers:

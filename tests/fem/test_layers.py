@@ -184,9 +184,9 @@ def test_energy_of_a_free_wave_in_layers():
 
 def test_what_a_stator_with_layers_cannot_be():
     film = layer(SILICA, 1e-6)
-    with pytest.raises(fem.InputError, match=r"transducer\.plane must be surface or the number of layers .* 1 to 1"):
+    with pytest.raises(fem.InputError, match=r'transducer\.plane must be "surface" or the number of layers .* 1 to 1'):
         half_space(KOVACS, [film], plane=2)
-    with pytest.raises(fem.InputError, match=r"transducer\.plane must be surface where the stator has no layer"):
+    with pytest.raises(fem.InputError, match=r'transducer\.plane must be "surface" or absent without layers'):
         half_space(KOVACS, [], plane=1)
     with pytest.raises(fem.InputError, match=r"layer\.0\.thickness must be a length in m"):
         half_space(KOVACS, [fem.Layer(solid=SILICA, wavelengths=0.1)])
