@@ -213,7 +213,7 @@ class Section:
     @property
     def floating_potential(self) -> bool:
         """True if the potential floats: adding a constant to phi changes nothing in a uniform segment."""
-        return "phi" in self.solid.fields and bool(np.all(self.dofs[:, FIELD_COLUMN["phi"]] >= 0))
+        return "phi" in self.solid.fields and bool(np.all(self.dofs[:: self.order, FIELD_COLUMN["phi"]] >= 0))
 
     @cached_property
     def constant_potential(self) -> np.ndarray:

@@ -158,6 +158,18 @@ def test_power_is_balanced_and_transfer_reciprocal(stack):
     assert abs(admittances[0, 1] - admittances[1, 0]) < 1e-10 * abs(admittances[0, 1])
 
 
+@pytest.mark.parametrize(("film", "floats"), [(PZT, True), (GOLD, False)])
+def test_the_potential_floats_unless_a_metal_holds_it(film, floats):
+    """Also above a bond, whose element has nodes without a potential."""
+    from fem.discretize.depth_mesh import discretise
+
+    layers = (layer(film, 1e-4, fem.Bond(normal=1e15, tangential=1e15)), layer(PZT, 1e-4))
+    stator = fem.Stator(solid=SILICA, length=1e-3, thickness=3e-4, ends="absorbing", layers=layers)
+    unit = stator.slowest_wavelength(F)
+    section = discretise(stator, Resolution(order=5, edge_layers=1), wavelength=unit, surface_scale=0.1 * unit)
+    assert section.floating_potential is floats
+
+
 def test_energy_of_a_free_wave_in_layers():
     """Power through the depth is the energy times the group velocity: two routes to one number, bond and film too."""
     substrate, layers = STACKS["bonded LN on Si"]
