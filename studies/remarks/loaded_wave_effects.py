@@ -23,7 +23,7 @@ from studies.model.contact import Contact
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance
-from studies.remarks.ball_surface import ADHESION
+from studies.remarks.ball_surface import ADHESION, CLEAN, DECIDES, WET
 from studies.remarks.stator_effects import AMPLITUDE, Effects
 from studies.solve.loaded_wave import wave_state
 from studies.solve.solved_stator import contact_of_run
@@ -163,5 +163,5 @@ def wave_warnings(record: Record) -> Iterator[str]:
         if quantity == MARGIN and size >= 1.0:
             remedy = "a smaller preload, a larger area of pillars or a larger amplitude keeps it slower"
             yield f"the loaded wave leaks into bulk waves, which is neglected ({source}): {remedy}"
-        if quantity == "the preload" and size >= 0.1:
+        if quantity == "the preload" and size >= DECIDES and each.effect not in (CLEAN, WET):  # those of `smooth_balls`
             yield f"model error: {each.effect} would add {100 * size:.3g} % of the preload ({source})"
