@@ -82,6 +82,7 @@ def threshold(slider: Slider, orbits: Surface) -> Answer:
 
     Examples
     --------
+    >>> from contact import Orbit
     >>> slider = Slider(radius=1e-3, mass=8.9e-5, preload=8.7e-4, load=0.0, friction_coefficient=0.08,
     ...                 effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
     ...                 stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4)
@@ -140,6 +141,7 @@ def releases(slider: Slider, orbits: Surface) -> tuple[Answer | None, ...]:
 
     Examples
     --------
+    >>> from contact import Orbit
     >>> slider = Slider(radius=1e-3, mass=8.9e-5, preload=8.7e-4, load=0.0, friction_coefficient=0.08,
     ...                 effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
     ...                 stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4,

@@ -30,7 +30,7 @@ def divided(regions: Sequence[Region], smallest: float) -> list[tuple[float, int
 
     Examples
     --------
-    >>> [round(height, 4) for height, _ in divided([Region(0.1, 1.0, 1), Region(0.5, 1.0, 0)], 0.02)]
+    >>> [round(float(height), 4) for height, _ in divided([Region(0.1, 1.0, 1), Region(0.5, 1.0, 0)], 0.02)]
     [0.02, 0.08, 0.5]
     """
     elements, start = [], 0.0

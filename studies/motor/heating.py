@@ -186,7 +186,8 @@ def figure(record: Panel, ax):
             curve(ax, np.asarray(data["level"]) * level.scale, np.asarray(values) * speed.scale, ".-", colour, name)
         return finished(ax, level.axis, speed.axis, record.title)
     if record.name == "duty":
-        label, x = "duty (%)", 100.0 * np.asarray(data["duty"])
+        share = quantity.duty_limit
+        label, x = share.axis, share.scale * np.asarray(data["duty"])
         curve(ax, x, data["rise_K"], "-", "slip", "hottest place")
     else:
         label, x = quantity.x_m.axis, np.asarray(data["x_m"]) * quantity.x_m.scale

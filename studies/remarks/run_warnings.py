@@ -234,8 +234,9 @@ def _contact(record: Record) -> Iterator[str]:
             f"down, with up to {-pull * 1e3:.3g} mN during {100 * share:.2g} % of a cycle, which a dry contact cannot: "
             "choose a smaller one"
         )
-    highest = max((point.contact_pressure_Pa or 0.0 for point in record.points), default=0.0)
     at_rest = float(np.max(slider.pressure(slider.rest_approaches(driven.contacts))))
+    highest = max((point.contact_pressure_Pa or 0.0 for point in record.points), default=0.0)
+    highest = max(highest, at_rest)
     punch = slider.shape == "punch"
     kind, what = ("Mean pressure under a punch,", "punches") if punch else ("Hertz pressure", "balls")
     parts = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))

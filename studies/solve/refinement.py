@@ -50,6 +50,8 @@ def finer(
     if driven.solved is None or not missed or max(missed) <= ringing:
         return None
     section, whole = driven.solved.section_error, driven.stator_error
+    if not math.isfinite(section):  # of the coarsest discretisation, which has no estimate
+        return None
     if before is not None and (section >= before.solved.section_error or whole > STALLED * before.stator_error):
         return None
     beam_share = 1.0 - section / whole

@@ -123,7 +123,7 @@ def test_a_punch_at_rest():
 
 
 def test_a_hysteretic_punch_is_refused():
-    with pytest.raises(ValueError, match=r'slider\.law must be "elastic" for a punch'):
+    with pytest.raises(ValueError, match=r'slider\.law must be "elastic" with shape = "punch"'):
         slider(shape="punch", law="hysteretic")
     with pytest.raises(ValueError, match=r"slider\.shape"):
         slider(shape="cone")

@@ -100,7 +100,7 @@ def test_refusals(records, folders, tmp_path, capsys):
         compare(records[0], run("rayleigh"))
     assert main(["compare", *folders, "--picture", str(tmp_path / "x.gif")]) == 2
     assert capsys.readouterr().err.strip() == (
-        f"sawmotor: --picture must end in .png, .svg, .pdf, got '{tmp_path / 'x.gif'}'"
+        f"sawmotor: --picture must end in one of .png, .svg, .pdf, got '{tmp_path / 'x.gif'}'"
     )
     with pytest.raises(SceneError, match="compare draws velocities, and these runs have no slider"):
         compare(run("rayleigh"), run("rayleigh")).plot()

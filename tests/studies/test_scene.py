@@ -77,8 +77,7 @@ def test_a_transducer_of_any_name_survives_being_written(name):
 
 
 positive = st.floats(1e-9, 1e9)
-SLIDERS = st.builds(
-    Slider,
+COMMON = dict(
     radius=positive,
     mass=positive,
     contacts=st.integers(1, 9),
@@ -88,11 +87,12 @@ SLIDERS = st.builds(
     friction_coefficient=st.floats(0, 3),
     effective_modulus=positive,
     tangential_modulus=positive,
-    law=st.sampled_from(["elastic", "hysteretic"]),
     reciprocal=st.booleans(),
-    stick_band=st.floats(0, 1),
     method=st.sampled_from(["auto", "exact", "stepped", "averaged"]),
     damping=st.builds(Damping, contact=st.floats(0, 1), normal=st.floats(0, 1), tangential=st.floats(0, 1)),
+)
+SLIDERS = st.builds(Slider, law=st.just("elastic"), stick_band=st.floats(0, 1), **COMMON) | st.builds(
+    Slider, law=st.just("hysteretic"), **COMMON
 )
 AT_ANY_SPEED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 TITLES = st.text(max_size=40).filter(str.isprintable)

@@ -637,6 +637,7 @@ def test_what_the_program_reads_is_installed_with_it():
     read = {
         path for suffix in ("toml", "html", "csv", "c", "h", "msh") for path in (root / "studies").rglob(f"*.{suffix}")
     }
+    read |= set((root / "studies" / "evidence").rglob("*.json"))
     read |= set((root / "studies" / "scenes" / "meshes").glob("*.py"))  # the scripts that draw the meshes
     assert len(read) > 5
     read |= {root / "studies" / name for name in ("py.typed", "glossary.md", "scenes/README.md", "scenes/schema.json")}

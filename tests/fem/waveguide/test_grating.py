@@ -183,7 +183,7 @@ def test_a_stop_band_s_numbers_are_of_its_edges():
     [
         ("steel", 1e-3, 0.5, "solid must be piezoelectric under a grating of fingers, and steel is not"),
         ("PZT-8", -1.0, 0.5, r"period must be positive and finite, got -1\.0 m"),
-        ("PZT-8", 1e-3, 1.0, r"metallisation must lie between 0 and 1, got 1\.0"),
+        ("PZT-8", 1e-3, 1.0, r"metallisation must be between 0.001 and 0.999, got 1\.0"),
     ],
 )
 def test_what_is_no_grating_is_refused(name, period, metallisation, words):
