@@ -119,7 +119,7 @@ def test_pressure_on_the_balls():
 def test_pressure_on_the_stator_and_on_the_crest():
     """Twente's ball with 172 mN: p0 = 515 MPa at rest, more on the crest; with 300 mN more at rest."""
     crest = record("twente", "slider.preload=0.172 N")
-    points = (Point(voltage_V=60.0, tangential_amplitude_m=1e-9, contact_pressure_Pa=0.517e9),)
+    points = (Point(voltage_V=60.0, tangential_amplitude_m=1e-9, contact_pressure_Pa=0.5174e9),)
     only(warnings_of(replace(crest, points=points)), "on the wave's crest", "the stator", "0.517 GPa", "TP-226")
     only(warnings_of(record("twente", "slider.preload=0.3 N")), "at rest", "the stator")
     assert warnings_of(record("twente", "slider.preload=0.1 N")) == ()
