@@ -5,9 +5,11 @@ from dataclasses import replace
 import pytest
 
 from studies import Scene, run
+from studies.__main__ import main
 from studies.model.resolve import resolved
 from studies.refusal import RunError, SceneError
 from studies.scene.blocks import Cooling
+from studies.scene.toml import document
 from studies.solve.steady_temperature import steady_temperature
 
 PLATE = {
@@ -114,3 +116,12 @@ def test_other_answers_ask_for_a_number():
 
     with pytest.raises(SceneError, match=r"must be a number here: .steady. is found by sawmotor run"):
         fem_objects.whole_stator(scene(10.0, "absorbing"))
+
+
+def test_the_command_runs_and_explains_a_stator_at_its_steady_temperature(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    written = document(scene(60.0, "absorbing", cooling={"ends_heat_stator": 1.0}).to_table())
+    (tmp_path / "warm.toml").write_text(written)
+    assert main(["run", "warm.toml", "--tolerance", "1e-2", "--no-plot"]) == 0
+    assert "solved at its own steady temperature of" in capsys.readouterr().out
+    assert main(["run", "warm.toml", "--explain"]) == 0
