@@ -32,6 +32,13 @@ def solid(block: Stator):
     return fem.in_cold_lengths(cut, stretch) if stretch else cut
 
 
+def before_its_heat(scene: Scene) -> Scene:
+    """Return a scene with a cold stator where it is to be solved at its own steady temperature."""
+    if scene.stator is None or scene.stator.temperature != "steady":
+        return scene
+    return replace(scene, stator=replace(scene.stator, temperature=None))
+
+
 def surface_solid(block: Stator):
     """Return the ``fem.Solid`` at the surface: that of the last layer, or of the stator."""
     return stator(block).solids[-1]

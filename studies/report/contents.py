@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 
 from studies.model.contact_moduli import direction_dependence
-from studies.model.fem_objects import solid
+from studies.model.fem_objects import before_its_heat, solid
 from studies.record.quantities import quantity
 from studies.report.intermediate import si
 from studies.scene import Scene
@@ -14,6 +14,7 @@ from studies.scene.blocks import Stator
 
 def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
     """Yield a name and its lines of text for each part of a resolved scene."""
+    scene = before_its_heat(scene)
     if scene.stator is not None:
         yield "stator", [section(scene.stator)]
     for each in scene.transducer:

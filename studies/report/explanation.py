@@ -74,8 +74,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     """
     searched = bool(scene.transducer) and scene.drive.frequency == "center"
     scene = resolve.resolved(scene)
-    if scene.stator is not None and scene.stator.temperature == "steady":  # its sizes are those of the cold stator
-        scene = replace(scene, stator=replace(scene.stator, temperature=None))
+    scene = fem_objects.before_its_heat(scene)
     parts: list[dict] = []
     left_out_options: dict[str, Any] = {}
     operations, block_bytes, seconds = 0.0, 0.0, START + MESH_START * bool(scene.piece) + SEARCH * searched
