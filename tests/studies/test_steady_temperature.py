@@ -125,4 +125,6 @@ def test_the_command_runs_and_explains_a_stator_at_its_steady_temperature(tmp_pa
     assert main(["run", "warm.toml", "--tolerance", "1e-2", "--no-plot"]) == 0
     assert "solved at its own steady temperature of" in capsys.readouterr().out
     assert main(["run", "warm.toml", "--explain"]) == 0
-    assert main(["check", "warm.toml"]) == 0
+    motor = Scene.load("twente").replace(stator={"temperature": "steady", "temperature_coefficient": 17e-6})
+    (tmp_path / "motor.toml").write_text(document(motor.to_table()))
+    assert main(["check", "motor.toml"]) == 0
