@@ -121,7 +121,7 @@ def _ball(slider, sample, orbit) -> _Ball:
     z = lowest + (deepest - lowest) * np.linspace(0.0, 1.0, APPROACHES)
     near = free + deepest > 0.0
     approaches = np.array([sample.approaches(radius, modulus, each)[near] for each in z])
-    return _Ball(z, approaches, 4.0 / 3.0 * modulus * math.sqrt(sample.radius))
+    return _Ball(z, approaches, sample.stiffness(modulus))
 
 
 def _wave(orbit, steps):

@@ -14,6 +14,7 @@ from studies.scene import Scene
 from studies.scene.blocks import ORIENTATION
 from studies.scene.numbers import Quantity
 from studies.scene.quantity import si_value
+from studies.scene.slider import Slider
 from studies.scene.toml import document
 
 # Material of a cut that is named without one, and pairs of fingers of usual motors
@@ -29,7 +30,6 @@ SHARE_OF_CREST = 0.5  # speed of a slider over that of the wave's crests, where 
 PRESSED = 0.5  # approach of a ball at rest over the normal amplitude
 SHARE_OF_FRICTION = 0.9  # force at the stall over mu times the preload, of a slider that hops
 MOST_BALLS = 60
-GRAVITY = 9.81
 LIGHT = 0.01  # resonance of the contact over the wave's frequency up to which a slider rides quietly
 DAMPED = 0.1  # of the bounce, over its critical damping
 SAMPLES = 8  # voltages
@@ -186,9 +186,9 @@ def _slider(name: str, solid, place: float, frequency: float, amplitude: float, 
     # bounce at rest: dP/dz = 1.5 P/z
     stiffness = 1.5 * preload / approach
     lightest = stiffness / (2.0 * math.pi * LIGHT * frequency) ** 2
-    mass = _round(max(preload / GRAVITY, lightest), 2)
+    mass = _round(max(preload / Slider.gravity, lightest), 2)
     damping = 2.0 * DAMPED * math.sqrt(stiffness * mass)
-    heavy = mass < 1.1 * preload / GRAVITY
+    heavy = mass < 1.1 * preload / Slider.gravity
     block = {
         "position": _length(place), "ball": "steel", "radius": _length(radius), "contacts": balls,
         "mass": f"{mass * 1e3:.3g} g", "preload": f"{preload * 1e3:.3g} mN", "friction_coefficient": FRICTION,

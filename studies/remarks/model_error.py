@@ -36,8 +36,8 @@ def on_passing_wave(record: Record) -> bool:
     return record.scene.slider is not None and contact_of_run(record).passing
 
 
-def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...]]]:
-    """Return the effects that do not depend on the level, and for each point those that do."""
+def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...]], bool]:
+    """Return the effects that do not depend on the level, for each point those that do, and `on_passing_wave`."""
     always: list[tuple] = []
     at_points: list[list[tuple]] = [[] for _ in record.points]
     passing = on_passing_wave(record)
@@ -55,7 +55,7 @@ def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...
     always += ball_surface(record)
     for own, point in zip(at_points, record.points, strict=True):
         own += ball_surface_at(record, point)
-    return _finite(always), [_finite(own) for own in at_points]
+    return _finite(always), [_finite(own) for own in at_points], passing
 
 
 def _finite(effects: list[tuple]) -> tuple[Effect, ...]:
@@ -63,11 +63,11 @@ def _finite(effects: list[tuple]) -> tuple[Effect, ...]:
     return tuple(each for each in found if math.isfinite(each.size))
 
 
-def _largest(record: Record, always: tuple, at_points: list[tuple]) -> list[Effect]:
+def _largest(record: Record, always: tuple, at_points: list[tuple], passing: bool) -> list[Effect]:
     """Return each effect once, with the size that `model_error` states."""
     levels = [point.level for point in record.points]
     last = at_points[levels.index(max(levels))] if levels else ()
-    if on_passing_wave(record):
+    if passing:
         of_points = last
     else:
         everywhere = (each for own in at_points for each in own if each.effect not in AT_LARGEST)
@@ -90,8 +90,8 @@ def with_model_error(record: Record) -> Record:
     of the velocity divided by the relative change of the wave amplitude), with the sizes at that point. If one effect
     is as large as the quantity itself, the answer is refused: the record gets a shortfall.
     """
-    always, at_points = _effects(record)
-    largest = _largest(record, always, at_points)
+    always, at_points, passing = _effects(record)
+    largest = _largest(record, always, at_points, passing)
     if not largest:
         return record
     points = []

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import contact
 from studies.record import Record
 from studies.record.plots import COLOURS, PALETTE, finished, saved
 from studies.record.quantities import Quantity, quantities, quantity
@@ -228,7 +229,8 @@ def _same(one, other) -> bool:
 def _errors(record: Record) -> np.ndarray:
     """Return the stated error of each velocity, m/s."""
     surface = 2.0 * math.pi * record.scene.frequency * np.abs(record.tangential_amplitude)
-    return record.relative_error * np.maximum(np.abs(record.velocity), surface / 10.0)
+    scales = list(map(contact.speed_scale, record.velocity.tolist(), surface.tolist()))
+    return record.relative_error * np.array(scales)
 
 
 def _change(one: tuple[float, float] | None, other: tuple[float, float] | None) -> tuple[float | None, bool]:
