@@ -123,7 +123,8 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
             with suppress(OSError):
                 _complete(target)  # of a commit that was interrupted
             shutil.rmtree(target / WORK, ignore_errors=True)
-            (target / LOCK).unlink(missing_ok=True)
+            with suppress(OSError):  # the lock ends with its process; its file does no harm
+                (target / LOCK).unlink(missing_ok=True)
             lock.release()
         for folder in made:
             with suppress(OSError):

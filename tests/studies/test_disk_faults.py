@@ -1,0 +1,181 @@
+"""A disk that fails: at each operation of a run that replaces a former result, and of a sweep's store.
+
+The fault is raised by the operation itself (`io.open`, a write, a rename, ...), at every operation in turn, so that no
+place is left out. Nothing of the user's is lost, the message is one sentence, and the next command repairs the rest.
+"""
+
+import errno
+import io
+import json
+import os
+import shutil
+import sqlite3
+import sys
+
+import pytest
+
+import studies
+from studies.__main__ import main
+from studies.refusal import RunError
+from studies.results.directory import MANIFEST, read_manifest
+
+OPERATIONS = ("rename", "replace", "mkdir", "unlink", "rmdir")  # of the module os; pathlib calls them
+NOTE, FORMER = "my notes", "edited by hand"
+
+
+class FailingFile:
+    """A file whose writing fails; the rest is the file's."""
+
+    def __init__(self, file, disk):
+        self._file, self._disk = file, disk
+
+    def write(self, text):
+        """Write, if the disk lets it."""
+        self._disk.operate()
+        return self._file.write(text)
+
+    def __getattr__(self, name):
+        return getattr(self._file, name)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._file.close()
+
+    def __iter__(self):
+        return iter(self._file)
+
+
+class Disk:
+    """The operations on files below a folder; the one of a number fails, and all that follow where it is full."""
+
+    def __init__(self, monkeypatch, folder, code):
+        self.folder, self.code, self.count, self.fails = str(folder), code, 0, None
+        plain = io.open
+
+        def opened(file, mode="r", *arguments, **keywords):
+            if not self._mine(file) or not set(mode) & set("wax+"):
+                return plain(file, mode, *arguments, **keywords)
+            self.operate()
+            return FailingFile(plain(file, mode, *arguments, **keywords), self)
+
+        for where in ("builtins.open", "io.open"):
+            monkeypatch.setattr(where, opened)
+        for name in OPERATIONS:
+            monkeypatch.setattr(os, name, self._failing(getattr(os, name)))
+
+    def _mine(self, path):
+        return isinstance(path, str | os.PathLike) and os.fspath(path).startswith(self.folder)
+
+    def _failing(self, function):
+        def operation(path, *arguments, **keywords):
+            if self._mine(path):
+                self.operate()
+            return function(path, *arguments, **keywords)
+
+        return operation
+
+    def operate(self):
+        """Count an operation and raise if it is the one that fails."""
+        self.count += 1
+        if self.count - 1 == self.fails:
+            raise OSError(self.code, os.strerror(self.code))
+
+
+def written(folder):
+    """Return the content of each file of a folder by name, but for what only a program that writes leaves."""
+    files = (each for each in folder.rglob("*") if each.is_file() and not each.name.startswith(".sawmotor."))
+    return {each.relative_to(folder).as_posix(): each.read_bytes() for each in files} | {
+        MANIFEST: (folder / MANIFEST).read_bytes() if (folder / MANIFEST).exists() else b""
+    }
+
+
+def refuse_mixture(folder):
+    """Fail where a directory with a run.json holds files of two runs."""
+    if (folder / "run.json").exists():
+        json.loads((folder / "run.json").read_text())
+        missing = [name for name in read_manifest(folder)["files"] if not (folder / name).exists()]
+        assert not missing
+
+
+@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EIO])
+def test_no_failing_operation_of_a_run_loses_anything(code, tmp_path, monkeypatch, capsys):
+    former, folder = tmp_path / "former", tmp_path / "motor"
+    words = ["run", "rayleigh", "--no-plot", "--out", str(folder)]
+    assert main(words) == 0
+    (folder / "note.txt").write_text(NOTE)
+    (folder / "profile.csv").write_text(FORMER)  # a table that the user edited
+    folder.rename(former)
+    capsys.readouterr()
+    changed = [*words, "--set", "drive.frequency=2.3e6"]
+    record = studies.run(studies.Scene.load("rayleigh").replace(drive={"frequency": 2.3e6}))
+    monkeypatch.setattr("studies.runs.run", lambda *_, **__: record)  # the disk is tested, not the solver
+
+    failed, k = 0, 0
+    while True:
+        shutil.copytree(former, folder)
+        with monkeypatch.context() as patch:
+            disk = Disk(patch, folder, code)
+            disk.fails = k
+            status = main(changed)
+        said = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
+        assert (folder / "note.txt").read_text() == NOTE
+        assert FORMER in [each.read_text() for each in folder.glob("profile*.csv")]
+        refuse_mixture(folder)
+        if status:
+            failed += 1
+            assert status in (2, 3), (k, said)
+            assert len(said) == 1, (k, said)
+            assert os.strerror(code) in said[0], (k, said)
+        assert main(changed) == 0
+        assert (folder / "note.txt").read_text() == NOTE
+        assert FORMER in [each.read_text() for each in folder.glob("profile*.csv")]
+        assert json.loads((folder / "run.json").read_text())["scene"]["drive"]["frequency"] == 2.3e6
+        refuse_mixture(folder)
+        capsys.readouterr()
+        shutil.rmtree(folder)
+        if disk.count <= k:
+            break
+        k += 1
+    assert failed > 8  # the two tables, run.json, the scene, the manifest, the moves
+
+
+def test_full_store_keeps_the_points_that_were_reported(tmp_path, monkeypatch):
+    """SQLite's own limit of pages stands for a full disk."""
+    from studies.sweeps import store
+
+    scene, keys = studies.Scene.load("twente-contact"), {"slider.load": [0.0, 1e-5, 2e-5, 3e-5, 4e-5]}
+    whole = studies.sweep(scene, keys)
+    kept = []
+    write = store.Store.write
+
+    def full_after_two(self, rows, batches):
+        if len(kept) >= 2:
+            pages = self.connection.execute("pragma page_count").fetchone()[0]
+            self.connection.execute(f"pragma max_page_count = {pages}")
+            rows = [(*row[:-1], "long " * 20_000) for row in rows]
+        write(self, rows, batches)
+        kept.extend(rows)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(store.Store, "write", full_after_two)
+        with pytest.raises(RunError, match="is the disk full"):
+            studies.sweep(scene, keys, out=tmp_path / "sweep", workers=1)
+    with sqlite3.connect(tmp_path / "sweep" / store.FILE) as connection:
+        points = [row[0] for row in connection.execute("select point from points order by point")]
+    connection.close()
+    assert points == sorted(row[0] for row in kept)
+    again = studies.sweep(scene, keys, out=tmp_path / "sweep")
+    assert again.columns() == whole.columns()
+
+
+def test_exhausted_memory_is_one_sentence(monkeypatch, capsys):
+    def exhausted(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("studies.runs.run", exhausted)
+    assert main(["run", "rayleigh", "--json"]) == 3
+    said = capsys.readouterr().err.splitlines()
+    assert said == ["sawmotor: the run needs more memory than this machine gives it; a looser --tolerance needs less"]
+    assert sys.exc_info() == (None, None, None)
