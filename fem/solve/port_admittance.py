@@ -9,9 +9,9 @@ from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
 from fem.condense.electrodes import is_port
 from fem.discretize.error_estimate import refine_stator
-from fem.exceptions import InputError, refuse_above
+from fem.exceptions import ConvergenceError, InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.solve.band import frequency_band
+from fem.solve.band import Band, frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
@@ -132,7 +132,12 @@ def _over_band(stator, transducers, frequencies: np.ndarray, tolerance: float, s
     limits = {"lowest": float(frequencies.min()), "highest": float(frequencies.max())}
     motion_tolerance = tolerance
     for _ in range(BAND_ROUNDS):  # the band's tolerance bounds the motion; the admittances may need a smaller one
-        band = frequency_band(stator, transducers, **limits, drive=drive, tolerance=motion_tolerance)
+        try:
+            band = frequency_band(stator, transducers, **limits, drive=drive, tolerance=motion_tolerance)
+        except ConvergenceError as error:
+            if not isinstance(error.reached, Band):
+                raise
+            band = error.reached  # its admittances may still meet theirs
         if band.admittance_error <= tolerance:
             break
         motion_tolerance *= 0.5 * tolerance / band.admittance_error
