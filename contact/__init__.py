@@ -33,7 +33,7 @@ _PUBLIC = {
     "law.falling": "FallingFriction",
     "law.rough": "Asperities johnson_number MeanField Roughness",
     "law.user": "UserLaw",
-    "orbit": "Orbit",
+    "orbit": "Orbit Orbits as_orbits",
     "rules": "FrictionRules SliderRules",
     "slider": "Slider",
     "track": "Track",

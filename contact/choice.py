@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from contact.error_estimate import relative_to_reference
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit
+from contact.orbit import Orbits
 from contact.wave import PassingWave
 
 OK, ABOVE_TOLERANCE = "ok", "above tolerance"
@@ -89,7 +89,7 @@ class Answered:
     """Base of results whose velocity is an `Answer`: relative error, status and message."""
 
     answer: Answer
-    orbits: tuple[Orbit, ...] | PassingWave
+    orbits: Orbits | PassingWave
 
     @property
     def relative_error(self) -> float:

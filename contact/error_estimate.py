@@ -21,8 +21,8 @@ import math
 import numpy as np
 
 from contact.jit.compiled import formula
-from contact.orbit import Orbit
-from contact.wave import PassingWave
+from contact.orbit import as_orbits
+from contact.wave import PassingWave, Surface
 
 # Event-driven motion. TRUNCATION: smallest error that is stated, over the reference speed and the truncation error
 # allowed in a segment, because two orders may agree by chance. DRIFT: rounding per cycle, over the reference speed.
@@ -93,11 +93,10 @@ RULE_ERROR = 0.1
 LEAST_DISTANCE = 1e-6
 
 
-def reference_speed(velocity: float, orbits: tuple[Orbit, ...] | PassingWave) -> float:
+def reference_speed(velocity: float, orbits: Surface) -> float:
     """Return the reference speed max(|v|, omega |u_x|/10) in m/s, with the largest |u_x| of the orbits or the waves."""
-    if isinstance(orbits, PassingWave):
-        return speed_scale(velocity, orbits.peak_speed)
-    return speed_scale(velocity, max(o.omega * abs(o.tangential) for o in orbits))
+    surface = orbits if isinstance(orbits, PassingWave) else as_orbits(orbits)
+    return speed_scale(velocity, surface.peak_speed)
 
 
 def speed_scale(velocity: float, surface_speed: float) -> float:
@@ -105,7 +104,7 @@ def speed_scale(velocity: float, surface_speed: float) -> float:
     return max(abs(velocity), surface_speed / 10.0)
 
 
-def relative_to_reference(difference: float, velocity: float, orbits: tuple[Orbit, ...] | PassingWave) -> float:
+def relative_to_reference(difference: float, velocity: float, orbits: Surface) -> float:
     """Return a velocity difference over the reference speed, or 1 for a nonzero difference if that speed is zero."""
     reference = reference_speed(velocity, orbits) or abs(difference)
     return float(abs(difference) / reference) if reference > 0.0 else 0.0

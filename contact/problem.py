@@ -19,7 +19,7 @@ from contact.body import Paths
 from contact.jit.compiled import compiled, formula
 from contact.law import normal
 from contact.law.protocol import Law
-from contact.orbit import Orbit
+from contact.orbit import as_orbits, product
 from contact.slider import Slider
 
 
@@ -132,9 +132,8 @@ def numbers(s: Slider, contacts: int) -> list[float]:
     ]  # fmt: skip
 
 
-def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1.0) -> Paths:
-    """Return the paths of contacts of these heights, the orbits' amplitudes times a factor."""
-    u_z, u_x = (np.array([o.normal * factor for o in orbits]), np.array([o.tangential * factor for o in orbits]))
+def paths_of(u_z: np.ndarray, u_x: np.ndarray, heights: np.ndarray) -> Paths:
+    """Return the paths of contacts of these heights over surfaces with complex amplitudes u_z and u_x."""
     return Paths(heights, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
 
 
@@ -152,15 +151,18 @@ def in_units(numbers, length, omega, paths, factors, law):
     )  # fmt: skip
 
 
-def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start: float) -> Problem:
+def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem:
     """Return the dimensionless problem of a slider and one orbit per contact.
 
     `direction`: +1 or -1, that of the motion that the load opposes; `start`: angle of the wave at phase 0, rad:
     u = Re(amplitude exp(i (phase + start))).
     """
-    own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length, omega = max(own[SliderNumber.REST], reach, 1e-300), orbits[0].omega
-    paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
+    orbits = as_orbits(orbits)
+    own, reach = numbers(slider, len(orbits)), orbits.reach
+    length, omega = max(own[SliderNumber.REST], reach, 1e-300), orbits.omega
+    unit = np.exp(1j * start) / length
+    u_z, u_x = product(orbits.normal, unit), product(orbits.tangential, unit)
+    paths = paths_of(u_z, u_x, slider.offsets(len(orbits)) / length)
     factors = ContactFactors(*slider.contact_factors(len(orbits)))
     problem = in_units(own, length, omega, paths, factors, slider.tangential_law)
     return _with_longest(

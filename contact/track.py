@@ -13,7 +13,7 @@ import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import InputError
-from contact.orbit import Orbit
+from contact.orbit import Orbits
 
 BLOCK = 32  # nodes that are evaluated together
 LEAST_NODES = 8
@@ -94,13 +94,7 @@ class Track:
             found = found + weight * nodes[:, :, base - first + k]
         return found
 
-    def orbits(self, displacements, frequency: float) -> list[tuple[Orbit, ...]]:
+    def orbits(self, displacements, frequency: float) -> list[Orbits]:
         """Return the orbits of the contacts at displacements in m, shape (k,)."""
         u_x, u_z = self.at(displacements)
-        return [
-            tuple(
-                Orbit(frequency=frequency, normal=complex(z), tangential=complex(x))
-                for x, z in zip(u_x[:, k], u_z[:, k], strict=True)
-            )
-            for k in range(u_x.shape[1])
-        ]
+        return [Orbits(frequency=frequency, normal=z, tangential=x) for x, z in zip(u_x.T, u_z.T, strict=True)]

@@ -1,13 +1,14 @@
 """The surface wave under a slider: prescribed orbits, or plane waves from both sides that the slider may load."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import ConvergenceError, InputError
-from contact.orbit import Orbit, as_orbits, drive_direction
+from contact.orbit import Orbit, Orbits, as_orbits, drive_direction
 from contact.slider import Slider
 
 HARMONICS = "harmonics"  # value of `loading` that includes the overtones of the wave
@@ -120,19 +121,16 @@ class PassingWave:
         """Return the same wave with both amplitudes multiplied by a factor."""
         return replace(self, forward=self.forward * factor, backward=self.backward * factor)
 
-    def orbits_at(self, x) -> tuple[Orbit, ...]:
+    def orbits_at(self, x) -> Orbits:
         """Return the motion of the surface at positions in m from the slider's centre, as it is without the slider."""
         turn = np.exp(-1j * self.wavenumber * np.atleast_1d(x))
         forward, backward = self.forward * turn, self.backward * turn.conj()
         normal, along = forward + backward, self.orbit * forward + self.orbit.conjugate() * backward
-        return tuple(
-            Orbit(frequency=self.frequency, normal=complex(u_z), tangential=complex(u_x))
-            for u_z, u_x in zip(normal, along, strict=True)
-        )
+        return Orbits(frequency=self.frequency, normal=normal, tangential=along)
 
 
 # The motion of the surface under a slider: one orbit, one per contact, or waves that give it at each place
-Surface = Orbit | tuple[Orbit, ...] | PassingWave
+Surface = Orbit | Sequence[Orbit] | PassingWave
 
 
 def crest_direction(orbits) -> float:
@@ -144,7 +142,7 @@ def crest_direction(orbits) -> float:
 
 def frequency(orbits) -> float:
     """Return the frequency of orbits or of a passing wave, Hz."""
-    return (orbits if isinstance(orbits, PassingWave) else as_orbits(orbits)[0]).frequency
+    return (orbits if isinstance(orbits, PassingWave) else as_orbits(orbits)).frequency
 
 
 def resonance_ratio(slider: Slider, orbits) -> float:
@@ -156,7 +154,7 @@ def resonance_ratio(slider: Slider, orbits) -> float:
 def coupling(slider: Slider, orbits) -> tuple[str, ...]:
     """Return why the motion of the surface, or of the body, is not known before the forces; empty if it is.
 
-    ``orbits``: `Orbit`, a tuple of them, or a `PassingWave`.
+    ``orbits``: `Orbit`, a sequence of them, or a `PassingWave`.
     """
     why: tuple[str, ...] = ("the slider tilts",) if slider.tilt != "held" else ()
     why += ("its backing is soft",) if slider.backing == "soft" else ()
@@ -173,7 +171,7 @@ def refuse_infinite_mass(slider: Slider) -> None:
         raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
 
 
-def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider, tuple[Orbit, ...]]:
+def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider, Orbits]:
     """Return a slider and the orbit under each of its contacts; those that are equal and in one row are one of them.
 
     ``in_time``: True if the motion is followed in time, which needs a finite mass.

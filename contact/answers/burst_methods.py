@@ -31,7 +31,7 @@ from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.law.normal import load
-from contact.orbit import Orbit
+from contact.orbit import Orbits
 from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
 from contact.stepping.along_track import Followed, Scaled, steps_along
@@ -150,7 +150,7 @@ class Burst(NamedTuple):
     """A burst from rest that returns a sample every `stride` cycles."""
 
     slider: Slider
-    orbits: tuple[Orbit, ...]
+    orbits: Orbits
     problem: Problem
     cycles: int
     stride: int

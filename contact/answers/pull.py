@@ -44,14 +44,14 @@ def damper_pull(slider: Slider, orbits: Surface) -> tuple[float, float]:
     if chi == 0.0:
         return 0.0, 0.0
     slider, listed = prescribed(slider, orbits)
-    fastest = max(orbit.omega * abs(orbit.normal) for orbit in listed)
+    fastest = listed.omega * float(listed.normal_size.max())
     if chi * fastest <= 1.0 or slider.preload == 0.0:
         return 0.0, 0.0
     phase = 2.0 * np.pi * np.arange(PHASES) / PHASES
-    size = np.array([[abs(orbit.normal)] for orbit in listed])
+    size = listed.normal_size[:, None]
     heights = riding_height(slider, listed) + slider.offsets(len(listed))
     approach = heights[:, None] + size * np.cos(phase)
-    damped = 1.0 - chi * listed[0].omega * size * np.sin(phase)
+    damped = 1.0 - chi * listed.omega * size * np.sin(phase)
     stiffness = slider.contacts(len(listed)).normal_stiffness[:, None]
     force = stiffness * load(approach, slider.contact_shape) * damped
     return min(float(force.min()), 0.0), float(np.max(np.mean(force < 0.0, axis=1)))

@@ -40,7 +40,7 @@ from contact.error_estimate import (
     two_orders_error,
 )
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, towards_plus
+from contact.orbit import Orbits, towards_plus
 from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic
 from contact.problem import scaled
@@ -100,7 +100,7 @@ class SteadyState(Answered):
     """
 
     slider: Slider
-    orbits: tuple[Orbit, ...] | PassingWave
+    orbits: Orbits | PassingWave
     answer: Answer
     regime: str
     height: float
@@ -128,7 +128,7 @@ def steady(
     ----------
     slider : Slider
         The slider.
-    orbits : Orbit, tuple of Orbit or PassingWave
+    orbits : Orbit, sequence of Orbit or PassingWave
         Motion of the surface under each contact, or the waves below the slider.
     tolerance : float
         Allowed error of the velocity, relative to max(|v|, omega |u_x|/10).
@@ -248,7 +248,7 @@ class _Search(NamedTuple):
     """
 
     slider: Slider
-    orbits: tuple[Orbit, ...]
+    orbits: Orbits
     method: str
     side: float
     ratio: float  # resonance frequency of the contacts over wave frequency
@@ -295,7 +295,7 @@ class _Search(NamedTuple):
 def _searched(slider, orbits, method):
     """Return the solution by averaging, shooting or a long run from rest."""
     side, driven = towards_plus(orbits)
-    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    ratio = slider.normal_resonance(len(orbits)) / orbits.frequency
     search = _Search(slider, driven, method, side, ratio, *_equilibrium(slider, driven, ratio, method))
     return _averaged(search) if method == "averaged" else first_to_converge(STEADY_METHODS, search)
 
@@ -331,7 +331,7 @@ def _first_order(slider, orbits, balance, ratio):
     """Return the first-order averaged steady state of a law that only the event-driven solver supports."""
     error = first_order_error(ratio)
     if balance.held:
-        on_larger_wave = balanced(slider, tuple(orbit.scaled(larger_wave(ratio)) for orbit in orbits))
+        on_larger_wave = balanced(slider, orbits.scaled(larger_wave(ratio)))
         error = relative_to_reference(on_larger_wave.speed * on_larger_wave.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"

@@ -93,7 +93,7 @@ def threshold(slider: Slider, orbits: Surface) -> Answer:
         return _coupled_threshold(slider, orbits)
     slider, listed = prescribed(slider, orbits)
     _, listed = towards_plus(listed)
-    if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
+    if listed.still:
         return Answer(value=math.inf, error=0.0, reasons=("there is no wave",))
     if slider.static_friction(len(listed)) <= slider.load:
         return Answer(value=0.0, error=0.0, reasons=("friction cannot hold the load",))
@@ -104,7 +104,7 @@ def threshold(slider: Slider, orbits: Surface) -> Answer:
     if slider.law == "elastic" and not (slider.reciprocal or bent) and slider.level and slider.even and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
         return (_by_averaging if own_spring else _by_full_motion)(slider, listed, elastic)
-    held = _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in listed)).held, elastic)
+    held = _edge(lambda k: not balanced(slider, listed.scaled(k)).held, elastic)
     return _by_averaging(slider, listed, held)
 
 
@@ -164,12 +164,12 @@ def releases(slider: Slider, orbits: Surface) -> tuple[Answer | None, ...]:
 
 def _released_contact(slider, listed, i):
     """Return the averaged factor at which contact i leaves the surface, inf if none does."""
-    normal, height = abs(listed[i].normal), slider.offsets(len(listed))[i]
+    normal, height = listed.normal_size[i], slider.offsets(len(listed))[i]
 
     def approach(factor):
-        return riding_height(slider, tuple(o.scaled(factor) for o in listed)) + height - factor * normal
+        return riding_height(slider, listed.scaled(factor)) + height - factor * normal
 
-    largest = max(abs(o.normal) for o in listed)
+    largest = float(listed.normal_size.max())
     if largest == 0.0 or approach(CLIMB * float(np.max(slider.rest_approaches(len(listed)))) / largest) > 0.0:
         return math.inf
     averaged = _falling_root(approach, slider, listed)
@@ -177,7 +177,7 @@ def _released_contact(slider, listed, i):
         return averaged
 
     def separates(factor):
-        balance = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
+        balance = balanced(slider, listed.scaled(factor))
         return balance.height * balance.problem.length + height - factor * normal < 0.0
 
     return _edge(separates, averaged)
@@ -187,7 +187,7 @@ def _by_averaging(slider, orbits, factor):
     """Return the answer for a factor from the averaged theory, with the error of averaging."""
     if math.isinf(factor):
         return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
-    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    ratio = slider.normal_resonance(len(orbits)) / orbits.frequency
     error = float(factor * averaged_threshold_error(ratio, ACCURACY))
     return Answer(value=float(factor), error=float(error), reasons=("cycle means",))
 
@@ -209,7 +209,7 @@ def _by_full_motion(slider, orbits, averaged_factor, margins=None):
 
         @cache
         def margin(factor):
-            problem = scaled(slider, tuple(o.scaled(factor) for o in orbits), direction=1.0, start=0.0)
+            problem = scaled(slider, orbits.scaled(factor), direction=1.0, start=0.0)
             motion = normal_motion(problem, riding_approach(problem), samples)
             return margins(problem, motion, slider)[which]
 
@@ -295,15 +295,15 @@ def _own_mirror_image(slider, orbits):
 def _released(slider, listed):
     """Return the averaged factor at which a contact is first lost."""
     if slider.level and not slider.reciprocal:
-        normal = [abs(o.normal) for o in listed]
-        return _factor_at(max(normal), slider, normal) if max(normal) > 0.0 else math.inf
+        normal = listed.normal_size
+        return _factor_at(max(normal), slider, normal) if normal.any() else math.inf
     touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0  # at rest
-    normal, heights = np.array([abs(o.normal) for o in listed])[touch], slider.offsets(len(listed))[touch]
+    normal, heights = listed.normal_size[touch], slider.offsets(len(listed))[touch]
     if not touch.any() or np.max(normal) == 0.0:
         return math.inf if slider.preload > 0.0 else 0.0
 
     def smallest_approach(factor):
-        h = riding_height(slider, tuple(o.scaled(factor) for o in listed))
+        h = riding_height(slider, listed.scaled(factor))
         return float(np.min(h + heights - factor * normal))
 
     elastic = _falling_root(smallest_approach, slider, listed)
@@ -312,7 +312,7 @@ def _released(slider, listed):
         return elastic
 
     def separates(factor):
-        balance = balanced(slider, tuple(orbit.scaled(factor) for orbit in listed))
+        balance = balanced(slider, listed.scaled(factor))
         return np.min(balance.height * balance.problem.length + heights - factor * normal) < 0.0
 
     return _edge(separates, elastic)
@@ -333,7 +333,7 @@ def release_amplitude(slider: Slider, orbits: Surface) -> float:
 
 def _first_normal(slider, orbits):
     """Return |u_z| of the first orbit, or of the larger wave, m."""
-    return orbits.amplitude if isinstance(orbits, PassingWave) else abs(as_orbits(orbits)[0].normal)
+    return orbits.amplitude if isinstance(orbits, PassingWave) else float(as_orbits(orbits).normal_size[0])
 
 
 def _coupled_threshold(slider, wave):
@@ -355,9 +355,10 @@ def _elastic_threshold(slider, orbits):
     """Return the factor at which a contact first slips, for equal heights (see the module docstring)."""
     c = slider.slope_unit
     # smallest h at which the two bounds on the offset of every contact leave an interval, for the orbits as they are
-    lowest = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
+    ends = abs(orbits.tangential - c * orbits.normal) + abs(orbits.tangential + c * orbits.normal)
+    lowest = float(ends.max()) / (2.0 * c)
     # at this factor the slider rides at that height, and the interval of one contact vanishes
-    first_slip = _factor_at(lowest, slider, [abs(o.normal) for o in orbits])
+    first_slip = _factor_at(lowest, slider, orbits.normal_size)
     if _holding_margin(slider, orbits, first_slip * (1.0 - 1e-9)) >= 0.0:
         return first_slip
     return bracketed(lambda factor: _holding_margin(slider, orbits, factor), 0.0, first_slip)
@@ -391,7 +392,7 @@ def _holding_margin(slider, orbits, factor):
     the distance of the load from the mean tangential forces at the largest and the smallest offsets.
     """
     mu, shape, (share, slopes) = slider.static_coefficient, slider.contact_shape, slider.contact_factors(len(orbits))
-    scaled = tuple(orbit.scaled(factor) for orbit in orbits)
+    scaled = orbits.scaled(factor)
     h = riding_height(slider, scaled)
     margin, largest, smallest = math.inf, 0.0, 0.0
     for part, slope, orbit in zip(share, slopes, scaled, strict=True):
@@ -409,7 +410,7 @@ def _holding_margin(slider, orbits, factor):
 
 def _falling_root(function, slider, orbits):
     """Return the root of a decreasing function that is positive at 0."""
-    amplitude = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
+    amplitude = orbits.reach
     high = float(np.max(slider.rest_approaches(len(orbits)))) / amplitude
     while function(high) > 0.0:
         high *= 2.0

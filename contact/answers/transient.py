@@ -29,7 +29,7 @@ from contact.choice import Answer, Answered, refused
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
-from contact.orbit import Orbit, towards_plus
+from contact.orbit import Orbits, towards_plus
 from contact.slider import Slider
 from contact.stepping.along_track import Scaled
 from contact.track import Track
@@ -81,7 +81,7 @@ class Trajectory(Answered):
     """
 
     slider: Slider
-    orbits: tuple[Orbit, ...] | PassingWave
+    orbits: Orbits | PassingWave
     time: np.ndarray
     velocity: np.ndarray
     position: np.ndarray
@@ -242,7 +242,7 @@ def _on_track(trajectory, track, way, unit, asked):
 
 def _during(burst, motion, record):
     """Return the parts of a burst: start, record and, if the last sample is not its end, the end; see `_follow_on`."""
-    frequency, start = burst.orbits[0].frequency, -burst.slider.rest_approach(len(burst.orbits)) / burst.problem.length
+    frequency, start = burst.orbits.frequency, -burst.slider.rest_approach(len(burst.orbits)) / burst.problem.length
     ends = burst.stride * np.arange(1, len(record) + 1)
     parts = [
         (np.zeros(1), np.zeros(1), np.full(1, start)),

@@ -21,7 +21,7 @@ from contact.choice import Answer, Answered
 from contact.error_estimate import two_orders_error
 from contact.events.segment import Sample
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, towards_plus
+from contact.orbit import Orbits, towards_plus
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import COARSE, FINE, coarse_periodic, fine_periodic
 from contact.slider import Slider
@@ -60,7 +60,7 @@ class History(Answered):
     """
 
     slider: Slider
-    orbits: tuple[Orbit, ...]
+    orbits: Orbits
     time: np.ndarray
     approach: np.ndarray
     deformation: np.ndarray
@@ -140,7 +140,7 @@ def _steady_motions(slider, orbits):
     order only, with its own estimate of the error.
     """
     balance = balanced(slider, orbits)
-    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    ratio = slider.normal_resonance(len(orbits)) / orbits.frequency
     try:
         fine = fine_periodic(balance)
     except ConvergenceError:

@@ -22,7 +22,7 @@ from contact.codes import Status
 from contact.error_estimate import averaged_steps_error, second_order_burst_error
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit
+from contact.orbit import Orbits
 from contact.slider import Slider
 
 # largest f_n/f for v(t), and for the steady state with second-order correction
@@ -37,7 +37,7 @@ STICKS = (
 UNSETTLED = "not converged", "the averaged motion was not finite or changed too abruptly; use method exact"
 
 
-def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> tuple[str, ...]:
+def refusals(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST) -> tuple[str, ...]:
     """Return the reasons why averaging does not apply; empty if it does."""
     why: tuple[str, ...] = ()
     if slider.law != "elastic" or slider.reciprocal:
@@ -46,18 +46,18 @@ def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFE
         why += ("slider.stick_band needs the events",)
     if slider.slope_unit == 0.0 or slider.preload == 0.0:
         why += ("there is no friction force",)
-    if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits):
+    if orbits.still:
         why += ("there is no wave",)
-    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    ratio = slider.normal_resonance(len(orbits)) / orbits.frequency
     if ratio > stiffest:
         why += (f"the contact is too stiff: it resonates at {ratio:.3g} of the wave's frequency, more than {stiffest}",)
-    rate = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * orbits[0].omega)
+    rate = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * orbits.omega)
     if rate > stiffest**2:
         why += (f"the dampers act within {1.0 / rate:.3g} radians of the wave",)
     return why
 
 
-def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> None:
+def refuse_unless_applicable(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST) -> None:
     """Raise a `ConvergenceError` if averaging does not apply."""
     why = refusals(slider, orbits, stiffest)
     if why:
@@ -108,7 +108,7 @@ def averaged_run(burst, motion, checked):
     few, nodes = (8, 10) if v_tolerance >= 1e-5 else (12, 16)
     first, second = (follow(order, 2.0 * v_tolerance, per_period // 2, few) for order in (False, True))
     averaging = differences(first, second)
-    ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits[0].frequency
+    ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits.frequency
     left = second_order_burst_error(averaging, ratio, unit)
     second_order_needed = averaging[0] + left[0] > 0.7 * tolerance * unit
     state, averaged_record = fine = follow(second_order_needed, v_tolerance, per_period, nodes)

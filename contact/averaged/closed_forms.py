@@ -17,7 +17,7 @@ from contact.averaged.riding import riding_height
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import back_load
 from contact.law.normal import load
-from contact.orbit import Orbit, drive_direction
+from contact.orbit import as_orbits, drive_direction
 from contact.roots import bracketed
 from contact.slider import Slider
 
@@ -29,16 +29,17 @@ FASTER, INSIDE = 20.0, 0.5
 DRAGGED_RATIO = 4.0
 
 
-def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
+def closed_form(slider: Slider, orbits) -> dict | None:
     """Return a dictionary of velocity, regime, height and reason ("why"), or None if no closed form applies."""
+    orbits = as_orbits(orbits)
     friction = slider.static_friction(len(orbits))
-    still = all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits)
+    still = orbits.still
     dragged = _dragged(slider, orbits)
     if not still and friction > 0.0 and not dragged:
         return _carried(slider, orbits)
     height = slider.rest_approach(len(orbits)) if still else riding_height(slider, orbits)
     mean = height + slider.offsets(len(orbits))
-    parted = any(-abs(o.normal) < z < abs(o.normal) for o, z in zip(orbits, mean, strict=True))
+    parted = bool(np.any(np.abs(mean) < orbits.normal_size))
     regime = "intermittent" if parted else "slip"
     if still:
         why, regime = "no wave", "stick" if slider.load <= friction else regime
@@ -93,26 +94,26 @@ def _dragged(slider, orbits):
     if slider.reciprocal and np.ptp(slider.limit_slope) > 0.0:  # so does then the reciprocal forces' share of the load
         return False
     surplus = slider.load - slider.friction_coefficient * slider.preload
-    fastest = max(o.omega * (abs(o.tangential) + slider.slope_unit * abs(o.normal)) for o in orbits)
+    fastest = float(np.max(orbits.omega * (orbits.tangential_size + slider.slope_unit * orbits.normal_size)))
     return surplus > 0.0 and surplus > DRAGGED_RATIO * slider.tangential_damping * fastest and fastest > 0.0
 
 
 def _carried(slider, orbits):
     """Return the steady state of a slider that follows a slow surface, or None if it does not follow."""
-    first, contacts, omega = orbits[0], len(orbits), orbits[0].omega
+    contacts, omega, frequency = len(orbits), orbits.omega, orbits.frequency
     if slider.friction is not None and slider.tangential_law.bent:
         return None
     if slider.law != "elastic":  # an annulus slips under any change of force, which may move the slider
         return None
     resonance = min(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
-    if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits) or not slider.level:
+    if resonance < FASTER * frequency or not orbits.alike or not slider.level:
         return None
-    lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * abs(first.normal)
-    pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * abs(first.tangential)
+    lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * orbits.normal_size[0]
+    pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * orbits.tangential_size[0]
     left = slider.static_coefficient * (slider.preload - lift)
     if lift > INSIDE * slider.preload or pull + slider.load > INSIDE * left:
         return None
     return {
         "velocity": 0.0, "regime": "stick", "height": slider.rest_approach(contacts),
-        "why": f"carried along by a wave {resonance / first.frequency:.3g} times as slow as the contact",
+        "why": f"carried along by a wave {resonance / frequency:.3g} times as slow as the contact",
     }  # fmt: skip

@@ -24,7 +24,7 @@ from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit
+from contact.orbit import Orbits, as_orbits
 from contact.problem import Problem, full_friction, immobile, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
@@ -53,8 +53,9 @@ class Balance:
         return -1.0 if self.problem.load < 0.0 else 1.0
 
 
-def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
+def balanced(slider: Slider, orbits) -> Balance:
     """Return the averaged equilibrium; the wave crests must drive towards +x (`orbit.towards_plus`)."""
+    orbits = as_orbits(orbits)
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
     elastic_height = riding_approach(problem)
     if problem.law.kind != Tangential.RECIPROCAL:
@@ -78,7 +79,7 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
 
 
 def cycle_at(
-    slider: Slider, orbits: tuple[Orbit, ...], *, height: float, velocity: float, held: bool, load_sign: float
+    slider: Slider, orbits: Orbits, *, height: float, velocity: float, held: bool, load_sign: float
 ) -> Balance:
     """Return the equilibrium at a known mean approach in m and a known velocity in m/s.
 
@@ -97,7 +98,7 @@ def trough(orbits):
 
     A cycle starts there because the deformation at its start is then forgotten. Without normal motion it is 0.
     """
-    return math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
+    return math.pi - float(np.angle(orbits.normal[0])) if orbits.normal[0] != 0 else 0.0
 
 
 def _rest_cycles(problem, height):
@@ -140,7 +141,7 @@ def _held(problem, height, rest):
     return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion)
 
 
-def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
+def opposed(slider: Slider, orbits: Orbits) -> float:
     """Return the direction of motion that a load opposes (`equilibrium.load_direction`)."""
     if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:
         return 1.0

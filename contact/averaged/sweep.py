@@ -28,11 +28,10 @@ from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
-from contact.body import Paths
 from contact.codes import Status, Steady
 from contact.error_estimate import averaged_stall_error, first_order_error
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit, towards_plus
+from contact.orbit import Orbits, as_orbits, crest_velocities, towards_plus
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
 from contact.wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
@@ -89,7 +88,7 @@ class MeanMotion:
 
 def steady_sweep(
     sliders: list[Slider],
-    waves: list[tuple[Orbit, ...]],
+    waves: list[Orbits],
     *,
     which: np.ndarray,
     factors: np.ndarray,
@@ -103,8 +102,8 @@ def steady_sweep(
     Parameters
     ----------
     sliders : list of Slider
-    waves : list of tuple of Orbit
-        One orbit per contact, all tuples of one length.
+    waves : list of Orbits, or of sequences of Orbit
+        One orbit per contact, all of one length.
     which : (..., 2) array of int
         Slider and wave of each problem.
     factors : (...) array
@@ -193,14 +192,15 @@ def _answer(results):
 def _entries(sliders, waves, which, factors, wave_errors, threads):
     """Return the result columns (`Entry`) of every problem; the status is NaN if averaging does not apply."""
     which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
-    contacts = len(waves[0])
+    listed, contacts = [as_orbits(orbits) for orbits in waves], len(waves[0])
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     contact_factors = np.array([slider.contact_factors(contacts) for slider in sliders])
-    sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    wave_paths = [paths_of(orbits, np.zeros(contacts)) for orbits in driven]
-    paths = Paths(*(np.array(field) for field in zip(*wave_paths, strict=True)))
-    omegas = np.array([orbits[0].omega for orbits in waves])
+    omegas = np.array([orbits.omega for orbits in listed])
+    normal, tangential = (np.array([getattr(orbits, name) for orbits in listed]) for name in ("normal", "tangential"))
+    # every wave is solved as one whose crests drive towards +x (`orbit.towards_plus`)
+    sides = np.where(np.sum(crest_velocities(omegas[:, None], normal, tangential), axis=1) < 0.0, -1.0, 1.0)
+    paths = paths_of(normal, sides[:, None] * tangential, np.zeros(normal.shape))
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
     out = np.full((len(which), len(Entry)), math.nan)
@@ -209,17 +209,17 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
     applies = {}  # by (slider, wave)
     for k, (slider, wave) in enumerate(which.tolist()):
         if (slider, wave) not in applies:
-            applies[slider, wave] = not refusals(sliders[slider], driven[wave], STIFFEST_STEADY)
+            applies[slider, wave] = not refusals(sliders[slider], listed[wave], STIFFEST_STEADY)
         averaged[k] &= applies[slider, wave]
         if not averaged[k]:
-            _fill_closed(sliders[slider], driven[wave], factors[k], out[k])
+            _fill_closed(sliders[slider], towards_plus(listed[wave])[1], factors[k], out[k])
     errors = np.asarray(wave_errors, float)
     for law, law_numbers, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
         problems = Sweep(
             parameters, law_numbers, law, heights, contact_factors, paths, omegas, errors, ratios, which, factors
         )
         _solve(problems, out, members, harmonics, threads)
-    side = np.array(sides)[which[:, 1]]
+    side = sides[which[:, 1]]
     for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
@@ -249,7 +249,7 @@ def _by_law(sliders, which, averaged):
 def _fill_closed(slider, orbits, factor, result):
     """Fill the result of a problem by a closed form, if one applies; its errors are zero."""
     try:
-        closed = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
+        closed = closed_form(slider, orbits.scaled(factor))
     except ConvergenceError:
         return
     if closed is None:

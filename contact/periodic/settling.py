@@ -30,7 +30,7 @@ from contact.events.energy import Sum
 from contact.events.motion import Motion, rest_state
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
-from contact.orbit import Orbit
+from contact.orbit import Orbits, as_orbits
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
 from contact.problem import full_friction, largest_resonance, scaled
 from contact.slider import Slider
@@ -98,7 +98,7 @@ class Reached(NamedTuple):
     speed: float | None = None  # velocity of the observed motion if it differs from the periodic one
 
 
-def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> LongRun:
+def long_run(slider: Slider, orbits: Orbits, direction: float) -> LongRun:
     """Return the mean of the motion from rest, when it repeats, sticks or has run for long enough.
 
     `direction` is that of `problem.scaled`.
@@ -122,7 +122,7 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     return replace(first, error=first.error + doubt, starts=2)
 
 
-def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, cycles: int) -> float:
+def mean_from_rest(slider: Slider, orbits: Orbits, direction: float, cycles: int) -> float:
     """Return the mean velocity in m/s over the second half of `cycles` cycles from rest, by the event-driven solver."""
     problem, begin = start_at_rest(slider, orbits, direction)
     _refuse_unless_affordable(problem, math.inf)
@@ -139,7 +139,7 @@ def _same_speed(speed, problem):
     return SAME * max(abs(speed), reach / 10.0)
 
 
-def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, target: Periodic) -> Reached:
+def reached(slider: Slider, orbits: Orbits, balance: Balance, target: Periodic) -> Reached:
     """Check whether a slider from rest reaches the stable periodic motion `target`.
 
     Two runs are followed, from rest and from a slightly different state. If both come to the target together, it is
@@ -226,9 +226,10 @@ def start_at_rest(slider, orbits, direction):
     Where the wave is slow for the contacts, the slider moves with the surface from the start. At phase 0 u_z of the
     first contact crosses zero upwards. `direction` is that of `problem.scaled`.
     """
+    orbits = as_orbits(orbits)
     problem = scaled(slider, orbits, direction=direction, start=orbits[0].upward_zero)
     begin = rest_state(slider, problem)
-    if slider.tangential_resonance(problem.contacts) >= SLOW * orbits[0].frequency:
+    if slider.tangential_resonance(problem.contacts) >= SLOW * orbits.frequency:
         u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
         begin[: At.DEFORMATIONS] += np.mean(u_z), np.mean(z_rate), np.mean(x_rate)
     return problem, begin

@@ -9,6 +9,7 @@ from contact import ConvergenceError, Orbit, burst, mean_motion, steady
 from contact.answers.burst_methods import BURST_METHODS, Burst, rest_problem
 from contact.averaged import transient
 from contact.codes import Status
+from contact.orbit import as_orbits
 from tests.contact.motors import orbit, slider, steady_map
 from tests.seed_motor import PRELOAD
 
@@ -77,7 +78,7 @@ def test_velocity_through_the_bounce(A, first, second):
     v = exact.velocity_at_burst_end
     problem = rest_problem(slider(), (orbit(A),))
     for tolerance, allowed in ((1e-4, first), (1e-7, second)):
-        asked = Burst(slider(), (orbit(A),), problem, 4400, 4400, tolerance, None)
+        asked = Burst(slider(), as_orbits(orbit(A)), problem, 4400, 4400, tolerance, None)
         result = BURST_METHODS["averaged"].follow(asked)
         motion, _ = result.run
         error = over(motion.state[2] * problem.speed - v, v, A)
