@@ -214,9 +214,9 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
         if not averaged[k]:
             _fill_closed(sliders[slider], towards_plus(listed[wave])[1], factors[k], out[k])
     errors = np.asarray(wave_errors, float)
-    for law, law_numbers, normal, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
+    for law, law_numbers, own, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
         problems = Sweep(
-            parameters, law_numbers, law, normal, heights, contact_factors, paths, omegas, errors, ratios, which,
+            parameters, law_numbers, law, own, heights, contact_factors, paths, omegas, errors, ratios, which,
             factors,
         )  # fmt: skip
         _solve(problems, out, members, harmonics, threads)
