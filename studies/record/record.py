@@ -248,8 +248,8 @@ class Record:
     def to_xarray(self) -> "xr.Dataset":
         """Return the points over the drive's level and the surface over x as an xarray Dataset, each with its units.
 
-        ``scene`` of its attributes is the resolved scene, as in scene.toml. Complex numbers are two variables, ``..._re`` and ``..._im``, the tilts ``..._0`` and ``..._1``, as in
-        velocity.csv.
+        ``scene`` of its attributes is the resolved scene, as in scene.toml. Complex numbers are two variables,
+        ``..._re`` and ``..._im``, the tilts ``..._0`` and ``..._1``, as in velocity.csv.
 
         Raises
         ------
