@@ -47,16 +47,17 @@ def call(arguments: argparse.Namespace) -> int:
         needed("xarray", "--netcdf")
     say(_moving_periods(table, over))
     say(_expected_time(table, axes, tolerance))
+    folder = results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep")
     with Progress() as progress:
         result = sweep(
             table, axes, tolerance=tolerance, also=also, progress=progress.points,
-            out=results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep"),
+            out=folder,
             workers=arguments.scheduler or arguments.workers,
         )  # fmt: skip
     if arguments.netcdf:
         from studies.record.files import write_netcdf
 
-        write_netcdf(result.to_xarray(), result.path.with_suffix(".nc"))
+        write_netcdf(result.to_xarray(), folder / "points.nc")
     print_answer(arguments, result.summary, str(result))
     if not result.failed:
         return 0
