@@ -381,10 +381,11 @@ class Slider(SliderRules):
         )
         return Contacts(x, y, self.offsets(number), k_n, k_t, np.broadcast_to(self.limit_slope, (number,)), weight)
 
-    def classes(self, across=None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def classes(self, also: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the contacts that stand for all that are equal to them, rows one after the other from left to right.
 
-        Contacts of a row are at one x; equal ones also have the same height, stiffnesses and ``across``.
+        Contacts of a row are at one x; equal ones also have the same height, stiffnesses and columns of ``also``, an
+        array (k, n).
 
         Returns
         -------
@@ -395,11 +396,11 @@ class Slider(SliderRules):
         row : (m,) array
             Number of each class's row.
         """
-        x, _, heights, k_n, k_t, _, _ = self.contacts(self.count)
+        x, _, heights, k_n, k_t, _, _ = self.contacts(also.shape[1])
         step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
         position = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
         # one column per contact, sorted by position first; equal columns are one class
-        table = np.stack([position, np.zeros_like(x) if across is None else across, heights, k_n, k_t])
+        table = np.vstack([position, also, heights, k_n, k_t])
         order = np.lexsort(table[::-1])
         is_first = np.ones(x.size, dtype=bool)
         is_first[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
@@ -408,16 +409,14 @@ class Slider(SliderRules):
         member = order[is_first]
         return member, classes, np.unique(position[member], return_inverse=True)[1]
 
-    def merged(self) -> "Slider":
-        """Return the same slider with one contact, of their weights, for all contacts that are equal and in one row."""
-        if np.ndim(self.x) == 0:
-            return self
-        member, classes, _ = self.classes()
-        own = {name: getattr(self, name)[member] for name in OWN if getattr(self, name) is not None}
-        own["heights"], own["weights"] = self.offsets(classes.size)[member], np.bincount(classes, self.weights)
-        if isinstance(self.normal_stiffness, DerivedArray):
+    def merged(self, member: np.ndarray, classes: np.ndarray) -> "Slider":
+        """Return the same slider with one contact, of their weights, for the equal ones of each of its `classes`."""
+        names = [name for name in OWN if np.ndim(getattr(self, name)) and np.size(getattr(self, name))]
+        own = {name: getattr(self, name)[member] for name in names if name != "heights"}
+        if isinstance(self.normal_stiffness, Derived | DerivedArray):
             own["normal_stiffness"] = own["tangential_stiffness"] = None
-        return replace(self, curvature=0.0, **own)
+        weights = np.bincount(classes, self._each("weights", classes.size))
+        return replace(self, curvature=0.0, **own | {"heights": self.offsets(classes.size)[member], "weights": weights})
 
     def contact_factors(self, contacts: int) -> np.ndarray:
         """Return weight times k_n over `stiffness_unit`, and c over `slope_unit`, of each contact, (2, contacts)."""

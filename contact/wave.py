@@ -190,5 +190,18 @@ def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider
         refuse_infinite_mass(slider)
     if not isinstance(orbits, PassingWave):
         return slider, as_orbits(orbits)
-    slider = slider.merged()
-    return slider, orbits.orbits_at(np.broadcast_to(slider.x, (slider.count,)))
+    under = orbits.orbits_at(np.broadcast_to(slider.x, (slider.count,)))
+    return _merged(slider, under, np.zeros((1, slider.count)))  # at one x all move alike
+
+
+def merged(slider: Slider, orbits: Orbits) -> tuple[Slider, Orbits]:
+    """Return a slider and its orbits with one contact, of their weights, for all that are equal and move alike."""
+    u_z, u_x = orbits.normal, orbits.tangential
+    return _merged(slider, orbits, np.array([u_z.real, u_z.imag, u_x.real, u_x.imag]))
+
+
+def _merged(slider, orbits, motion):
+    if len(orbits) == 1 or slider.friction is not None:  # other frictions than Coulomb's know no weights
+        return slider, orbits
+    member, classes, _ = slider.classes(motion)
+    return (slider, orbits) if member.size == len(orbits) else (slider.merged(member, classes), orbits[member])

@@ -45,7 +45,7 @@ from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.wave import PassingWave, Surface, coupling, prescribed, resonance_ratio
+from contact.wave import PassingWave, Surface, coupling, merged, prescribed, resonance_ratio
 
 METHODS = ("auto", "exact", "averaged")
 # SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried. Above it a long run
@@ -95,6 +95,7 @@ class SteadyState(Answered):
     statistics : dict
         Number of events of each kind in one cycle; smallest time between two events in s (inf for fewer than two);
         chatter (True if many events occurred at almost the same time); number of segments (`stretches`) and sweeps.
+        Contacts that are equal and move alike are followed, and counted, as one.
     seconds : float
         Computing time.
     """
@@ -157,7 +158,7 @@ def steady(
     if isinstance(orbits, PassingWave) and method != "exact" and (coupling(slider, orbits) or slider.mass == math.inf):
         return _on_rows(slider, orbits, tolerance, near, begun)
     given, (slider, listed) = slider, prescribed(slider, orbits)
-    solution = _closed(slider, listed) or _searched(slider, listed, method)
+    solution = _closed(slider, listed) or _searched(*merged(slider, listed), method)
     reference = reference_speed(solution.velocity, listed) or 1.0
     near = solution.method == "averaged" and solution.velocity == 0.0
     error = solution.relative_error * reference

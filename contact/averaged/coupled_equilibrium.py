@@ -1,4 +1,4 @@
-r"""Averaged equilibrium of a slider on many contacts, coupled to the wave on which they act back.
+r"""Averaged equilibrium of a slider on rows of contacts, with the unknowns of its body and of the wave.
 
 The unknowns are the mean approach H of the slider's plane, its tilts theta about y and psi about x, the velocity v, and
 the wave's amplitudes at the rows of contacts. They satisfy
@@ -9,11 +9,14 @@ and the amplitudes are those that the contacts' first harmonics leave (`RowCycle
 including the weights, come from `RowCycle` or `OvertoneCycle`. The contacts may differ in position, height, radius
 and stiffness. A load that acts at a height b above the surface tilts the slider: it shifts x_F by -b load/F.
 
-On a prescribed wave, `equilibrium` computes H first and then v. This is not possible here, because the wave amplitudes
-at the rows depend on v, and H, theta and psi depend on these amplitudes. One iteration therefore changes all unknowns.
-Each step consists of Newton's step of the slider at constant amplitudes, and of the step of the amplitudes for a slider
-that does not move. Anderson's method (J. ACM 12 (1965) 547) estimates from the last steps what this neglects, the
-coupling of the two.
+How many of these are unknown at once follows from body and wave:
+
+- A wave that the contacts do not change: H and tilts, or H of each row on a soft backing, follow from the normal forces
+  alone (`ride`), and do not depend on v. `equilibrium.balanced_speed` then searches v, as for a body that is held.
+- A wave that they change: the amplitudes at the rows depend on v, and H and tilts on the amplitudes. One iteration
+  (`_Search`) changes all unknowns. Each step consists of Newton's step of the slider at constant amplitudes, and of the
+  step of the amplitudes for a slider that does not move. Anderson's method (J. ACM 12 (1965) 547) estimates from the
+  last steps what this neglects, the coupling of the two.
 """
 
 import math
@@ -121,6 +124,7 @@ class Equilibrium:
         self.unknowns = np.zeros(4)
         self.rows = np.full(cycle.turn.size, -np.inf)  # H of each row with a soft backing
         self.rest = rest - float(cycle.height.min())
+        self.unlevel = 0.0  # largest residual of the normal forces and moments that `level` has left
         self.begin()
         sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
         self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / self.amplitude
@@ -128,14 +132,24 @@ class Equilibrium:
         self.weight = 1.0 / math.sqrt(max(cycle.waves.size, 1))
 
     def begin(self):
-        """Start from the undisturbed wave and the height of a slider that it carries without tilt."""
+        """Start from the undisturbed wave and the height and tilts of a slider that it carries."""
         self.cycle.reset()
-        if not self.soft:
-            weight = self.cycle.weight
+        self.unknowns[PITCH] = self.unknowns[ROLL] = 0.0
+        self.carried_at = None
+        self.ride()
+
+    def ride(self):
+        """Take H and tilts, or H of each row, at which the wave as it is carries the preload where it acts."""
+        if self.carried_at == self.preload_at:
+            return
+        weight = self.cycle.weight
+        if self.soft:
+            self.rows = self._row_heights()
+        elif self.carried_at is None:
             self.unknowns[HEIGHT] = self._carrying(self.preload, self.rest, lambda each: weight @ each)
-            self.unknowns[PITCH] = self.unknowns[ROLL] = 0.0
-            if len(self.plane) > 1:
-                self.level()
+        self.carried_at = self.preload_at
+        if len(self.plane) > 1:
+            self.level()
 
     def level(self):
         """Take H and tilts at which the normal forces balance at the current amplitudes, or come close to it.
@@ -154,7 +168,8 @@ class Equilibrium:
 
         for _ in range(LEVELLINGS):
             residual, rates = residual_and_rates()
-            if _largest(residual) < CLOSE:
+            self.unlevel = _largest(residual)
+            if self.unlevel < CLOSE:
                 return
             start = self.unknowns[active]
             step = np.linalg.solve(rates + SOFT * np.trace(rates) * np.eye(len(active)), -residual)
@@ -184,7 +199,7 @@ class Equilibrium:
     def _evaluate(self, side: float):
         """Return the residuals of (1) over F, F arm, F arm and mu F, at the current wave amplitudes."""
         cycle, y = self.cycle, self.unknowns
-        if self.soft:
+        if self.soft and cycle.waves.size:
             self.rows = self._row_heights()
         w = y[SPEED]
         side = side if w == 0.0 else np.sign(w)
@@ -252,7 +267,7 @@ class Equilibrium:
         return columns.T[np.ix_(active, active)]
 
     def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
-        """Return the equilibrium under a load, or at the fixed velocity over omega `w`.
+        """Return the equilibrium under a load, or at the fixed velocity over omega `w`; only that on a given wave.
 
         `side`: sign of the motion before a velocity of zero.
         """
@@ -262,6 +277,14 @@ class Equilibrium:
             active.append(SPEED)
         else:
             self.unknowns[SPEED] = w
+        if not self.cycle.waves.size:
+            self.ride()
+            if self.unlevel > MAX_RESIDUAL:
+                raise ConvergenceError(
+                    "not converged", f"height and tilts leave a residual of {self.unlevel:.1e} of the preload"
+                )
+            self._evaluate(side)
+            return self._balance(0.0)
         try:
             left = _Search(self, active, side).run()
         except ConvergenceError:
@@ -269,10 +292,13 @@ class Equilibrium:
                 raise
             self.begin()
             left = _Search(self, active, side, careful=True).run()
+        return self._balance(left * self.speed)
+
+    def _balance(self, error):
         height, pitch, roll, w = self.unknowns.tolist()
         return Balance(
             height=float(np.mean(self.rows)) if self.soft else height, tilt=(pitch, roll), w=w,
-            traction=self.traction, forces=self.forces, error=left * self.speed,
+            traction=self.traction, forces=self.forces, error=error,
         )  # fmt: skip
 
 

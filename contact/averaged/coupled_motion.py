@@ -1,7 +1,8 @@
-"""Averaged motion of a slider that loads the wave, tilts or has a soft backing: moving, held, at the stall.
+"""Averaged motion of a slider on the rows of its contacts: moving, held, at the stall.
 
-These are the sliders whose height, tilts, velocity and wave depend on each other (`coupled_equilibrium`). Rows are the
-contacts at one x, where the wave changes its amplitude by their forces (`row_cycle`, `march`).
+Rows are the contacts at one x, where the wave changes its amplitude by their forces (`row_cycle`, `march`). Unknown
+are the coordinates of the body, and of the wave if it is loaded (`coupled_equilibrium`); the velocity is searched by
+`equilibrium.balanced_speed`, as that of every slider, or together with the wave.
 """
 
 import math
@@ -200,7 +201,8 @@ class CoupledSearch:
         state = near.state
         if len(state.forward) == len(self.cycle.forward):
             size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
-            self.equilibrium.unknowns = state.unknowns.copy()
+            if self.loads:
+                self.equilibrium.unknowns = state.unknowns.copy()
             if self.loads == near.loading and self.loads:
                 self.cycle.begin(state.forward * size, state.backward * size)
         self.moves, self.truncation = state.velocity_over_omega != 0.0, near.truncation
@@ -211,9 +213,9 @@ class CoupledSearch:
 
     def under(self, load: float) -> Balance:
         """Return the equilibrium under a signed load; the slider moves or is held."""
-        start, waves = self.equilibrium.unknowns.copy(), (self.cycle.forward, self.cycle.backward)
-        if self.wave.amplitude == 0.0:
+        if not self.loads:
             return self._bracketed(load)
+        start, waves = self.equilibrium.unknowns.copy(), (self.cycle.forward, self.cycle.backward)
         if not self.moves:
             # one contact at rest takes 8 evaluations; a search for the velocity of a held slider gives up after 200
             with suppress(ConvergenceError):
@@ -246,15 +248,20 @@ class CoupledSearch:
             friction=self.slider.friction_coefficient, preload=self.slider.preload, load=load,
             tangential_damping=self.slider.tangential_damping * self.wave.omega,
         )  # fmt: skip
-        search = balanced_speed(problem, self, low.traction, high.traction, max(fastest, 1e-300), 1e-6)
+        # where the wave is an unknown, the search for all unknowns at once takes over from here
+        close = 1e-6 if self.loads else 1e-13
+        search = balanced_speed(problem, self, low.traction, high.traction, max(fastest, 1e-300), close)
         if search.way == 0.0:
             return replace(held, traction=load)
         if search.status == Status.RUNAWAY:
             raise ConvergenceError(
                 "runaway", f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N"
             )
-        self.equilibrium.unknowns[SPEED] = search.velocity
-        return self.equilibrium.solve(load)
+        if self.loads:
+            self.equilibrium.unknowns[SPEED] = search.velocity
+            return self.equilibrium.solve(load)
+        moving = self.equilibrium.solve(load, search.velocity)
+        return replace(moving, error=abs(search.force / search.slope))  # the last Newton step
 
     def _at_rest(self, load) -> tuple[Balance, Balance, Balance]:
         """Return the equilibria at v = 0 with the least and the largest <sum Q>, and that of the two that is held."""
@@ -299,7 +306,9 @@ class CoupledSearch:
         """Return <sum Q> in N at a velocity in m/s on the wave times a factor, under a signed load."""
         cycle, last = self.cycle, self.factor
         self.factor, cycle.incident = factor, factor * np.array([self.wave.forward, self.wave.backward])
-        if last == 0.0:
+        if not self.loads and factor != last:
+            self.equilibrium.begin()
+        elif last == 0.0:
             cycle.reset()
         else:  # the search starts from the amplitudes of the last call, scaled to this wave
             cycle.forward, cycle.backward = cycle.forward * (factor / last), cycle.backward * (factor / last)

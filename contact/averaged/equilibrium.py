@@ -16,13 +16,11 @@ function `left(problem, means, v)`, the mean force that is left to accelerate th
     `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
     `event_equilibrium.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
     `bounce.Heights`           several heights of a bounce
-    `coupled_motion.CoupledSearch`  a slider that tilts, has a soft backing or loads the wave; only where
-                               Newton's method of `coupled_equilibrium`, which searches all unknowns
-                               at once and comes first, returns no moving slider
+    `coupled_motion.CoupledSearch`  rows of contacts, with tilts, a soft backing or a wave that they load: each mean is
+                               taken in the equilibrium of these further unknowns at that v (`coupled_equilibrium`)
 
-For a body that is held on a prescribed wave this search is compiled as a whole. `coupled_equilibrium` gives the same
-velocity of first order (4e-13 apart for 1 to 8 balls), but takes 9 to 4 times the CPU time for one state of 1 to 8
-balls and 45 to 10 times that of a state in a sweep.
+For a body that is held on a prescribed wave, whose only other unknown is h, this search is compiled as a whole
+(`solve_equilibrium`).
 
 All this is first-order averaging, error O((f_n/f)^2). The correction of second order feeds the fast part of the
 slider's own motion, the answer to the harmonics of the forces, back into the cycle (`cycle_mean.respond`); at a steady

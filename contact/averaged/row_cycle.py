@@ -87,7 +87,7 @@ class RowCycle:
         """
         x, y, heights, k_n, k_t, limit_slope, weights = slider.contacts(slider.count)
         across = y if slider.tilt == "free" else np.zeros_like(y)
-        member, self.classes, self.row = slider.classes(across)
+        member, self.classes, self.row = slider.classes(across[None])
         self.weight = np.bincount(self.classes, weights)
         self.x, self.y, self.height = x[member], across[member], heights[member]
         self.k_n, self.k_t, self.limit_slope = k_n[member], k_t[member], limit_slope[member]

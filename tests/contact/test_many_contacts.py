@@ -65,13 +65,29 @@ def test_a_burst_of_twice_the_contacts_is_the_same_motion(changed):
 
 @CASES
 def test_the_steady_state_of_twice_the_contacts_is_the_same(changed):
-    few, many = (steady(motor(n, **changed), waves(n), tolerance=1e-6) for n in (FEW, 2 * FEW))
+    # the second half moves a little more, for contacts that move alike are followed as one
+    orbits = tuple(each.scaled(1.0 + 1e-13 * (k >= FEW)) for k, each in enumerate(waves(2 * FEW)))
+    few, many = (steady(motor(n, **changed), orbits[:n], tolerance=1e-6) for n in (FEW, 2 * FEW))
     assert (few.method, many.method) == ("exact", "exact")
     assert many.velocity == pytest.approx(few.velocity, rel=1e-9)
     assert abs(few.velocity) > 1e-3
     for kind in ("contact", "release", "stick_to_slip", "slip_to_stick"):
         assert many.statistics[kind] == 2 * few.statistics[kind]
     assert many.ledger.relative_residual < 1e-8
+
+
+@CASES
+def test_contacts_that_are_equal_and_move_alike_are_followed_as_one(changed):
+    if "friction" in changed:
+        changed = {"law": "hysteretic"}
+    few, many = (steady(motor(n, **changed), waves(n), tolerance=1e-6) for n in (FEW, 4 * FEW))
+    for kind in ("contact", "release", "stick_to_slip", "slip_to_stick"):
+        assert many.statistics[kind] == few.statistics[kind] > 0
+    assert many.velocity == pytest.approx(few.velocity, rel=1e-9)
+    assert many.ledger.wave == pytest.approx(4.0 * few.ledger.wave, rel=1e-6)
+    assert many.ledger.relative_residual < 1e-8
+    unequal = replace(motor(2 * FEW, **changed), heights=(*HEIGHTS, *(each + 1e-10 for each in HEIGHTS)))
+    assert steady(unequal, waves(2 * FEW), tolerance=1e-6).statistics["release"] == 2 * few.statistics["release"]
 
 
 def test_what_each_contact_does_is_the_same():
