@@ -11,9 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import fem
-from studies.model import resolve
 from studies.model.contact import Contact
-from studies.model.stator_alone import stator_alone
+from studies.model.model import Model
+from studies.model.resolve import with_numbers
 from studies.progress import reported_to
 from studies.record import Record
 from studies.record.blocks import ErrorBlock, WaveBlock
@@ -33,6 +33,7 @@ from studies.solve.ring_up import RingUp
 from studies.solve.ripple import with_ripple
 from studies.solve.solved_stator import SolvedStator
 from studies.solve.stators import Stators
+from studies.solve.steady_temperature import at_own_temperature
 from studies.solve.surface_blocks import amplitude_points, node, surface_columns, wave_block
 from studies.solve.surface_motion import SurfaceMotion
 from studies.solve.wave_ripple import with_wave_ripple
@@ -82,67 +83,55 @@ def run(
 
 
 def _run(scene: Scene, tolerance: float) -> Record:
-    written, scene = scene, resolve.resolved(scene)
-    steady = None
-    if scene.stator is not None and scene.stator.temperature == "steady":
-        from studies.solve.steady_temperature import steady_temperature
-
-        steady = steady_temperature(scene, tolerance)
-        scene, written = (
-            replace(each, stator=replace(each.stator, temperature=steady.temperature)) for each in (scene, written)
-        )
-    if scene.slider is not None:
-        record = _with_slider(scene, tolerance)
-    elif scene.transducer:
-        record = _surface_alone(scene, tolerance)
+    model = Model(scene)
+    model, heated = at_own_temperature(with_numbers(model), tolerance)
+    if model.scene.slider is not None:
+        record = _with_slider(model, tolerance)
+    elif model.scene.transducer:
+        record = _surface_alone(model, tolerance)
     else:
-        record = replace(free_wave_record(scene, tolerance), left_out=left_out(scene))
-    if scene.uncertain is not None:
+        record = replace(free_wave_record(model, tolerance), left_out=left_out(model))
+    if model.scene.uncertain is not None:
         from studies.solve.uncertainty import with_bands
 
-        record = with_bands(record, written)
-        if record.scene.slider is not None:  # so that the stored scene runs to the same intervals
-            slider = replace(record.scene.slider, preload=written.slider.preload)
-            record = replace(record, scene=replace(record.scene, slider=slider))
-    if steady is not None:
-        record = replace(record, heat=record.heat | steady.block())
-    record = with_model_error(record)
+        record = with_bands(record, model.written)
+    record = with_model_error(replace(record, heat=record.heat | heated))
     return replace(record, warnings=warnings_of(record))
 
 
-def _with_slider(scene: Scene, tolerance: float) -> Record:
+def _with_slider(model: Model, tolerance: float) -> Record:
     """Return the record of a slider on a driven stator or a prescribed wave."""
     start_time, stators = time.perf_counter(), Stators(tolerance=tolerance, slider=True)
-    driven, answer, seconds = _refined(scene, stators)
+    driven, answer, seconds = _refined(model, stators)
     motion, refusal = None, ""
     if driven.solved is not None:
         motion = stators.motion_under(driven)
         # of a passing wave, the centre is one place of many
-        vanished = "" if driven.passing else node(motion, scene.positions)
+        vanished = "" if driven.passing else node(motion, model.scene.positions)
         refusal = vanished or driven.refusal
         if not refusal:
             contact_start = time.perf_counter()
             answer = _rippled(answer, driven, motion, tolerance)
             seconds += time.perf_counter() - contact_start
     record = Record(
-        scene=scene, tolerance=tolerance, points=answer.points, summary=answer.summary,
+        scene=model.scene, tolerance=tolerance, points=answer.points, summary=answer.summary,
         trajectories=answer.trajectories, pillars=answer.pillars, slider_wave=answer.slider_wave, error=answer.error,
         shortfall=f"no answer: {refusal}" if refusal else answer.shortfall(tolerance), refused=bool(refusal),
         seconds={"contact": seconds},
     )  # fmt: skip
     if motion is None:
-        wave = WaveBlock(frequency_Hz=scene.wave.frequency, surface_ratio=scene.wave.tangential_ratio)
-        return replace(record, wave=wave, left_out=left_out(scene))
-    return _on_stator(record, motion, start_time, driven.ringing)
+        given = model.scene.wave
+        wave = WaveBlock(frequency_Hz=given.frequency, surface_ratio=given.tangential_ratio)
+        return replace(record, wave=wave, left_out=left_out(model))
+    return _on_stator(record, model, motion, start_time, driven.ringing)
 
 
-def _refined(scene: Scene, stators: Stators) -> tuple[Contact, SliderAnswer, float]:
+def _refined(model: Model, stators: Stators) -> tuple[Contact, SliderAnswer, float]:
     """Return the contact, its answers at all levels, and the time in s that they took.
 
     The stator is solved until it is as accurate as the velocities need.
     """
-    stator, before = None if scene.wave is not None else stator_alone(scene), None
-    driven = stators.bursting(stators.contact(scene, stator))
+    driven, before = stators.bursting(stators.contact(model)), None
     answer, seconds = _timed_answer(driven, stators.tolerance)
     for _ in range(ROUNDS - 1):
         goal = finer(answer.answers, driven, stators.tolerance, before)
@@ -150,7 +139,7 @@ def _refined(scene: Scene, stators: Stators) -> tuple[Contact, SliderAnswer, flo
             break
         before = driven
         try:
-            driven = stators.bursting(stators.contact(scene, stator, goal))
+            driven = stators.bursting(stators.contact(model, goal))
         except RunError:
             break  # the answer of the round before is recorded, with its error
         answer, more = _timed_answer(driven, stators.tolerance)
@@ -164,31 +153,32 @@ def _timed_answer(driven: Contact, tolerance: float) -> tuple[SliderAnswer, floa
     return answer, time.perf_counter() - start_time
 
 
-def _surface_alone(scene: Scene, tolerance: float) -> Record:
+def _surface_alone(model: Model, tolerance: float) -> Record:
     """Return the record of a driven stator without a slider, whose result is the amplitude of its surface."""
     start_time, stators = time.perf_counter(), Stators(tolerance=tolerance, slider=False)
-    motion = stators.motion(stator_alone(scene), scene.positions)
-    points, error = amplitude_points(scene, motion, scene.positions[0]), motion.relative_error(scene.positions[:1])
+    motion = stators.motion(model.alone, model.scene.positions)
+    error = motion.relative_error(model.scene.positions[:1])
     short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
     record = Record(
-        scene=scene, tolerance=tolerance, points=points, error=ErrorBlock(relative=error, parts={"stator": error}),
-        shortfall=short if error > tolerance else "",
+        scene=model.scene, tolerance=tolerance, points=amplitude_points(model, motion),
+        error=ErrorBlock(relative=error, parts={"stator": error}), shortfall=short if error > tolerance else "",
     )  # fmt: skip
-    return _on_stator(record, motion, start_time)
+    return _on_stator(record, model, motion, start_time)
 
 
-def _on_stator(record: Record, motion: SurfaceMotion, start_time: float, ringing: RingUp | None = None) -> Record:
+def _on_stator(
+    record: Record, model: Model, motion: SurfaceMotion, start_time: float, ringing: RingUp | None = None
+) -> Record:
     """Return a record with what the motion of its stator's surface adds."""
-    scene = record.scene
     if motion.beam is not None:
-        scene = replace(scene, stator=replace(scene.stator, diffraction=True))
-    electrical = electrical_block(scene, motion)
+        model = model.with_blocks(stator=replace(model.scene.stator, diffraction=True))
+    electrical = electrical_block(model, motion)
     neglected = left_out(
-        scene, beam=motion.beam is not None, reason=motion.reason, ringing=ringing, trajectories=record.trajectories
+        model, beam=motion.beam is not None, reason=motion.reason, ringing=ringing, trajectories=record.trajectories
     )
     record = replace(
-        record, scene=scene, wave=wave_block(scene, motion, scene.positions[0], ringing), electrical=electrical,
-        points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(scene, motion),
+        record, scene=model.scene, wave=wave_block(model, motion, ringing), electrical=electrical,
+        points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(model, motion),
         surface_motion=motion, meshed_pieces=motion.wave.meshed_pieces,
     )  # fmt: skip
     record = replace(record, heat=heat_block(record))
@@ -199,7 +189,6 @@ def _on_stator(record: Record, motion: SurfaceMotion, start_time: float, ringing
 def _rippled(answer: SliderAnswer, driven: Contact, motion: SurfaceMotion, tolerance: float) -> SliderAnswer:
     """Return the answer with mean and range of the velocity over half a wavelength."""
     LOGGER.debug("velocities about the position")
-    scene = driven.scene
-    solved = SolvedStator.of(motion, scene.positions, nearby=not driven.passing)
-    driven = Contact.of_stator(scene, solved, lambda: motion)
+    solved = SolvedStator.of(motion, driven.scene.positions, nearby=not driven.passing)
+    driven = Contact.of_stator(driven.model, solved, lambda: motion)
     return (with_wave_ripple if driven.passing else with_ripple)(answer, driven, tolerance)

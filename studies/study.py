@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from studies.model.contact import Contact
-from studies.model.resolve import resolved
+from studies.model.model import Model
+from studies.model.resolve import build
 from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.text import labelled
@@ -185,19 +186,20 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
     >>> driven_contact("twente-contact").scene.named(1e-8)
     '10 nm'
     """
-    resolved_scene = resolved(Scene.load(scene))
+    model = build(Scene.load(scene))
+    resolved_scene = model.scene
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
     if not pillars:
         known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
         resolved_scene.refuse_pillars(f"are not supported by this study: {known}")
     if resolved_scene.wave is not None:
-        return Contact.prescribed(resolved_scene)
+        return Contact.prescribed(model)
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a prescribed [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
     driven = contact_of_run(run_chain(steady, tolerance=tolerance))
-    return replace(driven, scene=resolved_scene.with_source(frequency=driven.scene.frequency))
+    return replace(driven, model=Model(resolved_scene.with_source(frequency=driven.scene.frequency)))
 
 
 def module(name: str):

@@ -15,7 +15,8 @@ from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.scan import Scan, scan_csv
 from studies.lab.scan_uff import scan_uff
-from studies.model import fem_objects
+from studies.model.fem_objects import free_span
+from studies.model.model import Model
 from studies.record.quantities import quantity
 from studies.refusal import SceneError, refuse_other
 from studies.report.explanation import band_seconds
@@ -136,18 +137,19 @@ def uff_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
 
 def expected_seconds(scene: Scene, recording: Recording, tolerance: float) -> float:
     """Return the expected time in s of a recording over a band of frequencies."""
-    resolved = passband.driven_scene(scene)
-    return band_seconds(resolved, _frequencies(resolved, recording.band), tolerance=tolerance)
+    model = passband.driven_model(scene)
+    return band_seconds(model, _frequencies(model, recording.band), tolerance=tolerance)
 
 
 def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
     import fem
 
-    resolved = passband.driven_scene(scene)
+    model = passband.driven_model(scene)
+    resolved = model.scene
     reference = reference_impedance(50.0 if recording.z0 is None else recording.z0)
-    at = _frequencies(resolved, recording.band)
-    names, ports, scattering, failures = converged_scattering(resolved, at, reference, tolerance)
+    at = _frequencies(model, recording.band)
+    names, ports, scattering, failures = converged_scattering(model, at, reference, tolerance)
     at, missing = ports.frequency, tuple(f"no answer {each}" for each in failures)
     remarks = (resolved.title or name, "ports: " + ", ".join(names), *recording.remark, *missing)
     text = fem.touchstone(at, recording.noisy(scattering), reference, remarks)
@@ -184,9 +186,10 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
     refuse_other(kind, SCANS, "--scan")
     if recording.band is not None and kind != "frequency":
         raise SceneError("--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}")
-    resolved = passband.driven_scene(scene)
-    points = placed(resolved, _points(resolved, kind, recording.band))
-    motion, error = scan_and_error(resolved, points, tolerance=tolerance)
+    model = passband.driven_model(scene)
+    resolved = model.scene
+    points = placed(resolved, _points(model, kind, recording.band))
+    motion, error = scan_and_error(model, points, tolerance=tolerance)
     size = share * float(np.max(np.abs(motion)))
     scan = replace(
         points, name="scan", values=recording.noisy(motion),
@@ -199,14 +202,14 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
     return scan, (resolved.title or "untitled", convention, accuracy, *recording.remark)
 
 
-def _points(scene: Scene, kind: str, band) -> Scan:
+def _points(model: Model, kind: str, band) -> Scan:
     """Return the points of a kind of scan, with values of zero."""
-    wavelength = fem_objects.wavelength(scene)
+    scene, wavelength = model.scene, model.wavelength
     driven, (slider_x, slider_y) = scene.driven_transducer, scene.positions[0]
     around = ((each.name, each.center_xy[0], each.half_length) for each in scene.transducer)
     rows = {name: (center - half, center + half) for name, center, half in around}
     ahead, length = slider_x >= driven.center_xy[0], scene.stator.length
-    low, high = fem_objects.free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
+    low, high = free_span(rows.values(), rows[driven.name][ahead], length, CLEAR * wavelength)
     low, high = (low, min(high, length - wavelength)) if ahead else (max(low, wavelength), high)
     if high <= low:
         low, high = max(slider_x - 2 * wavelength, 0.0), min(slider_x + 2 * wavelength, length)
@@ -220,14 +223,14 @@ def _points(scene: Scene, kind: str, band) -> Scan:
         along = along[:: PER_WAVELENGTH // COARSE]
         x, y, frequency = np.tile(along, len(y)), np.repeat(y, len(along)), None
     else:
-        frequency = _frequencies(scene, band)
+        frequency = _frequencies(model, band)
         x, y = np.full(len(frequency), slider_x), np.full(len(frequency), slider_y)
     return Scan(name="scan", x=x, y=y, frequency=frequency, values=np.zeros(len(x), complex))
 
 
-def _frequencies(scene: Scene, band: str | None) -> np.ndarray:
+def _frequencies(model: Model, band: str | None) -> np.ndarray:
     """Return the frequencies of a band, or of the passband if it is None, in Hz."""
-    return passband.frequencies(scene, None, FREQUENCIES) if band is None else passband.band_frequencies(scene, band)
+    return passband.frequencies(model, None, FREQUENCIES) if band is None else passband.band_frequencies(model, band)
 
 
 def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float) -> str:

@@ -15,7 +15,7 @@ from math import cos, radians, sin
 import numpy as np
 
 import fem
-from studies.model import fem_objects, resolve
+from studies.model.resolve import build
 from studies.refusal import SceneError, nearest
 from studies.scene import Scene
 from studies.scene.blocks import Transducer
@@ -92,9 +92,9 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     sizes = Sizes() if sizes is None else sizes
     if not scene.transducer:
         scene.refuse("transducer", "is missing: a mask draws transducers")
-    resolved = resolve.resolved(scene)
-    stator = fem_objects.whole_stator(resolved)
-    for difference in stator.other_fingers(fem_objects.transducers(resolved)):
+    model = build(scene)
+    resolved = model.scene
+    for difference in model.stator.other_fingers(model.transducers):
         raise SceneError("transducer", f"must have the fingers of the mesh, as a mask follows the block: {difference}")
     length, width = resolved.stator.length, resolved.stator.width
     exact = [each for block in resolved.transducer for each in _transducer(block, sizes, length, width)]
@@ -110,7 +110,7 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     return Mask(
         title=resolved.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
         transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(shifts),
-        left_out=_left_out(stator), **_finger_errors(resolved.transducer, polygons),
+        left_out=_left_out(model.stator), **_finger_errors(resolved.transducer, polygons),
     )  # fmt: skip
 
 

@@ -16,8 +16,7 @@ import numpy as np
 
 import contact
 from studies.inverse.prediction import MeasurementPredictor
-from studies.model import fem_objects
-from studies.model.resolve import resolved
+from studies.model.resolve import build
 from studies.progress import counted
 from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
@@ -156,7 +155,7 @@ def wavelength(predictor: MeasurementPredictor) -> float | None:
     scene = predictor.scene({})
     if scene.stator is None:
         return scene.wave.wavelength if scene.wave else None
-    return fem_objects.wavelength(resolved(scene))
+    return build(scene).wavelength
 
 
 def answers_at(

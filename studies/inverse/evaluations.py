@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from studies.inverse.parameters import Parameter
-from studies.model.stator_alone import POSITION_KEYS
+from studies.model.model import POSITION_KEYS
 from studies.progress import Countdown
 from studies.record.values import Columns
 from studies.refusal import RunError

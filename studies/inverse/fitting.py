@@ -24,6 +24,7 @@ from studies.inverse.result import Fit
 from studies.inverse.ties import Ties, is_of_scene, refuse_names
 from studies.lab.measurement import FIELD, Measurement
 from studies.lab.measurement_csv import measured_scan
+from studies.model.model import Model
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
@@ -256,7 +257,7 @@ def _refuse(
         if each.quantity not in FIELD and not predictor.slider:
             raise SceneError(f"measurements {each.name}", "needs a scene with a [slider], which moves")
         if each.network is not None and not predictor.prescribed_wave:
-            refuse_other_range(predictor.scene({}), each.network, "measurements")
+            refuse_other_range(Model(predictor.scene({})), each.network, "measurements")
         if each.scan is not None:
             placed(predictor.scene({}), each.scan, "measurements")
 

@@ -20,8 +20,7 @@ from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
 from studies.inverse.parameters import Parameter, ranges
 from studies.inverse.search import UNKNOWN, Search
-from studies.model import fem_objects
-from studies.model.resolve import resolved
+from studies.model.resolve import build
 from studies.progress import reported_to
 from studies.refusal import RunError, SceneError, all_answers
 from studies.scene import Scene
@@ -145,8 +144,8 @@ def _changes(table: dict, variables: tuple[Parameter, ...], optimum: dict) -> di
             best = table
             for each in variables:
                 best = replaced(best, each.key, optimum[each.key])
-            scene = resolved(Scene.from_table("", best))
-            length = scene.wave.wavelength if scene.stator is None else fem_objects.wavelength(scene)
+            model = build(Scene.from_table("", best))
+            length = model.scene.wave.wavelength if model.scene.stator is None else model.wavelength
             changes[key] = CHANGE * (length or optimum[key])
     return changes
 

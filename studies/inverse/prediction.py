@@ -28,8 +28,8 @@ from studies.lab.measurement import Measurement
 from studies.lab.network import NetworkData
 from studies.lab.scan import Scan
 from studies.model.contact import Contact
+from studies.model.model import POSITION_KEYS, Model, changes_stator
 from studies.model.resolve import following, resolved
-from studies.model.stator_alone import POSITION_KEYS, changes_stator
 from studies.progress import Countdown
 from studies.record.quantities import quantity
 from studies.record.values import as_array
@@ -51,7 +51,7 @@ class MeasurementPredictor(Predictor):
     """Predictions of measurements of one scene with changed numbers.
 
     Words such as "auto" become numbers before any key is changed; a preload of "weight" and the moduli of a named ball
-    follow the changed keys (`resolve.following`).  ``tolerance``: of the velocity, for the stator.
+    follow the changed keys (`studies.model.resolve.following`).  ``tolerance``: of the velocity, for the stator.
     """
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3):
@@ -148,23 +148,24 @@ class MeasurementPredictor(Predictor):
 
         The phase of a scan has an arbitrary origin: the prediction is multiplied by the phase factor that fits best.
         """
-        scene, stator = self.scenes.resolved(numbers)
-        if stator is None:
+        model = self.scenes.model(numbers)
+        if model.scene.stator is None:
             raise SceneError(f"measurements {measurement.name}", "needs a scene with a stator")
+        stator = model.alone
         if isinstance(data, NetworkData):
-            scattering = self._once(stator, data, partial(network_prediction, scene, data, tolerance=self.tolerance))
+            scattering = self._once(stator, data, partial(network_prediction, model, data, tolerance=self.tolerance))
             return data.flat(scattering)
-        scan = placed(scene, data, "measurements")
-        motion = self._once(stator, data, partial(predicted_scan, scene, scan, tolerance=self.tolerance))
+        scan = placed(model.scene, data, "measurements")
+        motion = self._once(stator, data, partial(predicted_scan, model, scan, tolerance=self.tolerance))
         motion = motion * numbers.get(AMPLITUDE_FACTOR, 1.0)
-        motion = at_other_velocity(scene, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
+        motion = at_other_velocity(model, scan, motion, numbers.get(WAVE_VELOCITY_FACTOR, 1.0))
         if not scan.is_complex:
             return np.abs(motion)
         if measurement.values:
             motion = motion * np.exp(1j * np.angle(np.vdot(motion, scan.values)))
         return np.concatenate([motion.real, motion.imag])
 
-    def _once(self, stator: Scene, data: NetworkData | Scan, predict: Callable[[], Any]) -> Any:
+    def _once(self, stator: Model, data: NetworkData | Scan, predict: Callable[[], Any]) -> Any:
         """Return a prediction that is computed once for each stator and data."""
         key = stator, id(data)
         if key not in self._fields:

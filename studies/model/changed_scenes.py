@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
 
-from studies.model import fem_objects, resolve
-from studies.model.stator_alone import at_one_volt
+from studies.model import resolve
+from studies.model.model import Model, at_one_volt
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
@@ -69,13 +69,13 @@ class ChangedScenes:
             return {}
         return ({"slider.ball": None} if value_at(self.table, "slider.ball") is not None else {}) | numbers
 
-    def resolved(self, changes: dict) -> tuple[Scene, Scene | Any]:
-        """Return the scene with numbers for automatic values, and its stator alone at 1 V, None for a [wave]."""
-        scene, stator = self.scene(changes), None
-        blocks: dict[str, Any] = {}
+    def model(self, changes: dict) -> Model:
+        """Return the model of the scene with some of its keys changed, with numbers for automatic values."""
+        scene = self.scene(changes)
+        model, blocks = Model(scene), dict[str, Any]()
         if scene.stator is not None:
             computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
-            spread = computed_circuit and fem_objects.diffracts(scene)
+            spread = computed_circuit and model.diffracts
             stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst, duty=scene.drive.duty)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
@@ -83,10 +83,10 @@ class ChangedScenes:
             # only the moduli of a named ball depend on the stator
             blocks["slider"] = self._slider(scene.slider, None if scene.slider.ball is None else scene.stator)
         if not all(getattr(scene, key) == each for key, each in blocks.items()):
-            scene = replace(scene, **blocks)
+            model = model.with_blocks(**blocks)
         if scene.slider is not None:
-            resolve.check_slider(scene)
-        return scene, stator
+            resolve.check_slider(model)
+        return model
 
 
 def _read_block(scene: dict, rules: dict[str, Any], name: str, changes: tuple) -> Any:
@@ -102,4 +102,4 @@ def _read_block(scene: dict, rules: dict[str, Any], name: str, changes: tuple) -
 
 def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
     alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
-    return resolve.resolved(alone, spread=spread)
+    return resolve.with_numbers(Model(alone), spread=spread).scene

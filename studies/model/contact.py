@@ -14,6 +14,7 @@ from functools import cached_property, lru_cache
 from typing import Any, Self
 
 import contact
+from studies.model.model import Model
 from studies.record import Record
 from studies.record.point import Point
 from studies.scene import Scene
@@ -71,17 +72,17 @@ def _friction(slider: Slider):
     return None
 
 
-def _surface(scene: Scene, orbits: Callable[[], tuple], motion: Callable[[], Any] | Any) -> tuple:
+def _surface(model: Model, orbits: Callable[[], tuple], motion: Callable[[], Any] | Any) -> tuple:
     """Return the motion of the surface under a slider for a level of 1, and its misfit; see `Contact`.
 
     ``orbits()`` returns it as orbits at the contacts; the waves below pillars come from the scene, or are fitted to the
     stator's ``motion()``.
     """
-    if not scene.on_pillars:
+    if not model.scene.on_pillars:
         return orbits()
     from studies.model.slider_wave import passing_wave
 
-    return passing_wave(scene, motion)
+    return passing_wave(model, motion)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +92,7 @@ class Contact:
     A level is a voltage of the source in V, or the amplitude of a prescribed wave in m.
     """
 
-    scene: Scene  # as resolved
+    model: Model  # of a resolved scene
     # for a level of 1: a contact.Orbit under each contact, or the contact.PassingWave under a slider
     orbits: Any = field(repr=False)
     # |u_z| and |u_x| for a level of 1, m: under the slider's centre; of a slider on pillars the rms over the pillars
@@ -105,33 +106,39 @@ class Contact:
     solved: Any = field(default=None, repr=False)
 
     @classmethod
-    def prescribed(cls, scene: Scene, record: Record | None = None) -> Self:
+    def prescribed(cls, model: Model, record: Record | None = None) -> Self:
         """Return the contact of a resolved scene with a prescribed wave."""
-        orbits, _ = _surface(scene, lambda: (prescribed_orbits(scene.wave), 0.0), None)
-        return cls(scene=scene, orbits=orbits, amplitudes=(1.0, scene.wave.tangential_ratio), record=record)
+        wave = model.scene.wave
+        orbits, _ = _surface(model, lambda: (prescribed_orbits(wave), 0.0), None)
+        return cls(model=model, orbits=orbits, amplitudes=(1.0, wave.tangential_ratio), record=record)
 
     @classmethod
-    def of_stator(cls, scene: Scene, solved: Any, motion: Callable[[], Any] | Any = None) -> Self:
+    def of_stator(cls, model: Model, solved: Any, motion: Callable[[], Any] | Any = None) -> Self:
         """Return the contact on a solved stator, or its surface motion where the scene has no slider.
 
         ``motion()`` returns that of the surface; it is called where the waves under a slider are fitted to it.
         """
-        positions, slider = scene.positions, scene.slider
+        positions, slider = model.scene.positions, model.scene.slider
         first = solved.at[positions[0]]
 
         def at_contacts():
             return (() if slider is None else solved.orbits(slider.contact_positions)), 0.0
 
-        orbits, misfit = _surface(scene, at_contacts, motion)
+        orbits, misfit = _surface(model, at_contacts, motion)
         amplitudes = abs(first.normal), abs(first.tangential)
         if isinstance(orbits, contact.PassingWave):
             from studies.model.slider_wave import mean_amplitudes
 
             amplitudes = mean_amplitudes(slider, orbits)
         return cls(
-            scene=scene, orbits=orbits, solved=solved, misfit=misfit, amplitudes=amplitudes,
+            model=model, orbits=orbits, solved=solved, misfit=misfit, amplitudes=amplitudes,
             stator_error=max(solved.at[position].relative_error for position in positions),
         )  # fmt: skip
+
+    @property
+    def scene(self) -> Scene:
+        """The resolved scene."""
+        return self.model.scene
 
     @cached_property
     def slider(self):

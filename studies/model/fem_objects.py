@@ -1,27 +1,28 @@
 """The blocks of a scene as objects of ``fem``: stator, meshed pieces, transducers, drive.
 
-It also decides whether a scene is computed as a plane section or with finite apertures (`section_reason`). The scene is
-resolved: its automatic values are numbers.
+It also decides whether a stator is computed as a plane section or with finite apertures (`section_reason`). The blocks
+are resolved: their automatic values are numbers. `studies.model.model.Model` has these objects for a whole scene.
 """
 
 import math
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import fem
 from studies.model.materials import LOSSES, crystal, crystal_at, frequency_coefficient, reference_temperature
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
-from studies.scene import Scene
-from studies.scene.blocks import Stator, Transducer, wavelengths_of
+from studies.scene.blocks import Piece, Stator, Transducer, wavelengths_of
+from studies.scene.drive import Drive
 
 ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 
 
 def solid(block: Stator):
     """Return the stator's ``fem.Solid``, rotated to its orientation; at a temperature, in the lengths before it."""
-    if block.temperature == "steady":
+    if block.is_steady:
         rule = 'must be a number here: "steady" is found by sawmotor run, which prints the temperature'
         raise SceneError("stator.temperature", rule)
     warm = None if block.temperature is None else crystal_at(block, block.temperature)
@@ -30,23 +31,6 @@ def solid(block: Stator):
         own = {name: value for name in LOSSES if (value := getattr(block, name)) is not None}
         cut = fem.rotated(replace(whole, **own) if own else whole, block.cut)
     return fem.in_cold_lengths(cut, stretch) if stretch else cut
-
-
-def before_its_heat(scene: Scene) -> Scene:
-    """Return a scene with a cold stator where it is to be solved at its own steady temperature."""
-    if scene.stator is None or scene.stator.temperature != "steady":
-        return scene
-    return replace(scene, stator=replace(scene.stator, temperature=None))
-
-
-def surface_solid(block: Stator):
-    """Return the ``fem.Solid`` at the surface: that of the last layer, or of the stator."""
-    return stator(block).solids[-1]
-
-
-def surface_velocity(block: Stator, frequency: float) -> float:
-    """Return the velocity of the wave under a bare surface without charge (D_n = 0) at a frequency in Hz, m/s."""
-    return fem.bound_wave(stator(block), frequency, "open").velocity
 
 
 @lru_cache(256)
@@ -58,13 +42,8 @@ def relative_frequency(block: Stator, temperature: float) -> float:
     coefficient = frequency_coefficient(block)
     if coefficient is not None:
         return 1.0 + coefficient * (temperature - reference_temperature(block))
-    warm, cold = (solid(replace(block, temperature=each)) for each in (temperature, None))
+    warm, cold = (solid(each) for each in (replace(block, temperature=temperature), block.cold))
     return fem.rayleigh(warm, "vacuum").velocity / fem.rayleigh(cold, "vacuum").velocity
-
-
-def wavelength(scene: Scene) -> float:
-    """Return the length in m of that wave at the frequency of a resolved scene."""
-    return surface_velocity(scene.stator, scene.frequency) / scene.frequency
 
 
 def layers(block: Stator) -> tuple:
@@ -87,28 +66,24 @@ def stator(block: Stator, plane: int = 0):
         return fem.Stator(**block.arguments(fem.Stator) | own, layers=layers(block), plane=plane)
 
 
-def whole_stator(scene: Scene):
-    """Return the ``fem.Stator`` of a scene with its meshed pieces and the plane of its fingers."""
-    plane = next((int(each.plane) for each in scene.transducer if each.plane != "surface"), 0)
-    plain = stator(scene.stator, plane)
-    return replace(plain, pieces=pieces(scene)) if scene.piece else plain
+def pieces(blocks: tuple[Piece, ...], cut: Any, length: float) -> tuple:
+    """Return the ``fem.MeshPiece`` objects of some blocks, one for each position.
 
-
-def pieces(scene: Scene) -> tuple:
-    """Return the ``fem.MeshPiece`` objects of a scene, one for each position."""
+    ``cut``: of the stator's material; ``length``: of the stator, m.
+    """
     meshed = []
-    for index, block in enumerate(scene.piece):
+    for index, block in enumerate(blocks):
         path = f"piece.{index}"
         solids: tuple = ()
         for name, material in block.materials or ():
             with stator_keys(f"{path}.materials.{name}"):
-                solids += ((name, fem.rotated(crystal(material), scene.stator.cut)),)
+                solids += ((name, fem.rotated(crystal(material), cut)),)
         try:
             mesh = _mesh(block.file, fem.LENGTH_UNITS[block.length_unit])
         except fem.MeshError as error:
             raise SceneError(f"{path}.file", f"names {error}") from None
         low, high = mesh.extent
-        count, length = len(block.position), scene.stator.length
+        count = len(block.position)
         if count > 1 and count * (high - low) > (1 + ROUNDED) * length:
             rule = f"must name at most as many positions as fit on the stator, {length * 1e3:g} mm long"
             raise SceneError(f"{path}.position", f"{rule}, got {count} of a mesh {(high - low) * 1e3:.6g} mm wide")
@@ -132,10 +107,10 @@ def _read_mesh(file: str, unit: float, stamp: int):
     return fem.read_mesh(file, unit)
 
 
-def transducers(scene: Scene) -> tuple:
-    """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
+def transducers(blocks: tuple[Transducer, ...]) -> tuple:
+    """Return the ``fem.Transducer`` objects of blocks whose periods are numbers."""
     with stator_keys("transducer"):
-        return tuple(_transducer(block, block.wavelength) for block in scene.transducer)
+        return tuple(_transducer(block, block.wavelength) for block in blocks)
 
 
 def free_span(extents, x: float, length: float, clear: float = 0.0) -> tuple[float, float]:
@@ -146,43 +121,6 @@ def free_span(extents, x: float, length: float, clear: float = 0.0) -> tuple[flo
     """
     left = max((right + clear for _, right in extents if right <= x), default=0.0)
     return left, min((left - clear for left, _ in extents if left >= x), default=length)
-
-
-def section_transducers(scene: Scene) -> tuple:
-    """Return `transducers` for models with a single section along x; a SceneError if some lie on other lines."""
-    if scene.crossed:
-        rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
-        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view accept rotated ones")
-    return transducers(scene)
-
-
-def transducer_groups(scene: Scene) -> tuple:
-    """Return the groups of parallel transducers (`fem.rows_of`) of a scene with rotated transducers."""
-    return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
-
-
-def first_section(scene: Scene, point: tuple[float, float]) -> tuple[Scene, float]:
-    """Return the scene of the section that the answers of a rotated scene refer to, and x of a point in it, m.
-
-    ``point``: (x, y) in m on the stator.
-    """
-    if not scene.crossed:
-        return scene, point[0]
-    group = transducer_groups(scene)[0]
-    blocks, drive = {each.name: each for each in scene.transducer}, scene.drive
-    alone = tuple(
-        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern) for each in group.transducers
-    )
-    if drive.sources is not None:
-        names = [each.name for each in alone]
-        drive = replace(drive, sources=tuple((name, size) for name, size in drive.driven.items() if name in names))
-    section = replace(scene.stator, length=group.stator.length)
-    return replace(scene, stator=section, transducer=alone, drive=drive), float(group.local(*point)[0])
-
-
-def driven(scene: Scene):
-    """Return the ``fem.Transducer`` that is driven; the first one if there are several."""
-    return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
 
 
 def _transducer(block: Transducer, period: float):
@@ -196,19 +134,14 @@ def unturned(block: Transducer, period: float):
     return _transducer(replace(block, center=block.center_xy[0], angle=0.0), period)
 
 
-def drive(scene: Scene):
-    """Return the ``fem.Drive`` of a scene with transducers."""
-    block, ladder = scene.drive, []
+def drive(block: Drive):
+    """Return the ``fem.Drive`` of a block."""
+    ladder = []
     for each in () if isinstance(block.match, str) else block.match:
         place, kind = each.name.split("_")  # such as series_L
         value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
         ladder.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
     return fem.Drive(sources=block.driven, impedance=block.source_impedance, match=tuple(ladder))
-
-
-def diffracts(scene: Scene) -> bool:
-    """Return True if finite apertures are computed for a scene, see `section_reason`."""
-    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.contact_positions)
 
 
 @lru_cache(64)
@@ -242,14 +175,3 @@ def section_reason(block: Stator, whole, positions) -> str:
         "stator.diffraction is absent, and between reflecting ends the beam takes 2 to 4 times as long as the section; "
         "true computes it"
     )
-
-
-def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
-    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz.
-
-    ``spread``: True for finite apertures; None as `diffracts` says.
-    """
-    return fem.port_admittance(
-        whole_stator(scene), section_transducers(scene), frequency=frequency, tolerance=tolerance,
-        finite_apertures=diffracts(scene) if spread is None else spread, mirror_width=scene.stator.mirror_width,
-    )  # fmt: skip

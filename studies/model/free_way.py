@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.model.pillars import extent
 from studies.scene import Scene
 
@@ -30,11 +30,11 @@ class _Obstacle(NamedTuple):
     clear: float = 0.0  # distance to keep from it, m
 
 
-def free_way(scene: Scene, clear: float = 0.0) -> FreeWay:
+def free_way(model: Model, clear: float = 0.0) -> FreeWay:
     """Return how far the slider of a resolved scene on a stator can travel; ``clear``: distance from the fingers, m."""
-    balls, low, high = _balls(scene), [], []
+    balls, low, high = _balls(model.scene), [], []
     for ball, (x, y) in balls:
-        left, right = _ends(_obstacles(scene, y, clear), x, scene.stator.length)
+        left, right = _ends(_obstacles(model, y, clear), x, model.scene.stator.length)
         low.append((left[0] - x, f"{ball} {left[1]}, at x = {left[0] * 1e3:.6g} mm"))
         high.append((right[0] - x, f"{ball} {right[1]}, at x = {right[0] * 1e3:.6g} mm"))
     (first, at_low), (last, at_high) = max(low), min(high)
@@ -64,19 +64,18 @@ def _ends(obstacles: list[_Obstacle], x: float, length: float) -> tuple[tuple[fl
     return left, right
 
 
-def _obstacles(scene: Scene, y: float, clear: float) -> list[_Obstacle]:
+def _obstacles(model: Model, y: float, clear: float) -> list[_Obstacle]:
     """Return fingers and meshed pieces on a line of constant y.
 
     Fingers that lie across x are in the way at any y, because bars join them beside the aperture; those of a rotated
     transducer within their rectangle.
     """
     found = []
-    for each in fem_objects.transducers(scene):
-        extent = _crossing(each.corners, y) if scene.crossed else each.extent
+    for each in model.transducers:
+        extent = _crossing(each.corners, y) if model.scene.crossed else each.extent
         if extent is not None:
             found.append(_Obstacle(extent[0], extent[1], f"the fingers of transducer {each.name}", clear))
-    pieces = fem_objects.pieces(scene) if scene.piece else ()
-    return found + [_Obstacle(each.extent[0], each.extent[1], f"the piece {each.name}") for each in pieces]
+    return found + [_Obstacle(each.extent[0], each.extent[1], f"the piece {each.name}") for each in model.pieces]
 
 
 def _crossing(corners: np.ndarray, y: float) -> tuple[float, float] | None:

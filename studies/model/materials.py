@@ -11,7 +11,7 @@ import fem
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import MATERIAL, Cooling, IsotropicSolid, PiezoelectricSolid, Stator
+from studies.scene.blocks import MATERIAL, IsotropicSolid, PiezoelectricSolid, Stator
 from studies.scene.quantity import si_value
 
 LOSSES = ("mechanical_quality", "dielectric_loss")
@@ -68,8 +68,7 @@ def knows_temperature(block: Stator) -> bool:
 def reference_temperature(block: Stator) -> float:
     """Return the temperature in degC at which the constants of a stator hold: without coefficients the ambient one."""
     known = frequency_coefficient(block) is None and "temperature" in thermal_table(block.material)
-    ambient = (block.cooling or Cooling()).ambient
-    return float(thermal_table(block.material)["temperature"]["reference"] if known else ambient)
+    return float(thermal_table(block.material)["temperature"]["reference"] if known else block.ambient)
 
 
 @lru_cache(256)

@@ -28,6 +28,7 @@ from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
 from studies.model.scene_errors import slider_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.scene.drive import Wave
 from studies.scene.pillars import MAX_PILLARS, SEED
 from studies.scene.slider import Slider
 
@@ -206,12 +207,11 @@ def strip_width(slider: Slider) -> float:
     return float(np.ptp(geometry.y)) + geometry.across
 
 
-def prescribed_wave(scene: Scene):
+def prescribed_wave(wave: Wave, slider: Slider):
     """Return the `contact.PassingWave` of a [wave] of amplitude 1 m, which runs towards -x."""
-    wave = scene.wave
     return contact.PassingWave(
         frequency=wave.frequency, wavelength=wave.wavelength or 1.0, ratio=wave.tangential_ratio, backward=1.0,
-        compliance=wave.compliance or 0.0, strip_width=strip_width(scene.slider), loading=scene.slider.loading,
+        compliance=wave.compliance or 0.0, strip_width=strip_width(slider), loading=slider.loading,
     )  # fmt: skip
 
 

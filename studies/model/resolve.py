@@ -15,18 +15,9 @@ from functools import lru_cache
 from typing import Any
 
 import fem
-from studies.model.fem_objects import (
-    drive,
-    layers,
-    pieces,
-    port_admittance,
-    solid,
-    surface_solid,
-    transducers,
-    unturned,
-    whole_stator,
-)
+from studies.model.fem_objects import layers, stator, unturned
 from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
+from studies.model.model import Model
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -46,26 +37,41 @@ MAX_LAYER = 3.0  # wavelengths; a thicker layer holds the whole wave
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
-def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
-    """Return the scene with numbers for its automatic values; SceneError if material, moduli or layout are impossible.
+def build(scene: Scene) -> Model:
+    """Return the model of a scene, `with_numbers`."""
+    return with_numbers(Model(scene))
+
+
+def with_numbers(model: Model, *, spread: bool | None = None) -> Model:
+    """Return a model with numbers for the automatic values of its scene, which it keeps as ``written``.
 
     ``spread``: True if the admittances for an automatic match are those of finite apertures; by default the scene
     decides. Automatic values are those of the constants without ``stator.temperature``: a motor is built once.
+
+    Raises
+    ------
+    SceneError
+        If material, moduli or layout are impossible.
     """
-    temperature = None if scene.stator is None else scene.stator.temperature
-    if scene.stator is None or temperature is None:
-        return _resolved(scene, spread)
-    if temperature == "steady":
-        _check_steady(scene)
-    else:
-        solid(scene.stator)
-    cold = _resolved(replace(scene, stator=replace(scene.stator, temperature=None)), spread)
-    return replace(cold, stator=replace(cold.stator, temperature=temperature))
+    _check_temperature(model)
+    model = replace(model, written=model.scene)
+    return _built(model.cold, spread).at_temperature_of(model)
 
 
-def _check_steady(scene: Scene) -> None:
-    """Refuse a steady temperature of a stator that has none, or whose effect is not known."""
-    material, block = thermal_table(scene.stator.material), scene.stator
+def resolved(scene: Scene) -> Scene:
+    """Return the scene of its model: with numbers for its automatic values."""
+    return build(scene).scene
+
+
+def _check_temperature(model: Model) -> None:
+    """Refuse a temperature whose effect is not known, or a steady one of a stator that has none."""
+    scene, block = model.scene, model.scene.stator
+    if block is None or block.temperature is None:
+        return
+    if not block.is_steady:
+        model.solid  # noqa: B018  a cached property, which refuses it
+        return
+    material = thermal_table(block.material)
     missing = {
         "needs a drive, whose heat it follows": not scene.transducer,
         "needs a plate: a half-space never becomes steady": block.thickness == "half-space",
@@ -80,26 +86,26 @@ def _check_steady(scene: Scene) -> None:
     crystal_at(block, reference_temperature(block))
 
 
-def _resolved(scene: Scene, spread: bool | None) -> Scene:
-    if scene.stator is not None:
-        scene = _with_thicknesses(scene)
-        if scene.transducer:
-            _refuse_long_waves(scene)
-            scene = _with_source_numbers(scene)
-        _check_layout(scene)
-        if scene.crossed:
-            scene = replace(scene, stator=replace(scene.stator, diffraction=True))
-    if scene.slider is not None:
-        scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
-        check_slider(scene)
-    if scene.transducer:
-        scene = _with_circuit(scene, spread)
-    if scene.slider is not None:
-        tolerances(scene)
-    return scene
+def _built(model: Model, spread: bool | None) -> Model:
+    if model.scene.stator is not None:
+        model = _with_thicknesses(model)
+        if model.scene.transducer:
+            _refuse_long_waves(model.scene)
+            model = _with_source_numbers(model)
+        _check_layout(model)
+        if model.scene.crossed:
+            model = model.with_blocks(stator=replace(model.scene.stator, diffraction=True))
+    if model.scene.slider is not None:
+        model = model.with_blocks(slider=resolved_slider(model.scene.slider, model.scene.stator))
+        check_slider(model)
+    if model.scene.transducer:
+        model = _with_circuit(model, spread)
+    if model.scene.slider is not None:
+        tolerances(model.scene)
+    return model
 
 
-def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
+def resolved_slider(slider: Slider, block: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
     from studies.model.pillars import resolved_pillars
@@ -109,7 +115,7 @@ def resolved_slider(slider: Slider, stator: Stator | Any) -> Slider:
         return slider
     from studies.model.contact_moduli import pair_moduli
 
-    normal, tangential = pair_moduli(slider.ball, surface_solid(stator))
+    normal, tangential = pair_moduli(slider.ball, stator(block).solids[-1])
     return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
 
 
@@ -125,45 +131,46 @@ def following(scene: Scene, written: Scene) -> Scene:
     return replace(scene, slider=replace(scene.slider, **{key: getattr(written.slider, key) for key in keys}))
 
 
-def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
-    """Return the scene with voltages for its powers, the load of a receiver, and the elements of an automatic match."""
-    old_drive = scene.drive
+def _with_circuit(model: Model, spread: bool | None) -> Model:
+    """Return the model with voltages for its powers, the load of a receiver, and the elements of an automatic match."""
+    old_drive = model.scene.drive
     if old_drive.power is not None:
-        scene = replace(scene, drive=replace(old_drive, voltage=old_drive.levels, power=None))
-    recovery = old_drive.recovery
+        model = model.with_blocks(drive=replace(old_drive, voltage=old_drive.levels, power=None))
+    recovery, frequency = old_drive.recovery, model.scene.frequency
     matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
     if not matched and old_drive.match != "auto":
-        return _with_load(scene)
+        return _with_load(model)
     with stator_keys("drive.match"):
-        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
+        ports = model.port_admittance(frequency, MATCH_TOLERANCE, spread=spread)
     matrix, names, auto = ports.matrix, ports.names, old_drive.match == "auto"
     load = None
     if recovery is not None and matched:
         with stator_keys("drive.recovery.load"):
             load = fem.matched_load(
-                matrix, names, transducers(scene), drive(scene), recovery.receiver, scene.frequency, source_matched=auto
+                matrix, names, model.transducers, model.drive, recovery.receiver, frequency, source_matched=auto
             )
-    scene = _with_load(scene, load)
+    model = _with_load(model, load)
     if auto:
-        seen = fem.solve_circuit(matrix, names, transducers(scene), old_drive.transducer, scene.frequency).admittance
+        seen = fem.solve_circuit(matrix, names, model.transducers, old_drive.transducer, frequency).admittance
         with stator_keys("drive.match"):
-            ladder = fem.best_match(complex(old_drive.source_impedance), seen, scene.frequency)
+            ladder = fem.best_match(complex(old_drive.source_impedance), seen, frequency)
         elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
-        scene = replace(scene, drive=replace(scene.drive, match=elements))
-    return scene
+        model = model.with_blocks(drive=replace(model.scene.drive, match=elements))
+    return model
 
 
-def _with_load(scene: Scene, load: complex | None = None) -> Scene:
-    """Return the scene with the load of ``drive.recovery`` as the receiver's termination, ``load`` for "matched"."""
-    recovery = scene.drive.recovery
+def _with_load(model: Model, load: complex | None = None) -> Model:
+    """Return the model with the load of ``drive.recovery`` as the receiver's termination, ``load`` for "matched"."""
+    drive = model.scene.drive
+    recovery = drive.recovery
     if recovery is None:
-        return scene
+        return model
     recovery = replace(recovery, load=load or recovery.rectifier_load or recovery.load)
     loaded = tuple(
         replace(each, termination=recovery.load) if each.name == recovery.receiver else each
-        for each in scene.transducer
+        for each in model.scene.transducer
     )
-    return replace(scene, transducer=loaded, drive=replace(scene.drive, recovery=recovery))
+    return model.with_blocks(transducer=loaded, drive=replace(drive, recovery=recovery))
 
 
 def _refuse_long_waves(scene: Scene) -> None:
@@ -181,17 +188,17 @@ def _refuse_long_waves(scene: Scene) -> None:
     )
 
 
-def _with_thicknesses(scene: Scene) -> Scene:
-    """Return the scene with the thicknesses of its layers in m, where they are numbers of wavelengths.
+def _with_thicknesses(model: Model) -> Model:
+    """Return the model with the thicknesses of its layers in m, where they are numbers of wavelengths.
 
     A SceneError says that a layer is too thick, or that the wave of the layers leaks.
     """
-    block, frequency = scene.stator, scene.drive.frequency
+    block, frequency = model.scene.stator, model.scene.drive.frequency
     if not block.layer or isinstance(frequency, str):
-        return scene
+        return model
     stack, surface = layers(block), "open" if block.above == "none" else "vacuum"
     try:
-        wave = fem.principal_wave(fem.layered_waves(solid(block), stack, surface=surface, frequency=frequency))
+        wave = fem.principal_wave(fem.layered_waves(model.solid, stack, surface=surface, frequency=frequency))
     except fem.ConvergenceError as error:
         rule = f"must leave a wave bound to the surface: at {frequency:g} Hz {error}"
         raise SceneError("stator.layer", rule) from None
@@ -202,12 +209,12 @@ def _with_thicknesses(scene: Scene) -> Scene:
             rule = f"is {thickness * 1e3:.4g} mm, {thickness / wavelength:.3g} wavelengths: it is the substrate"
             raise SceneError(f"stator.layer.{index}.thickness", f"{rule}; make it the material of the stator")
         made.append(replace(each, thickness=thickness) if isinstance(each.thickness, str) else each)
-    return replace(scene, stator=replace(block, layer=tuple(made)))
+    return model.with_blocks(stator=replace(block, layer=tuple(made)))
 
 
-def _with_source_numbers(scene: Scene) -> Scene:
-    """Return the scene with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
-    block = replace(whole_stator(scene), pieces=())
+def _with_source_numbers(model: Model) -> Model:
+    """Return the model with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
+    block, scene = replace(model.stator, pieces=()), model.scene
     if "phi" not in block.fields:
         name = " on ".join(each.name for each in block.solids[::-1])
         raise SceneError("transducer", f"must be absent on {name}: it is not piezoelectric in this orientation")
@@ -215,7 +222,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
         if scene.drive.frequency == "center":
             driven = scene.driven_transducer
             frequency = fem.best_frequency(block, unturned(driven, driven.wavelength))
-            return replace(scene, drive=replace(scene.drive, frequency=frequency))
+            return model.with_blocks(drive=replace(scene.drive, frequency=frequency))
 
     def with_period(each: Transducer) -> Transducer:
         if not isinstance(each.period, str):
@@ -227,7 +234,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
         return replace(each, period=float(period))
 
     with stator_keys("transducer.period"):
-        return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
+        return model.with_blocks(transducer=tuple(with_period(each) for each in scene.transducer))
 
 
 @lru_cache(256)  # points of a sweep or a search share most of them
@@ -235,8 +242,8 @@ def _half_space_period(block: fem.Stator, frequency: float, metallisation: float
     return fem.bound_period(block, frequency, metallisation)
 
 
-def _check_layout(scene: Scene) -> None:
-    block, placed = whole_stator(scene), transducers(scene)
+def _check_layout(model: Model) -> None:
+    block, placed, scene = model.stator, model.transducers, model.scene
     with stator_keys("transducer", [each.name for each in placed], [each.label for each in scene.piece]):
         if not scene.crossed:
             fem.check_layout(block, placed)
@@ -245,40 +252,39 @@ def _check_layout(scene: Scene) -> None:
         fem.check_turned(block)
 
 
-def check_slider(scene: Scene) -> None:
+def check_slider(model: Model) -> None:
     """Refuse a resolved slider that stands where it cannot, or whose burst takes too long to compute."""
     ends = _ends_of_contacts
-    if scene.on_pillars:
+    if model.scene.on_pillars:
         from studies.model.pillars import check_pillars, extents
 
-        check_pillars(scene)
+        check_pillars(model.scene)
         ends = extents
-    _refuse_gaps(scene, ends)
-    _refuse_covered(scene)
-    _refuse_endless_burst(scene)
+    _refuse_gaps(model, ends)
+    _refuse_covered(model)
+    _refuse_endless_burst(model.scene)
 
 
 def _ends_of_contacts(slider: Slider) -> list[tuple[float, float]]:
     return [(x, x) for x, _ in slider.contact_positions]
 
 
-def _refuse_gaps(scene: Scene, ends) -> None:
+def _refuse_gaps(model: Model, ends) -> None:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
-    if not scene.piece:
-        return
-    for each in pieces(scene):
-        for (low, high), (left, right) in itertools.product(each.gaps, ends(scene.slider)):
+    for each in model.pieces:
+        for (low, high), (left, right) in itertools.product(each.gaps, ends(model.scene.slider)):
             if left < high and right > low:
                 rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
                 got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")
                 raise SceneError("slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm")
 
 
-def _refuse_covered(scene: Scene) -> None:
+def _refuse_covered(model: Model) -> None:
     """Raise a SceneError if a contact lies on a rotated transducer."""
+    scene = model.scene
     if not scene.crossed:
         return
-    for each, block in zip(transducers(scene), scene.transducer, strict=True):
+    for each, block in zip(model.transducers, scene.transducer, strict=True):
         for x, y in scene.slider.contact_positions if block.turned else ():
             if fem.covers(each, (x, y)):
                 rule = f"must keep the contacts off {each.name!r}, got one at ({x * 1e3:g}, {y * 1e3:g}) mm"

@@ -9,27 +9,26 @@ import numpy as np
 
 import contact
 import fem
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.model.pillars import layout, prescribed_wave, strip_width
 from studies.refusal import SceneError
-from studies.scene import Scene
 
 FITTED = 49  # points along x of the fit
 ACROSS = 5  # Gauss points over the width of the strip
 
 
-def passing_wave(scene: Scene, motion):
+def passing_wave(model: Model, motion):
     """Return the `contact.PassingWave` under a slider for a level of 1, and its misfit; ``motion()``: of the stator."""
-    return (prescribed_wave(scene), 0.0) if scene.wave is not None else stator_wave(scene, motion())
+    scene = model.scene
+    return (prescribed_wave(scene.wave, scene.slider), 0.0) if scene.wave is not None else stator_wave(model, motion())
 
 
-def stator_wave(scene: Scene, motion):
+def stator_wave(model: Model, motion):
     """Return the `contact.PassingWave` for 1 V under a slider, and the rms misfit of the fit.
 
     ``motion`` is a `studies.solve.surface_motion.SurfaceMotion`. The misfit is relative to the larger of both waves.
     """
-    slider, wave, beam = scene.slider, motion.wave, motion.beam
-    stator = fem_objects.stator(scene.stator)
+    slider, wave, beam, stator = model.scene.slider, motion.wave, motion.beam, model.plain
     orbit = complex(fem.bound_wave(stator, motion.wave.frequency).displacement[0])
     wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
     reach = max(wavelength, float(np.ptp(layout(slider).x)) / 2)

@@ -16,6 +16,7 @@ import numpy as np
 
 import fem
 from studies.model.materials import crystal, knows_temperature
+from studies.model.model import model_of
 from studies.record import Record
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
@@ -49,10 +50,10 @@ def run(scene: Scene, *, times: tuple[float, ...] | None = None, tolerance: floa
     """
     if scene.stator is None:
         scene.refuse("stator", "is missing: this study needs a driven one")
-    cold = passband.driven_scene(replace(scene, stator=replace(scene.stator, temperature=None)))
+    cold = passband.driven_model(replace(scene, stator=scene.stator.cold)).scene
     cold, warms = cold.with_source(burst=None, duty=None), knows_temperature(cold.stator)
     record = run_chain(cold if warms else cold.at_level(max(cold.levels)), tolerance=tolerance)
-    warm, body = temperature(record), plate(record)
+    warm, body = temperature(record), plate(cold.stator)
     if body is None:
         known = thermal_constants(cold.stator.material)["conductivity"] is None
         rule = "needs a conductivity" if known else "must be a length: a half-space never becomes steady"
@@ -138,8 +139,8 @@ def _duty(record: Record) -> Panel:
 def _passband(record: Record) -> Panel:
     """Return the quasi-static passband cold, and shifted by the rise at the fingers."""
     scene, block = record.scene, record.heat
-    at = passband.frequencies(scene, None, PLACES)
-    estimate = passband.expected(scene)
+    model = model_of(scene)
+    at, estimate = passband.frequencies(model, None, PLACES), passband.expected(model)
     warm = at / (1.0 + block.frequency_drift)
     data = {"frequency_Hz": at, "normal_m_per_V": estimate.normal(at), "warm_m_per_V": estimate.normal(warm),
             "drive_frequency_Hz": scene.frequency}  # fmt: skip

@@ -27,7 +27,7 @@ import numpy as np
 import contact
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
 from studies.export.motor_model import AveragedMotor, push, ring_speed
-from studies.model.resolve import resolved
+from studies.model.resolve import build
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
@@ -175,8 +175,8 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
     """Raise a SceneError, with the allowed distances, if a ball at the target would leave the free surface."""
     if scene.stator is None or scene.slider is None:
         return
-    resolved_scene = resolved(scene)
-    low, high = (end - resolved_scene.slider.center[0] for end in slider_range(resolved_scene))
+    model = build(scene)
+    low, high = (end - model.scene.slider.center[0] for end in slider_range(model))
     if not low < distance < high:
         rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its position"
         raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")

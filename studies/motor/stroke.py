@@ -53,11 +53,11 @@ def run(scene: Scene, *, count: int = 240, duration: float = 0.3, tolerance: flo
     if driven.record is None:
         driven.scene.refuse("wave", "must be absent: along the wave of a [wave] all positions are alike")
     resolved_scene, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
-    along, center = WaveAlong.under(resolved_scene, motion), resolved_scene.slider.center[0]
+    along, center = WaveAlong.under(driven.model, motion), resolved_scene.slider.center[0]
     if along is None:
         resolved_scene.refuse("slider.position", "must leave the slider a way along x: it stands at the end of it")
     LOGGER.info("stroke: the field along the stator")
-    places = _Places.along(along, slider_range(resolved_scene, CLEAR * along.wavelength), center, count)
+    places = _Places.along(along, slider_range(driven.model, CLEAR * along.wavelength), center, count)
     velocities, paths, speeds, said = {}, {}, {}, []
     for level in driven.spread(1.05, LINES):
         name = driven.scene.named(level)

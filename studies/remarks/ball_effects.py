@@ -15,8 +15,8 @@ import numpy as np
 
 import contact
 import fem
-from studies.model import fem_objects
 from studies.model.contact import contact_slider
+from studies.model.model import model_of
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.stator_effects import AMPLITUDE, Effects, amplitude_per_power, wavelength
@@ -39,7 +39,7 @@ def radiation(record: Record) -> Effects:
     slider = record.scene.slider
     if slider is None or not slider.preload_force > 0:
         return
-    solid, contacts = fem_objects.surface_solid(record.scene.stator), slider.computed_contacts
+    solid, contacts = model_of(record.scene).surface_solid, slider.computed_contacts
     omega, body = 2 * math.pi * record.wave.frequency_Hz, contact_slider(slider)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
@@ -76,7 +76,7 @@ def wave_load(record: Record, voltages) -> list[float]:
     If the averaged equilibrium does not converge, the change is the loading number, which approximates the phase that
     the contacts add to the wave.
     """
-    slider, stator = record.scene.slider, fem_objects.stator(record.scene.stator)
+    slider, stator = record.scene.slider, model_of(record.scene).plain
     body = contact_slider(slider)
     offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
     # A loaded wave takes the elastic law with Coulomb's friction alone. Each computed contact stands for slider.share

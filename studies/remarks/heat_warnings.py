@@ -4,14 +4,13 @@ from collections.abc import Iterator
 
 import fem
 from studies.record import Record
-from studies.scene.blocks import Cooling
 from studies.solve.heat import FAST, POLED, plate, thermal_constants
 
 
 def heat_warnings(record: Record) -> Iterator[str]:
     """Yield what the heat of a continuous drive, or of bursts, asks for."""
     block, stator = record.heat, record.scene.stator
-    ambient, curie = (stator.cooling or Cooling()).ambient, thermal_constants(stator.material)["curie_temperature"]
+    ambient, curie = stator.ambient, thermal_constants(stator.material)["curie_temperature"]
     how = "a continuous drive" if block.duty is None else f"a drive with a duty of {100 * block.duty:.3g} %"
     highest, rate = block.highest_rise_K, block.heating_rate_K_per_s or 0.0
     if highest is not None and curie is not None and ambient + highest > POLED * curie:
@@ -38,7 +37,7 @@ def heat_warnings(record: Record) -> Iterator[str]:
             f"(foldover number {block.foldover_number:.3g}, two states from 1.54 on): approach it from above where "
             "the frequency falls with temperature, from below where it rises, or follow the resonance"
         )
-    body = plate(record)
+    body = plate(stator)
     if body is not None and body.bottom is None and body.biot_number > fem.MAX_BIOT_NUMBER:
         yield (
             f"the Biot number of the stator is {body.biot_number:.2g}: its temperatures differ through the thickness, "

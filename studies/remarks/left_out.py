@@ -7,7 +7,7 @@ condition is true.
 from collections.abc import Iterator
 
 import fem
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.scene import Scene
 from studies.solve.ring_up import RingUp
 
@@ -17,13 +17,13 @@ NORMAL, TANGENTIAL = "viscous damping along z, R_n2", "viscous damping along x, 
 
 
 def left_out(
-    scene: Scene, *, beam: bool = False, reason: str = "", ringing: RingUp | None = None, trajectories=()
+    model: Model, *, beam: bool = False, reason: str = "", ringing: RingUp | None = None, trajectories=()
 ) -> tuple[str, ...]:
     """Return the sentences about the effects that are neglected in the answer to a resolved scene.
 
     Parameters
     ----------
-    scene : Scene
+    model : Model
     beam : bool
         True if a beam model with finite apertures computes the surface motion.
     reason : str
@@ -33,33 +33,33 @@ def left_out(
     trajectories : sequence of (float, contact.Trajectory)
         Level (V or m) and motion of every burst.
     """
-    conditions: list[tuple[bool, str]] = []
+    scene, conditions = model.scene, list[tuple[bool, str]]()
     if scene.wave is not None:
         conditions.append((True, "stator, transducers and electric field: the surface motion is prescribed"))
     elif scene.transducer:
-        conditions += [*_driven(scene), *_diffraction(scene, beam, reason), *_recovery(scene)]
+        conditions += [*_driven(model), *_diffraction(model, beam, reason), *_recovery(scene)]
         if scene.slider is not None and scene.burst is not None:
             conditions += _ring_up(scene.slider, ringing, trajectories)
     else:
-        conditions += _free(scene)
-    conditions += _contact(scene)
+        conditions += _free(model)
+    conditions += _contact(model)
     return tuple(sentence for holds, sentence in conditions if holds)
 
 
-def _free(scene: Scene) -> Conditions:
+def _free(model: Model) -> Conditions:
     """Yield the neglected effects of a free wave, in a scene without transducers."""
-    fields = fem_objects.stator(scene.stator).fields
+    fields = model.plain.fields
     yield True, "electrodes: the scene has no transducer"
     yield True, "finite elements along x: the wave is a mode of the section through the depth"
     plain = "the free wave is that of the plain stator; sawmotor study reflector computes their reflections"
-    yield bool(scene.piece), f"meshed pieces: {plain}"
+    yield bool(model.scene.piece), f"meshed pieces: {plain}"
     yield "uy" not in fields, UNCOUPLED
     yield "phi" not in fields, "electric potential: the solid is not piezoelectric in this orientation"
 
 
-def _driven(scene: Scene) -> Conditions:
+def _driven(model: Model) -> Conditions:
     """Yield the neglected effects in the section of a driven stator."""
-    stator = fem_objects.stator(scene.stator)
+    stator, scene = model.plain, model.scene
     names = stator.fields
     symmetric = fem.media(stator.solids, names)[0].parity is not None
     thin = (stator.thickness + stator.coating) * scene.frequency < _surface_speed(stator, scene.frequency)
@@ -68,8 +68,8 @@ def _driven(scene: Scene) -> Conditions:
     yield symmetric, f"half of the guided modes: {follow}"
     yield stator.above == "none", "electric field in the vacuum above: D_n = 0 on the bare surface"
     yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, so that the wave is a plate mode"
-    whole = fem_objects.whole_stator(scene).placement.whole
-    yield whole is None, "finite elements in the uniform segments: the field there is a sum of guided modes"
+    segments = model.stator.placement.whole is None
+    yield segments, "finite elements in the uniform segments: the field there is a sum of guided modes"
     yield True, "the field inside the stator: only the motion of the surface is computed"
 
 
@@ -81,14 +81,15 @@ def _surface_speed(stator, frequency: float) -> float:
         return 0.0
 
 
-def _diffraction(scene: Scene, beam: bool, reason: str) -> Conditions:
+def _diffraction(model: Model, beam: bool, reason: str) -> Conditions:
     """Yield the parts of the answer that neglect diffraction, with the reason."""
     if not beam:
         yield True, f"diffraction: the wave is that of the plane section ({reason})"
         return
+    scene = model.scene
     where = "the field inside" if scene.driven_obliquely else "surface.csv and the field inside"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
-    anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(fem_objects.solid(scene.stator))
+    anisotropic = len(scene.transducer) > 1 and not fem.isotropic_about_normal(model.solid)
     between = "beam spreading between the transducers: in this cut, reception is that of plane waves"
     returning = "beam spreading of the waves that return to the transducers: their circuit is that of the plane section"
     yield True, f"diffraction in {where}: plane waves are assumed there; --field adds surface_map.csv, with diffraction"
@@ -123,9 +124,9 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Conditions:
     yield slider.computed_contacts > 1, differences
 
 
-def _contact(scene: Scene) -> Conditions:
+def _contact(model: Model) -> Conditions:
     """Yield the neglected effects in the slider and its contacts."""
-    slider = scene.slider
+    scene, slider = model.scene, model.scene.slider
     if slider is None:
         yield True, "slider and contact: the scene has none"
         return
@@ -144,7 +145,7 @@ def _contact(scene: Scene) -> Conditions:
     if scene.stator is not None:
         from studies.model.contact_moduli import direction_dependence
 
-        sizes = direction_dependence(fem_objects.solid(scene.stator))
+        sizes = direction_dependence(model.solid)
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
         fixed = scene.burst is not None and slider.travel is False
         yield fixed, "change of the wave along the slider's travel: slider.travel is false"

@@ -20,6 +20,7 @@ import contact
 import fem
 from studies.model import pillars
 from studies.model.contact import Contact
+from studies.model.model import model_of
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance
@@ -115,9 +116,7 @@ def leak(record: Record, motion) -> Effects:
     length = float(np.ptp(motion.row_x))
     if record.scene.stator is None or not motion.loading or length == 0.0:
         return
-    from studies.model import fem_objects
-
-    stator = fem_objects.stator(record.scene.stator)
+    stator = model_of(record.scene).plain
     half_space = fem.bound_wave(stator, motion.wave.frequency)
     margin = half_space.limiting_velocity / half_space.velocity - 1
     # The loading number approximates the phase advance. The angle of exit_over_entry cannot replace it because it is

@@ -12,8 +12,9 @@ import numpy as np
 
 import contact
 import fem
-from studies.model import fem_objects
+from studies.model.fem_objects import unturned
 from studies.model.free_way import free_way
+from studies.model.model import model_of
 from studies.record import Record
 from studies.record.text import percent
 from studies.remarks.ball_effects import NODE
@@ -40,8 +41,8 @@ def warnings_of(record: Record) -> tuple[str, ...]:
     """Return all warnings about a run, ordered from the drive to the slider."""
     warnings = list(scene_warnings(record.scene))
     if record.scene.piece:
-        stator, transducers = fem_objects.whole_stator(record.scene), fem_objects.transducers(record.scene)
-        warnings += stator.piece_warnings(record.scene.frequency, transducers)
+        model = model_of(record.scene)
+        warnings += model.stator.piece_warnings(record.scene.frequency, model.transducers)
     if record.scene.transducer:
         warnings += [
             *_drive(record),
@@ -92,7 +93,7 @@ def _drive(record: Record) -> Iterator[str]:
             )
     if limits is None or limits.tensile_stress is None:
         return
-    c = fem_objects.surface_solid(scene.stator).stiffness
+    c = model_of(scene).surface_solid.stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
     u_x = highest * float(abs(record.surface.u_x_m_per_V).max())
     stress = stiffness * surface_strain(record, highest)
@@ -123,7 +124,7 @@ def _off_resonance(record: Record) -> Iterator[str]:
     scene, drive = record.scene, record.scene.drive
     if drive.source_impedance or drive.match != "none":
         return
-    stator, present, driven = fem_objects.stator(scene.stator), scene.frequency, scene.driven_transducers
+    stator, present, driven = model_of(scene).plain, scene.frequency, scene.driven_transducers
     if stator.layers:
         return  # the coupled modes are those of one solid
     plain = (each for each in driven if each.pattern is None and not each.split)
@@ -131,7 +132,7 @@ def _off_resonance(record: Record) -> Iterator[str]:
     for each in designs.values():
         half_band = 2 / max(each.finger_pairs, 4)
         frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
-        transducer = fem_objects.unturned(each, each.wavelength)
+        transducer = unturned(each, each.wavelength)
         try:
             size = fem.relative_amplitude(stator.solid, transducer, frequencies, surface=stator.bare_surface)
         except fem.ConvergenceError:
@@ -152,19 +153,20 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
         if each.effect == "finite aperture" and abs(each.size) > DECIDES:
-            refused = fem.beam_refusal(fem_objects.whole_stator(record.scene))
+            refused = fem.beam_refusal(model_of(record.scene).stator)
             size = f"{100 * each.size:+.0f} % of u_z"
             remedy = refused or "stator.diffraction = true includes it"
             yield f"the plane section neglects that the aperture is finite, about {size}: {remedy}"
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
-    if stator.ends != "absorbing" and math.isinf(fem_objects.solid(stator).mechanical_quality):
+    solid = model_of(record.scene).solid
+    if stator.ends != "absorbing" and math.isinf(solid.mechanical_quality):
         yield (
             "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
             f"(standing-wave ratio {record.wave.standing_wave_ratio:.3g}): give stator.mechanical_quality, "
             'or ends = "absorbing"'
         )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
-        if fem.absorber_kind(fem_objects.solid(stator)) == "viscous":
+        if fem.absorber_kind(solid) == "viscous":
             yield (
                 "no fast absorbing layer is known for the half-space of this cut, whose slowness curve is too concave "
                 "at the x axis: a viscous layer is used, which converges slowly; a stator.thickness of a few "
@@ -304,7 +306,7 @@ def _end_of_way(record: Record) -> Iterator[str]:
     scene = record.scene
     if scene.burst is None or scene.stator is None:
         return
-    way = free_way(scene)
+    way = free_way(model_of(scene))
     ended = [point for point in record.points if point.way_ends_after_s is not None]
     ends = [(point.way_ends_after_s, point.level, point.displacement_m) for point in ended]
     if ends:

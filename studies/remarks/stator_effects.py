@@ -17,7 +17,7 @@ from contextlib import suppress
 import numpy as np
 
 import fem
-from studies.model import fem_objects
+from studies.model.model import model_of
 from studies.record import Record
 from studies.scene.blocks import Transducer
 
@@ -65,7 +65,7 @@ def _left_out_beam(record: Record):
         or record.scene.piece
     ):
         return None
-    if not fem.isotropic_about_normal(fem_objects.solid(block)):
+    if not fem.isotropic_about_normal(model_of(record.scene).solid):
         return None
     with suppress(fem.BeamError, fem.ConvergenceError):
         return fem.surface_beam(record.surface_wave, mirror_width=block.mirror_width)
@@ -87,7 +87,7 @@ def _aperture(record: Record, left_out) -> Effects:
     positions = record.scene.contact_positions
     if record.scene.piece:
         # a meshed piece has no guided modes to test; compare with the extents of the transducers
-        extents = [each.extent for each in fem_objects.transducers(record.scene)]
+        extents = [each.extent for each in model_of(record.scene).transducers]
         covered = any(left <= x <= right for x, _ in positions for left, right in extents)
     else:
         covered = any(map(motion.covered, positions))
@@ -120,7 +120,7 @@ def _aperture(record: Record, left_out) -> Effects:
 def _crossed(record: Record, positions) -> Effects:
     """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
     beam, (x, y) = record.surface_motion.beam, zip(*positions, strict=True)
-    amplitude, solid = abs(beam.motion(x, y)[2]), fem_objects.solid(record.scene.stator)
+    amplitude, solid = abs(beam.motion(x, y)[2]), model_of(record.scene).solid
     images = float((beam.first_images(x, y) / amplitude).max())
     how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
     yield "side faces", AMPLITUDE, images, how
@@ -135,7 +135,7 @@ def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:
 
     ``x`` is measured from the left end of the stator and ``y`` from its axis, both in m.
     """
-    stator = fem_objects.stator(record.scene.stator)
+    stator = model_of(record.scene).plain
     wave, frequency = record.wave, record.wave.frequency_Hz
     try:
         if stator.layers:
@@ -164,7 +164,7 @@ def _finger_ends(record: Record, left_out) -> Effects:
     if motion.beam is None or covered or record.scene.crossed:
         yield effect, AMPLITUDE, UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
-    stator = fem_objects.stator(record.scene.stator)
+    stator = model_of(record.scene).plain
     longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
     changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
     yield effect, AMPLITUDE, float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
@@ -180,7 +180,7 @@ def vacuum_effect(record: Record) -> Effects:
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
     """
     if record.scene.stator.above == "none":
-        stator, frequency = fem_objects.whole_stator(record.scene), record.scene.frequency
+        stator, frequency = model_of(record.scene).stator, record.scene.frequency
         permittivity = stator.solids[-1].permittivity
         eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
         share = fem.VACUUM_PERMITTIVITY / eps_p
@@ -201,7 +201,7 @@ def amplitude_per_power(record: Record) -> float | None:
     several sources drive, or if that point is covered by electrodes.
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical.power_W_per_V2
-    driven = fem_objects.driven(scene)
+    driven = model_of(scene).driven
     if scene.crossed:  # the group of the driven transducer has its own axes
         transducers = record.surface_motion.beam.rows[0].transducers
         driven = next(each for each in transducers if scene.drive.driven.get(each.name))

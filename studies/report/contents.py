@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 
 from studies.model.contact_moduli import direction_dependence
-from studies.model.fem_objects import before_its_heat, solid
+from studies.model.model import model_of
 from studies.record.quantities import quantity
 from studies.report.intermediate import si
 from studies.scene import Scene
@@ -14,7 +14,8 @@ from studies.scene.blocks import Stator
 
 def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
     """Yield a name and its lines of text for each part of a resolved scene."""
-    scene = before_its_heat(scene)
+    model = model_of(scene).before_heat
+    scene = model.scene
     if scene.stator is not None:
         yield "stator", [section(scene.stator)]
     for each in scene.transducer:
@@ -54,7 +55,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
             return
         shape = "radius" if slider.shape == "sphere" else f"{slider.shape} radius"
         lines = [f"{weight}, contacts {len(slider.offsets)}, {shape} {slider.radius * 1e3:g} mm, {moduli}"]
-        if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
+        if scene.stator is not None and (spread := direction_dependence(model.solid)):
             lines.append(f"E* and G* are means over the directions in the surface: {spread}")
         yield "slider", lines
 

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 import contact
-from studies.model import resolve
 from studies.model.contact import Contact
+from studies.model.resolve import resolved
 from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.blocks import HeatBlock
@@ -287,7 +287,7 @@ def _start_distance(driven: Contact, rated: float, motion: Any) -> tuple[tuple[R
     until, center = _start_time(motion), scene.slider.center[0]
     time = np.append(motion.time[motion.time < until], until)
     distance = float(np.trapezoid(np.interp(time, motion.time, motion.velocity), time))
-    low, high = slider_range(scene)
+    low, high = slider_range(driven.model)
     free = high - center if distance > 0.0 else center - low
     fits, room = abs(distance) <= free, f"{si(free, 'm', 3)} are free in this direction"
     condition = f"from rest to {SETTLED:.0%} of the speed; {room}: it {'fits' if fits else 'does not fit'}"
@@ -474,7 +474,7 @@ def _resonances(record: Record, driven: Contact) -> Iterator[Row]:
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
         LOGGER.info("stator: search for the strongest wave")
-        best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
+        best = resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
         yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", FREQUENCY_ERROR, condition)
     for name, frequency, springs in (

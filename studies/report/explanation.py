@@ -14,8 +14,10 @@ import numpy as np
 
 import contact
 import fem
-from studies.model import fem_objects, resolve
 from studies.model.contact import contact_slider
+from studies.model.fem_objects import section_reason
+from studies.model.model import Model
+from studies.model.resolve import build
 from studies.model.scene_errors import as_run_errors
 from studies.record.text import labelled, table
 from studies.remarks.left_out import left_out
@@ -73,14 +75,14 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         If a run would refuse the scene because of its size.
     """
     searched = bool(scene.transducer) and scene.drive.frequency == "center"
-    scene = resolve.resolved(scene)
-    scene = fem_objects.before_its_heat(scene)
+    model = build(scene).before_heat
+    scene = model.scene
     parts: list[dict] = []
     left_out_options: dict[str, Any] = {}
     operations, block_bytes, seconds = 0.0, 0.0, START + MESH_START * bool(scene.piece) + SEARCH * searched
     if scene.transducer:
         with as_run_errors():
-            parts, left_out_options, operations, block_bytes = _driven(scene, tolerance)
+            parts, left_out_options, operations, block_bytes = _driven(model, tolerance)
     elif scene.wave is None:
         facts = [_stator_text(scene), "guided modes of the bare section: an eigenproblem through the depth alone"]
         parts = [{"name": "free wave", "facts": facts}]
@@ -107,7 +109,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     }  # fmt: skip
     return {
         "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
-        "left_out": left_out(scene, **left_out_options), "expected": expected,
+        "left_out": left_out(model, **left_out_options), "expected": expected,
     }  # fmt: skip
 
 
@@ -123,12 +125,13 @@ def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> 
     return announced(stators * expected["stator_seconds"] + contacts)
 
 
-def band_seconds(scene: Scene, frequencies: np.ndarray, *, tolerance: float) -> float:
+def band_seconds(model: Model, frequencies: np.ndarray, *, tolerance: float) -> float:
     """Return the expected time in s of the admittances of a resolved scene at rising frequencies in Hz."""
+    scene = model.scene
     plane = replace(scene, slider=None, stator=replace(scene.stator, diffraction=False))
     one = plan(plane, tolerance=tolerance)["expected"]["stator_seconds"]
-    ports = sum(each.has_two_electrodes for each in scene.transducer) if fem_objects.diffracts(scene) else 1
-    return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(scene, frequencies))
+    ports = sum(each.has_two_electrodes for each in scene.transducer) if model.diffracts else 1
+    return one * ports**2 * sum(BAND if len(group) > 1 else 1 for group in groups(model, frequencies))
 
 
 def announced(expected: float, more: str = "") -> tuple[str, ...]:
@@ -168,11 +171,11 @@ def explanation(plan: dict) -> str:
     return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(entries)])
 
 
-def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
+def _driven(model: Model, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
-    slider, (along, _) = scene.slider, fem_objects.first_section(scene, (0.0, 0.0))
-    stator, transducers = fem_objects.whole_stator(along), fem_objects.transducers(along)
-    sections = len(fem_objects.transducer_groups(scene)) if scene.crossed else 1
+    scene, slider, (along, _) = model.scene, model.scene.slider, model.first_section((0.0, 0.0))
+    stator, transducers = along.stator, along.transducers
+    sections = len(model.groups) if scene.crossed else 1
     resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
@@ -201,7 +204,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
     operations = sections * sum(_operations(sizes[k]) for k in resolutions)
     block_bytes = sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:])
-    reason = fem_objects.section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
+    reason = section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})

@@ -7,7 +7,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.model import fem_objects
+from studies.model.model import model_of
 from studies.record import Record
 from studies.record.plots import COLOURS, curve, finished, shaded
 from studies.record.quantities import quantity
@@ -44,7 +44,7 @@ def layout(record: Record, ax):
     scene, along, across = record.scene, quantity.x_m, quantity.y_m
     length, width = scene.stator.length * along.scale, scene.stator.width * across.scale
     ax.add_patch(Rectangle((0.0, -width / 2), length, width, facecolor="#F2EEE6", edgecolor=COLOURS["line"]))
-    for each in fem_objects.transducers(scene):
+    for each in model_of(scene).transducers:
         driven = each.name in scene.drive.driven
         colour = COLOURS["slip" if driven else "stick"]
         label = f"{each.name}, {'driven' if driven else 'not driven'}"

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from studies.model import fem_objects, pillars
+from studies.model import pillars
+from studies.model.model import model_of
 from studies.record.plots import COLOURS, finished
 from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
@@ -19,7 +20,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     options = {"cmap": "viridis", "shading": "gouraud", "rasterized": True}
     colours = ax.pcolormesh(x * across.scale, y * up.scale, abs(motion[2]).T * shade.scale, **options)
     ax.figure.colorbar(colours, ax=ax, label=f"|{shade.head}| ({shade.shown})")
-    for each in fem_objects.transducers(scene):
+    for each in model_of(scene).transducers:
         ax.add_patch(Polygon(each.corners * across.scale, fill=False, edgecolor="white", linewidth=1.2))
     touching = ""
     if scene.slider is not None and scene.slider.pillars is not None:

@@ -7,7 +7,7 @@ stator's left end, z out of the surface.  The sentence beside each key is its en
 import math
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar
 
@@ -504,6 +504,21 @@ class Stator(Block):
     def check_sides(self) -> Any:
         if self.sides == "mirror" and self.diffraction is False:
             yield "sides", "must be absorbing where stator.diffraction is false, got 'mirror'"
+
+    @property
+    def ambient(self) -> float:
+        """Temperature of its surroundings, degC."""
+        return (self.cooling or Cooling()).ambient
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether it is to be solved at the temperature that its own heat gives it."""
+        return self.temperature == "steady"
+
+    @property
+    def cold(self) -> "Stator":
+        """The stator with the constants of its solid as they are, without ``temperature``."""
+        return self if self.temperature is None else replace(self, temperature=None)
 
     def check_layers(self) -> Any:
         if self.layer and self.temperature is not None:

@@ -1,14 +1,15 @@
 """The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
 
+from studies.model.model import Model
 from studies.record.blocks import ElectricalBlock
 from studies.record.point import Point
-from studies.scene import Scene
+from studies.scene.drive import Drive
 from studies.solve.solved_stator import SolvedStator
 
 
-def electrical_block(scene: Scene, motion) -> ElectricalBlock:
+def electrical_block(model: Model, motion) -> ElectricalBlock:
     """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V."""
-    circuit, balance = motion.circuit, motion.power
+    circuit, balance, drive = motion.circuit, motion.power, model.scene.drive
     block = ElectricalBlock(
         admittance_S=circuit.admittance,
         comb_voltage_per_volt=circuit.voltage,
@@ -22,13 +23,13 @@ def electrical_block(scene: Scene, motion) -> ElectricalBlock:
         power_radiated_left_W_per_V2=balance.left,
         power_radiated_right_W_per_V2=balance.right,
     )
-    if complex(scene.drive.source_impedance).real > 0:
+    if complex(drive.source_impedance).real > 0:
         block |= ElectricalBlock(power_available_W_per_V2=circuit.network.available)
-    if scene.drive.source_impedance or scene.drive.match != "none":
+    if drive.source_impedance or drive.match != "none":
         block |= ElectricalBlock(
             power_source_W_per_V2=circuit.network.in_sources, power_network_W_per_V2=circuit.network.in_ladders
         )
-    block |= _recovered(scene, circuit)
+    block |= _recovered(drive.recovery, circuit)
     if len(circuit.sources) > 1:
         volts, amperes = circuit.voltages, circuit.currents
         sources = {
@@ -39,14 +40,13 @@ def electrical_block(scene: Scene, motion) -> ElectricalBlock:
     return block
 
 
-def _recovered(scene: Scene, circuit) -> ElectricalBlock:
+def _recovered(recovery, circuit) -> ElectricalBlock:
     """Return the recovered power, the loop gain and the net power of the source, of a ``fem.circuit.Circuit``.
 
     With circulation, the recovered power drives the transducers again. The powers of successive passes form a
     geometric series, which converges if the gain is below 1. The combiner is ideal: it matches the recovered power
     and reflects nothing, so that the source supplies the fraction 1 - gain of the power into the transducers.
     """
-    recovery = scene.drive.recovery
     if recovery is None:
         return ElectricalBlock()
     recovered_power = recovered(recovery, circuit.currents[circuit.names.index(recovery.receiver)])
@@ -59,7 +59,7 @@ def _recovered(scene: Scene, circuit) -> ElectricalBlock:
             f"must be below {recovery.efficiency / gain:.4g} with drive.recovery.circulation: "
             f"the loop's gain is {gain:.4g}, and it oscillates from 1 on; got {recovery.efficiency!r}"
         )
-        scene.refuse("drive.recovery.efficiency", rule)
+        recovery.refuse("efficiency", rule)
     return block | ElectricalBlock(power_net_W_per_V2=float(circuit.power - recovered_power))
 
 
@@ -68,9 +68,9 @@ def recovered(recovery, current: complex) -> float:
     return float(recovery.efficiency * 0.5 * abs(current) ** 2 * complex(recovery.load).real)
 
 
-def source_power(scene: Scene, solved: SolvedStator) -> float:
+def source_power(drive: Drive, solved: SolvedStator) -> float:
     """Return the power that the source supplies to the transducers, W per V^2: with circulation the net power."""
-    recovery = scene.drive.recovery
+    recovery = drive.recovery
     if recovery is None or not recovery.circulation:
         return solved.power
     return solved.power - recovered(recovery, solved.currents[recovery.receiver])

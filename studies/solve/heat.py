@@ -23,6 +23,7 @@ from studies.record.blocks import HeatBlock
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.blocks import Cooling, Stator
+from studies.scene.drive import Drive
 
 END_LENGTH = 5e-3  # m: of the absorber's share that heats the stator
 AIR_BAND = 0.4  # of the air's coefficient, with radiation: relative half-width
@@ -42,20 +43,19 @@ def thermal_constants(material) -> dict[str, float | None]:
     return {key: table.get(key) for key in THERMAL}
 
 
-def duty(scene: Scene) -> float | None:
-    """Return the share of the time for which a scene's drive is on; None for a lone burst."""
-    if scene.drive.duty is not None or scene.drive.burst is not None:
-        return scene.drive.duty
+def duty(drive: Drive) -> float | None:
+    """Return the share of the time for which a drive is on; None for a lone burst."""
+    if drive.duty is not None or drive.burst is not None:
+        return drive.duty
     return 1.0
 
 
-def plate(record: Record, *, air: float = 1.0) -> fem.HeatedPlate | None:
+def plate(stator: Stator, *, air: float = 1.0) -> fem.HeatedPlate | None:
     """Return the stator as a heated plate; None for a half-space or without a conductivity.
 
     ``air``: factor of the air's coefficient.
     """
-    stator, cooling = record.scene.stator, record.scene.stator.cooling or Cooling()
-    constants = thermal_constants(stator.material)
+    cooling, constants = stator.cooling or Cooling(), thermal_constants(stator.material)
     if isinstance(stator.thickness, str) or constants["conductivity"] is None:
         return None
     capacity, bottom = constants["heat_capacity"], None if cooling.bottom == "air" else cooling.bottom
@@ -143,8 +143,8 @@ def temperature(record: Record, *, air: float = 1.0, share: float | None = None)
 
     ``air``: factor of the air's coefficient; ``share``: of the time for which the drive is on, by default the scene's.
     """
-    share = (duty(record.scene) or 1.0) if share is None else share
-    body, heated = plate(record, air=air), sources(record, share)
+    share = (duty(record.scene.drive) or 1.0) if share is None else share
+    body, heated = plate(record.scene.stator, air=air), sources(record, share)
     return None if body is None or not heated else fem.temperature_profile(body, heated)
 
 
@@ -154,7 +154,7 @@ def heat_block(record: Record) -> HeatBlock:
     if not block.power_W > 0.0:
         return HeatBlock()
     block |= HeatBlock(voltage_V=max(scene.levels), duty=scene.drive.duty)
-    body, on = plate(record), duty(scene)
+    body, on = plate(scene.stator), duty(scene.drive)
     if body is None:
         return block
     kept = sum(each.power for each in sources(record, on or 1.0))
@@ -184,7 +184,7 @@ def heat_block(record: Record) -> HeatBlock:
 def allowed_rise(block: Stator) -> float | None:
     """Return the rise in K to half the Curie temperature; None where this is not known."""
     curie = thermal_constants(block.material)["curie_temperature"]
-    return None if curie is None else POLED * curie - (block.cooling or Cooling()).ambient
+    return None if curie is None else POLED * curie - block.ambient
 
 
 def limits(scene: Scene, block: HeatBlock) -> HeatBlock:
@@ -209,7 +209,7 @@ def limits(scene: Scene, block: HeatBlock) -> HeatBlock:
 
 def drift(block: Stator, rise: float) -> float | None:
     """Return the relative change of the best frequency from the ambient temperature by a rise in K; None if unknown."""
-    coefficient, ambient = frequency_coefficient(block), (block.cooling or Cooling()).ambient
+    coefficient, ambient = frequency_coefficient(block), block.ambient
     if coefficient is not None:
         return coefficient * rise
     if not knows_temperature(block) or rise > KNOWN_RISE:
@@ -222,7 +222,7 @@ def frequency_slope(block: Stator) -> float:
     coefficient = frequency_coefficient(block)
     if coefficient is not None:
         return coefficient
-    ambient = (block.cooling or Cooling()).ambient
+    ambient = block.ambient
     ahead, here, behind = (relative_frequency(block, ambient + step) for step in (STEP, 0.0, -STEP))
     return (ahead - behind) / (2 * STEP * here)
 
@@ -230,7 +230,7 @@ def frequency_slope(block: Stator) -> float:
 def _effects(record: Record, block: HeatBlock) -> HeatBlock:
     """Return what the temperature does to the frequency; nothing without temperature coefficients."""
     scene, stator = record.scene, record.scene.stator
-    change, body = drift(stator, block.fingers_rise_K), plate(record)
+    change, body = drift(stator, block.fingers_rise_K), plate(stator)
     if change is None or body is None:
         return HeatBlock()
     pairs = scene.driven_transducer.finger_pairs

@@ -10,12 +10,11 @@ import numpy as np
 from studies.lab.encoder import aligned, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.scan import Scan
-from studies.model import fem_objects
+from studies.model.model import Model, model_of
 from studies.record import Record
 from studies.record.scan_comparison import compared_scan
 from studies.record.velocity_comparison import VELOCITIES, compared, deviations, missing_burst
 from studies.refusal import SceneError
-from studies.scene import Scene
 from studies.solve.predictor import Predictor
 from studies.solve.scan_prediction import component_and_error, drawn_line, over_frequency, placed
 
@@ -36,19 +35,19 @@ def measured_block(record: Record, measured: Measurement) -> dict:
         return compared(measured, _velocities_at(record, measured.levels, VELOCITIES[measured.quantity]))
     if measured.scan is None:
         return _trace(record, measured)
-    scene = record.scene
+    scene, model = record.scene, model_of(record.scene)
     scan = placed(scene, measured.scan)
     LOGGER.info("the field at the measured points")
 
     def predict(some: Scan):
         if some.kind == "frequency":
-            return over_frequency(scene, some, tolerance=max(record.tolerance, 1e-3))
+            return over_frequency(model, some, tolerance=max(record.tolerance, 1e-3))
         return component_and_error(record.surface_motion, some)
 
     ratio = None
     if scan.kind == "x" and scan.component.endswith("z") and scan.y[0] == scene.positions[0][1]:
         ratio = record.wave.standing_wave_ratio
-    return scan_block(scene, scan, predict, ratio)
+    return scan_block(model, scan, predict, ratio)
 
 
 def _velocities_at(record: Record, levels: tuple[float, ...], also: tuple[str, ...]) -> list[float | None]:
@@ -69,14 +68,14 @@ def _velocities_at(record: Record, levels: tuple[float, ...], also: tuple[str, .
     return [each.velocity_m_per_s if mean is None else mean for each, mean in zip(points, means, strict=True)]
 
 
-def scan_block(scene: Scene, scan: Scan, predict: Callable, ratio: float | None = None) -> dict:
+def scan_block(model: Model, scan: Scan, predict: Callable, ratio: float | None = None) -> dict:
     """Return the comparison of a placed scan with its prediction and the estimated relative error of that.
 
     ``predict``: takes a placed scan and returns the motion at its points, m per V, and its relative error; ``ratio``:
     the predicted standing-wave ratio about the scene's position, where it is that of the scan's component and line.
     """
-    wavelength = fem_objects.wavelength(scene)
-    source, (place, _) = scene.driven_transducer.center_xy[0], scene.positions[0]
+    wavelength = model.wavelength
+    source, (place, _) = model.scene.driven_transducer.center_xy[0], model.scene.positions[0]
     line = drawn_line(scan, wavelength)
     if line is not None and scan.kind == "frequency":  # one band of frequencies for both
         together = np.append(np.asarray(scan.frequency), np.asarray(line.frequency))

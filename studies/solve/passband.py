@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 import fem
-from studies.model import fem_objects, resolve
+from studies.model.model import Model
+from studies.model.resolve import build
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.ranges import read_range
@@ -21,12 +22,12 @@ MAX_FREQUENCIES = 2000  # that a study takes by default
 DEFAULT_COUNT, MAX_COUNT = 401, 100_000  # frequencies of a network: by default, and at most
 
 
-def driven_scene(scene: str | Path | Scene) -> Scene:
-    """Return a scene as resolved; refuse one without a transducer."""
+def driven_model(scene: str | Path | Scene) -> Model:
+    """Return the model of a scene; refuse one without a transducer."""
     loaded = Scene.load(scene)
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")
-    return resolve.resolved(loaded)
+    return build(loaded)
 
 
 def waves_return(scene: Scene) -> bool:
@@ -34,13 +35,13 @@ def waves_return(scene: Scene) -> bool:
     return len(scene.transducer) > 1 or scene.stator.ends != "absorbing"
 
 
-def frequencies(scene: Scene, count: int | None, least: int = 2):
+def frequencies(model: Model, count: int | None, least: int = 2):
     """Return frequencies in Hz, evenly spaced about the drive's, or about v / period if that is outside the main lobe.
 
     Without a ``count`` there are at least ``least``, and 4 in each ripple v / (2 length) of returning waves.
     """
-    driven = scene.driven_transducer
-    velocity = fem_objects.surface_velocity(scene.stator, scene.frequency)
+    scene, driven = model.scene, model.scene.driven_transducer
+    velocity = model.wave_velocity(scene.frequency)
     center = velocity / driven.wavelength  # with the velocity of the bare surface; fingers slow the wave by a few %
     middle = scene.frequency if abs(scene.frequency - center) < center / driven.finger_pairs else center
     half = middle * min(LOBES / driven.finger_pairs, MAX_HALF_BAND)
@@ -50,10 +51,10 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
     return np.linspace(middle - half, middle + half, count)
 
 
-def band_frequencies(scene: Scene, band: Any = None, count: int | None = None) -> np.ndarray:
+def band_frequencies(model: Model, band: Any = None, count: int | None = None) -> np.ndarray:
     """Return the frequencies in Hz of START:STOP:N (MHz without a unit), or of the driven transducer's passband."""
     if band is None:
-        return frequencies(scene, count, DEFAULT_COUNT)
+        return frequencies(model, count, DEFAULT_COUNT)
     if not isinstance(band, str):
         return np.asarray(band, dtype=float)
     values = read_range("--band", band, "Hz", bare=1e6)
@@ -78,9 +79,9 @@ def group_delay(at, transfer, approximate: float):
     return approximate - np.gradient(remainder, 2 * np.pi * at)
 
 
-def expected(scene: Scene):
+def expected(model: Model):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    stator = fem_objects.stator(scene.stator)
+    stator = model.plain
     if stator.layers:
         raise SceneError("stator.layer", "must be absent here: the quasi-static estimate is that of one solid")
-    return fem.transducer_estimate(stator.solid, fem_objects.driven(scene), stator.bare_surface)
+    return fem.transducer_estimate(stator.solid, model.driven, stator.bare_surface)

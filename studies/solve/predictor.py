@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import fem
-from studies.model import resolve
 from studies.model.changed_scenes import ChangedScenes
 from studies.model.contact import Contact
+from studies.model.resolve import build, following
 from studies.record import Record
 from studies.record.point import Point
 from studies.record.status import Status
@@ -70,16 +70,16 @@ class Predictor:
         """Return the predictor of a run's scene, its stator known, without the scene's burst and [uncertain] block.
 
         ``written``: the scene before its automatic values became numbers; with it, the preload and the moduli follow
-        the changed keys (`resolve.following`).
+        the changed keys (`studies.model.resolve.following`).
         """
         scene = replace(record.scene, uncertain=None)
         if scene.burst is not None:
             scene = scene.with_source(burst=None)
-        table = resolve.following(scene, written or scene).to_table()
+        table = following(scene, written or scene).to_table()
         predictor = cls(table, tolerance=record.tolerance, rounds=1, numbers=scene.to_table())
-        resolved, stator = predictor.scenes.resolved({})
-        if stator is not None:
-            predictor.stators.know(stator, resolved.positions, record.surface_motion)
+        model = predictor.scenes.model({})
+        if scene.stator is not None:
+            predictor.stators.know(model.alone, model.scene.positions, record.surface_motion)
         return predictor
 
     def scene(self, changes: dict) -> Scene:
@@ -98,9 +98,8 @@ class Predictor:
         RunError
             If the stator has no solution, or the model does not resolve the motion under a contact.
         """
-        scene, stator = self.scenes.resolved(changes)
-        driven = self.stators.contact(scene, stator, goal)
-        if driven.refusal and scene.slider is not None:
+        driven = self.stators.contact(self.scenes.model(changes), goal)
+        if driven.refusal and driven.scene.slider is not None:
             raise RunError(driven.refusal)
         return driven
 
@@ -183,7 +182,7 @@ class Predictor:
         resolved = []
         for changes, goal in zip(many, goals, strict=True) if self.stators.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
-                resolved.append((*self.scenes.resolved(changes), goal))
+                resolved.append((self.scenes.model(changes), goal))
         self.stators.solve_together(resolved)
 
     def _contact_at_one_level(self, changes: dict, goal: float | None) -> Contact:
@@ -243,7 +242,7 @@ def reason(error: Exception) -> str:
 
 def _free_answer(scene: Scene, tolerance: float) -> PointAnswer:
     """Return the answer of a scene without transducers: its free wave."""
-    record = free_wave_record(resolve.resolved(scene), tolerance)
+    record = free_wave_record(build(scene), tolerance)
     values = {name: record.wave[name] for name in FREE}
     point = Point(**values, relative_error=record.error.relative, status=Status.OK.value)
     return PointAnswer(point=point, from_stator=record.error.relative)

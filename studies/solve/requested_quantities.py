@@ -140,8 +140,8 @@ def _alike(point: Point) -> Point:
 
 def _efficiencies(driven: Contact, power: float, efficiency: float) -> Point:
     """Return the efficiency of the contact and that of the motor: mechanical ``power`` in W over that of the source."""
-    solved, scene = driven.solved, driven.scene
-    electrical = 0.0 if solved is None else source_power(scene, solved) * driven.level**2
+    solved = driven.solved
+    electrical = 0.0 if solved is None else source_power(driven.scene.drive, solved) * driven.level**2
     return Point(contact_efficiency=efficiency, motor_efficiency=power / electrical if electrical > 0.0 else None)
 
 

@@ -14,8 +14,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.model import fem_objects
-from studies.scene import Scene
+from studies.model.model import Model
 from studies.solve.spectrum import response
 
 if TYPE_CHECKING:
@@ -77,22 +76,23 @@ def switched(driven: "Contact") -> tuple[RingUp | None, str]:
     if record.surface_motion.covered(center):
         return None, "the slider stands over a transducer or a meshed piece"
     # of a burst of one cycle: that of any other burst follows from the same response (`RingUp.lasting`)
-    ringing = ring_up(record.scene.with_source(burst=1.0 / record.scene.frequency), center)
+    ringing = ring_up(Model(record.scene.with_source(burst=1.0 / record.scene.frequency)), center)
     return (None, ringing.sentence) if ringing.response is None else (ringing, "")
 
 
-def ring_up(scene: Scene, point: tuple[float, float]) -> RingUp:
+def ring_up(model: Model, point: tuple[float, float]) -> RingUp:
     """Return the ring-up at a point (x, y) in m of a scene with transducers, a burst and a frequency."""
-    scene, x = fem_objects.first_section(scene, point)
+    section, x = model.first_section(point)
+    scene = section.scene
     fewest = min(each.finger_pairs for each in scene.driven_transducers)
     half_band = min(LOBES / fewest, MAX_HALF_BAND) * scene.frequency
     low, high = scene.frequency - half_band, scene.frequency + half_band
-    over_band = response(scene, low, high, positions=(x,), tolerance=TOLERANCE)
+    over_band = response(section, low, high, positions=(x,), tolerance=TOLERANCE)
     LOGGER.info("stator: ring-up of the burst")
     try:
         return RingUp.of(
             fem.burst_response(
-                over_band, x, drive=fem_objects.drive(scene), frequency=scene.frequency, duration=scene.burst,
+                over_band, x, drive=section.drive, frequency=scene.frequency, duration=scene.burst,
                 tolerance=TOLERANCE, max_frequencies=MAX_FREQUENCIES,
             )
         )  # fmt: skip

@@ -7,8 +7,7 @@ import numpy as np
 
 from studies.lab.network import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
-from studies.model import fem_objects
-from studies.model.stator_alone import stator_alone
+from studies.model.model import Model
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -74,7 +73,7 @@ def _positions(scan: Scan) -> tuple[tuple[float, float], ...]:
     return tuple(zip(scan.x.tolist(), scan.y.tolist(), strict=True))
 
 
-def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
+def over_frequency(model: Model, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
     """Return the component of a scan at its frequencies, complex, m per V, of the plane section, and its error.
 
     Raises
@@ -84,31 +83,31 @@ def over_frequency(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.nd
     """
     x = float(scan.x[0])
     several = np.ptp(scan.x) > 0.0 or np.any(scan.y != 0.0)
-    if scan.frequency is None or scan.component == "u_y" or several or scene.crossed:
+    if scan.frequency is None or scan.component == "u_y" or several or model.scene.crossed:
         rule = "over frequency must be of u_x or u_z at one position on the middle line, without rotated transducers"
         raise SceneError("--measured", f"{scan.name!r} {rule}")
     at, number = np.unique(scan.frequency, return_inverse=True)
-    alone = stator_alone(scene)
+    alone = model.alone
     over_band = response(alone, at[0], at[-1], positions=(x,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
-    waves = over_band.waves(at, fem_objects.drive(alone))
+    waves = over_band.waves(at, alone.drive)
     component = "xz".index(scan.component[-1])
     motion = np.array([wave.motion(x)[component] for wave in waves])[number]
     return motion, float(max(wave.relative_error for wave in waves))
 
 
-def predicted_scan(scene: Scene, scan: Scan, *, tolerance: float) -> np.ndarray:
+def predicted_scan(model: Model, scan: Scan, *, tolerance: float) -> np.ndarray:
     """Return the motion of a resolved scene at the points of a placed scan, complex, m per V."""
-    return scan_and_error(scene, scan, tolerance=tolerance)[0]
+    return scan_and_error(model, scan, tolerance=tolerance)[0]
 
 
-def scan_and_error(scene: Scene, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
+def scan_and_error(model: Model, scan: Scan, *, tolerance: float) -> tuple[np.ndarray, float]:
     """Return the motion at the points of a placed scan, m per V, and its estimated relative error, rms."""
     if scan.kind == "frequency":
-        return over_frequency(scene, scan, tolerance=tolerance)
+        return over_frequency(model, scan, tolerance=tolerance)
     # solved for one position: all others, also off the axis, are evaluated from the same solution
     first = _positions(scan)[:1]
-    motion = solved_motion(stator_alone(scene), first, tolerance=tolerance, slider=True, missed=True)
+    motion = solved_motion(model.alone, first, tolerance=tolerance, slider=True, missed=True)
     return component_and_error(motion, scan)
 
 
@@ -140,7 +139,7 @@ def drawn_line(scan: Scan, wavelength: float) -> Scan | None:
     return replace(scan, x=x, y=y, frequency=frequency, values=np.zeros(count, complex), deviation=None)
 
 
-def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:
+def at_other_velocity(model: Model, scan: Scan, motion: np.ndarray, factor: float) -> np.ndarray:
     """Return a motion along x with the velocity of the surface wave multiplied by a factor.
 
     The phase lag per distance from the middle of the driven transducer increases by omega/v (1/factor - 1). Amplitudes
@@ -148,13 +147,13 @@ def at_other_velocity(scene: Scene, scan: Scan, motion: np.ndarray, factor: floa
     """
     if factor == 1.0:
         return motion
-    frequency = scene.frequency if scan.frequency is None else scan.frequency
-    velocity = fem_objects.surface_velocity(scene.stator, float(np.median(frequency)))
-    distance = abs(scan.x - scene.driven_transducer.center_xy[0])
+    frequency = model.scene.frequency if scan.frequency is None else scan.frequency
+    velocity = model.wave_velocity(float(np.median(frequency)))
+    distance = abs(scan.x - model.scene.driven_transducer.center_xy[0])
     return motion * np.exp(-2j * np.pi * frequency / velocity * (1.0 / factor - 1.0) * distance)
 
 
-def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> np.ndarray:
+def network_prediction(model: Model, data: NetworkData, *, tolerance: float) -> np.ndarray:
     """Return the S-parameters (n, ports, ports) of the transducers with two electrodes at the n frequencies of a file.
 
     Raises
@@ -162,18 +161,18 @@ def network_prediction(scene: Scene, data: NetworkData, *, tolerance: float) -> 
     SceneError
         If the file has another number of ports, or its frequencies lie outside the driven transducer's passband.
     """
-    names = [each.name for each in scene.transducer if each.has_two_electrodes]
+    names = [each.name for each in model.scene.transducer if each.has_two_electrodes]
     if data.ports != len(names):
         hint = ": port=N behind the file takes one of them" if len(names) == 1 else ""
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two electrodes{hint}"
         raise SceneError("--data", rule)
-    refuse_other_range(scene, data, "--data")
-    return scattering_matrix(scene, data.frequency, data.reference, tolerance)[2]
+    refuse_other_range(model, data, "--data")
+    return scattering_matrix(model, data.frequency, data.reference, tolerance)[2]
 
 
-def refuse_other_range(scene: Scene, data: NetworkData, option: str) -> None:
+def refuse_other_range(model: Model, data: NetworkData, option: str) -> None:
     """Refuse a file whose frequencies do not overlap the passband of the driven transducer."""
-    band = passband.frequencies(scene, 2)
+    band = passband.frequencies(model, 2)
     if data.frequency[-1] < band[0] or data.frequency[0] > band[-1]:
         own = f"{data.frequency[0] / 1e6:.5g} to {data.frequency[-1] / 1e6:.5g} MHz"
         rule = f"{data.name!r} must meet the passband, {band[0] / 1e6:.5g} to {band[-1] / 1e6:.5g} MHz, got {own}"

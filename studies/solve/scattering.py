@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from studies.model.model import Model
 from studies.refusal import needed
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -49,32 +50,35 @@ def network(
         If scikit-rf is not installed, or the tolerance is not met.
     """
     library = needed("skrf", "network")
-    resolved = passband.driven_scene(scene)
+    model = passband.driven_model(scene)
     reference = reference_impedance(z0)
-    at = passband.band_frequencies(resolved, band)
-    names, _, scattering = scattering_matrix(resolved, at, reference, tolerance)
+    at = passband.band_frequencies(model, band)
+    names, _, scattering = scattering_matrix(model, at, reference, tolerance)
     result = library.Network(
-        frequency=library.Frequency.from_f(at, unit="hz"), s=scattering, z0=reference, name=resolved.title or "network"
+        frequency=library.Frequency.from_f(at, unit="hz"),
+        s=scattering,
+        z0=reference,
+        name=model.scene.title or "network",
     )
     result.port_names = names
     return result
 
 
 def scattering_matrix(
-    scene: Scene, at: np.ndarray, reference: float, tolerance: float
+    model: Model, at: np.ndarray, reference: float, tolerance: float
 ) -> tuple[list[str], Any, np.ndarray]:
     """Return the names of the ports, the `fem.PortAdmittance` and S (frequencies, ports, ports) of a resolved scene."""
-    ports = port_admittances(scene, at, tolerance)
-    names, scattering = _in_order(scene, ports, reference)
+    ports = port_admittances(model, at, tolerance)
+    names, scattering = _in_order(model.scene, ports, reference)
     return names, ports, scattering
 
 
 def converged_scattering(
-    scene: Scene, at: np.ndarray, reference: float, tolerance: float
+    model: Model, at: np.ndarray, reference: float, tolerance: float
 ) -> tuple[list[str], Any, np.ndarray, tuple[str, ...]]:
     """Return the same as `scattering_matrix` at those frequencies that have an answer, and why others have none."""
-    ports, failures = converged_admittances(scene, at, tolerance)
-    names, scattering = _in_order(scene, ports, reference)
+    ports, failures = converged_admittances(model, at, tolerance)
+    names, scattering = _in_order(model.scene, ports, reference)
     return names, ports, scattering, failures
 
 

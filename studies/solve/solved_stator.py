@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import contact
 from studies.model.contact import Contact
+from studies.model.model import model_of
 from studies.record import Record
 from studies.solve.nearby_motion import NearbyMotion, nearby_motions
 from studies.solve.surface_motion import SurfaceMotion
@@ -67,8 +68,8 @@ class SolvedStator:
 
 def contact_of_run(record: Record) -> Contact:
     """Return the contact of a run that has a slider."""
+    model, motion = model_of(record.scene), record.surface_motion
     if record.scene.wave is not None:
-        return Contact.prescribed(record.scene, record)
-    motion = record.surface_motion
-    driven = Contact.of_stator(record.scene, SolvedStator.of(motion, record.scene.positions), lambda: motion)
+        return Contact.prescribed(model, record)
+    driven = Contact.of_stator(model, SolvedStator.of(motion, record.scene.positions), lambda: motion)
     return replace(driven, stator_error=float(record.wave.relative_error), record=record)

@@ -14,10 +14,9 @@ from itertools import pairwise
 import numpy as np
 
 import fem
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.model.scene_errors import as_run_errors
 from studies.refusal import RunError
-from studies.scene import Scene
 
 LOGGER = logging.getLogger(__name__)
 
@@ -50,14 +49,14 @@ class Response:
 
 
 def response(
-    scene: Scene, lowest: float, highest: float, *, positions: tuple[float, ...], tolerance: float
+    model: Model, lowest: float, highest: float, *, positions: tuple[float, ...], tolerance: float
 ) -> Response:
     """Prepare a resolved scene with transducers for frequencies from lowest to highest (Hz).
 
     ``positions``: where the motion is evaluated, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = fem_objects.whole_stator(scene), fem_objects.section_transducers(scene)
-    common = {"drive": fem_objects.drive(scene), "tolerance": tolerance, "places": tuple(positions)}
+    block, transducers = model.stator, model.section_transducers
+    common = {"drive": model.drive, "tolerance": tolerance, "places": tuple(positions)}
 
     def alone(frequency: float):
         LOGGER.info(f"stator: {frequency / 1e6:.5g} MHz")
@@ -76,9 +75,9 @@ def response(
     return Response(limits=(lowest, highest), bands=tuple(bands), alone=alone)
 
 
-def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
+def groups(model: Model, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    block, transducers = fem_objects.whole_stator(scene), fem_objects.section_transducers(scene)
+    block, transducers = model.stator, model.section_transducers
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
     if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, transducers, ()):
@@ -86,7 +85,7 @@ def groups(scene: Scene, frequencies: np.ndarray) -> list[np.ndarray]:
     return bands
 
 
-def port_admittances(scene: Scene, frequencies, tolerance: float):
+def port_admittances(model: Model, frequencies, tolerance: float):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, computed as in a run.
 
     Raises
@@ -94,13 +93,13 @@ def port_admittances(scene: Scene, frequencies, tolerance: float):
     RunError
         If some of the frequencies have no answer within the tolerance.
     """
-    ports, failures = converged_admittances(scene, frequencies, tolerance)
+    ports, failures = converged_admittances(model, frequencies, tolerance)
     if failures:
         raise RunError(failures[0])
     return ports
 
 
-def converged_admittances(scene: Scene, frequencies, tolerance: float):
+def converged_admittances(model: Model, frequencies, tolerance: float):
     """Return the ``fem.PortAdmittance`` at those frequencies in Hz that have an answer, and why the others have none.
 
     Raises
@@ -111,14 +110,14 @@ def converged_admittances(scene: Scene, frequencies, tolerance: float):
     parts: list = []
     failures: list[str] = []
     done = 0
-    for group in groups(scene, frequencies):
+    for group in groups(model, frequencies):
         last = done + len(group)
         which = f"frequency {last}" if len(group) == 1 else f"frequencies {done + 1} to {last}"
         LOGGER.info(f"stator: {which} of {len(frequencies)}, from {group[0] / 1e6:.5g} MHz")
         done = last
         try:
             with as_run_errors(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz"):
-                parts.append(fem_objects.port_admittance(scene, group, tolerance))
+                parts.append(model.port_admittance(group, tolerance))
         except RunError as error:
             failures.append(str(error))
     if not parts:

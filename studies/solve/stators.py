@@ -14,9 +14,8 @@ from functools import lru_cache
 from typing import Any
 
 import fem
-from studies.model import fem_objects
 from studies.model.contact import Contact
-from studies.model.stator_alone import stator_alone
+from studies.model.model import Model
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.solve.nearby_motion import POINTS
@@ -47,7 +46,7 @@ UNSHARED = Shared()
 class Stators:
     """Solved stators, and the contacts of resolved scenes on them.
 
-    A stator is the scene of a stator alone (`stator_alone`), a goal the allowed relative error of its section. A
+    A stator is the model of a stator alone (`Model.alone`), a goal the allowed relative error of its section. A
     solution that misses its goal is used, with its error.
 
     Parameters
@@ -72,23 +71,23 @@ class Stators:
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
         self._ring_up, self._band = lru_cache(64)(ring_up), lru_cache(4)(response)
 
-    def contact(self, scene: Scene, stator: Scene | None, goal: float | None = None) -> Contact:
-        """Return the contact of a resolved scene on its stator, None for a prescribed wave.
+    def contact(self, model: Model, goal: float | None = None) -> Contact:
+        """Return the contact of a resolved scene on its stator or its prescribed wave.
 
         ``goal``: of the section; by default `first_goal`. RunError if the stator has no solution.
         """
-        if stator is None:
-            return Contact.prescribed(scene)
-        own, shared = scene.positions, self.shared_positions(scene)
+        if model.scene.wave is not None:
+            return Contact.prescribed(model)
+        stator, own, shared = model.alone, model.scene.positions, self.shared_positions(model.scene)
         try:
             solved = self._solution(stator, shared, goal, missed=shared == own)
         except RunError:  # a position at a node of the wave must not fail the others
             if shared == own:
                 raise
             solved = self._solution(stator, own, goal)
-        return Contact.of_stator(scene, solved, lambda: self.motion(stator, own, goal))
+        return Contact.of_stator(model, solved, lambda: self.motion(stator, own, goal))
 
-    def motion(self, stator: Scene, positions: Any, goal: float | None = None, missed: bool = True) -> SurfaceMotion:
+    def motion(self, stator: Model, positions: Any, goal: float | None = None, missed: bool = True) -> SurfaceMotion:
         """Return the surface motion of a stator at positions (x, y) in m; only the latest is stored.
 
         ``missed``: True returns a motion that misses its goal, with its error; False raises RunError.
@@ -110,7 +109,7 @@ class Stators:
         """Return the surface motion from which a contact on a stator was made."""
         solved = driven.solved
         positions = tuple(solved.at)
-        return self.motion(stator_alone(driven.scene), positions, solved.goal, positions == driven.scene.positions)
+        return self.motion(driven.model.alone, positions, solved.goal, positions == driven.scene.positions)
 
     def bursting(self, driven: Contact) -> Contact:
         """Return a contact with the ring-up of its burst and the orbits along the slider's travel."""
@@ -118,45 +117,47 @@ class Stators:
         if scene.burst is None or driven.solved is None:
             return driven
         if scene.slider.travel is not False:
-            along = WaveAlong.under(scene, self.motion_under(driven))
+            along = WaveAlong.under(driven.model, self.motion_under(driven))
         return replace(driven, ringing=self.ring_up(driven), along=along)
 
     def ring_up(self, driven: Contact) -> RingUp | None:
         """Return the ring-up of a burst; None under a transducer."""
-        center, alone = driven.scene.slider.center, stator_alone(driven.scene)
+        center, alone = driven.scene.slider.center, driven.model.alone
         if driven.solved.at[center].covered:
             return None
-        return self._ring_up(replace(alone, drive=replace(alone.drive, burst=driven.scene.burst)), center)
+        drive = replace(alone.scene.drive, burst=driven.scene.burst)
+        return self._ring_up(alone.with_blocks(drive=drive), center)
 
-    def know(self, stator: Scene, positions: Any, motion: SurfaceMotion) -> None:
+    def know(self, stator: Model, positions: Any, motion: SurfaceMotion) -> None:
         """Take a solved motion at positions (x, y) in m as the solution for the first goal."""
         goal = self.first_goal(stator, positions)
         self._latest = (stator, positions, goal, True), motion
         self._solution(stator, positions, goal)
 
-    def solve_together(self, many: Iterable[tuple[Scene, Scene, float | None]]) -> None:
+    def solve_together(self, many: Iterable[tuple[Model, float | None]]) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band.
 
-        ``many``: resolved scene, stator and goal of each contact.
+        ``many``: resolved model and goal of each contact.
         """
         if len(self._solved) * max(1, len(self.positions)) * (POINTS if self.nearby else 1) > MAX_POSITIONS:
             self._solved.clear()
         groups: dict = {}
-        for scene, stator, goal in many if self.limits else ():
-            positions = self.shared_positions(scene)
+        for model, goal in many if self.limits else ():
+            stator, positions = model.alone, self.shared_positions(model.scene)
             goal = self.first_goal(stator, positions) if goal is None else goal
-            key = self._key(stator, positions, goal, positions == scene.positions)
+            key = self._key(stator, positions, goal, positions == model.scene.positions)
             if self._in_band(stator, positions) and key not in self._solved:
-                fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
-                groups.setdefault((fixed, positions, goal), {})[stator.frequency] = key
+                drive = replace(stator.scene.drive, frequency=self.limits[0])
+                group = stator.with_blocks(drive=drive), positions, goal
+                groups.setdefault(group, {})[stator.scene.frequency] = key
         for (fixed, positions, goal), keys in groups.items():
             start_time = time.perf_counter()
             # a band that fails leaves each of its stators to be solved alone, which says why it fails
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
                 along = tuple(dict.fromkeys(x for x, _ in positions))
                 band = self._band(fixed, *self.limits, positions=along, tolerance=goal)
-                for key, wave in zip(keys.values(), band.waves(list(keys), fem_objects.drive(fixed)), strict=True):
-                    motion = surface_motion(wave, fixed.stator, positions, slider=self.slider)
+                for key, wave in zip(keys.values(), band.waves(list(keys), fixed.drive), strict=True):
+                    motion = surface_motion(wave, fixed.scene.stator, positions, slider=self.slider)
                     self._solved[key] = SolvedStator.of(motion, positions, goal=goal, nearby=self.nearby)
             self.seconds += time.perf_counter() - start_time
 
@@ -170,14 +171,14 @@ class Stators:
         shared = tuple((x, y) for x, y in self.positions if 0.0 <= x <= length and (off_axis or not y))
         return shared if set(own) <= set(shared) else own
 
-    def first_goal(self, stator: Scene, positions: Any) -> float:
+    def first_goal(self, stator: Model, positions: Any) -> float:
         """Return the goal of the first solution of a stator."""
         if self.coarse:
             return math.inf
         share = BAND_SHARE if self._in_band(stator, positions) else SHARE
         return self.tolerance * (share if self.slider else 1.0)
 
-    def _solution(self, stator: Scene, positions: Any, goal: float | None, missed: bool = True) -> SolvedStator:
+    def _solution(self, stator: Model, positions: Any, goal: float | None, missed: bool = True) -> SolvedStator:
         """Return the stored solution of a stator, solved by `motion` if necessary, or raise its stored error."""
         goal = self.first_goal(stator, positions) if goal is None else goal
         key = self._key(stator, positions, goal, missed)
@@ -194,10 +195,10 @@ class Stators:
             raise solution.with_traceback(None)
         return solution
 
-    def _key(self, stator: Scene, positions: Any, goal: float, missed: bool) -> tuple:
+    def _key(self, stator: Model, positions: Any, goal: float, missed: bool) -> tuple:
         return stator, positions, goal, missed, self.nearby
 
-    def _in_band(self, stator: Scene, positions: Any) -> bool:
+    def _in_band(self, stator: Model, positions: Any) -> bool:
         """Return whether a stator is solved as one of a band: with frequency limits and without finite apertures."""
-        plain = bool(self.limits) and not (stator.crossed or stator.piece)
-        return plain and not fem_objects.spreads(stator.stator, positions if self.slider else None)
+        plain = bool(self.limits) and not (stator.scene.crossed or stator.scene.piece)
+        return plain and not stator.spreads(positions if self.slider else None)

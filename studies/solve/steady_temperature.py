@@ -16,15 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import fem
-from studies.model import fem_objects
 from studies.model.fem_objects import relative_frequency
 from studies.model.materials import crystal
-from studies.model.stator_alone import stator_alone
+from studies.model.model import Model
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.refusal import RunError
-from studies.scene import Scene
-from studies.scene.blocks import Cooling
+from studies.scene.blocks import Stator
 from studies.solve.electrical import electrical_block
 from studies.solve.heat import KNOWN_RISE, duty, frequency_slope, plate, sources, temperature, thermal_constants
 from studies.solve.spectrum import converged_admittances
@@ -63,7 +61,15 @@ class SteadyTemperature:
         )  # fmt: skip
 
 
-def steady_temperature(scene: Scene, tolerance: float) -> SteadyTemperature:
+def at_own_temperature(model: Model, tolerance: float) -> tuple[Model, HeatBlock]:
+    """Return the model at the temperature of its own heat if it is to be solved there, and what is known of that."""
+    if model.scene.stator is None or not model.scene.stator.is_steady:
+        return model, HeatBlock()
+    steady = steady_temperature(model, tolerance)
+    return model.at_temperature(steady.temperature), steady.block()
+
+
+def steady_temperature(model: Model, tolerance: float) -> SteadyTemperature:
     """Return the temperature that a resolved scene's own heat holds at its largest level.
 
     ``tolerance``: relative, of the surface's motion.
@@ -73,40 +79,42 @@ def steady_temperature(scene: Scene, tolerance: float) -> SteadyTemperature:
     RunError
         If there is no steady temperature below the Curie temperature, or it is not found.
     """
+    scene, stator = model.scene, model.scene.stator
     if not max(scene.levels, default=0.0) > 0.0:
-        return SteadyTemperature(temperature=_ambient(scene), residual=0.0)
-    if scene.stator.ends == "absorbing":
-        return _agreed(scene, tolerance, 0.0, None)
-    frequencies, held = _response(scene, tolerance)
-    rises = _rises(scene)
-    met = scene.frequency / _frequency_factors(scene, rises)
+        return SteadyTemperature(temperature=stator.ambient, residual=0.0)
+    if stator.ends == "absorbing":
+        return _agreed(model, tolerance, 0.0, None)
+    frequencies, held = _response(model, tolerance)
+    rises = _rises(stator)
+    met = scene.frequency / _frequency_factors(stator, rises)
     if met.min() < frequencies[0] * (1 - ROUNDING) or met.max() > frequencies[-1] * (1 + ROUNDING):
         raise RunError(f"the stator has no answer at all frequencies from {met.min():.6g} to {met.max():.6g} Hz")
     at = np.interp(met, frequencies, held)
     states = fem.heated_states(rises, at)
     stable = [each.rise for each in states if each.stable]
     if not stable:
-        limit = _ambient(scene) + rises[-1]
+        limit = stator.ambient + rises[-1]
         raise RunError(f"there is no steady temperature up to {limit:.3g} degC: lower the voltage or cool the stator")
     slope = float(np.interp(stable[0], rises, np.gradient(at, rises)))
-    found = _agreed(scene, tolerance, stable[0], slope)
-    coefficient = frequency_slope(scene.stator)
+    found = _agreed(model, tolerance, stable[0], slope)
+    coefficient = frequency_slope(stator)
     return replace(
-        found, others=tuple(_ambient(scene) + rise for rise in stable[1:]),
+        found, others=tuple(stator.ambient + rise for rise in stable[1:]),
         folds=fem.drive_folds(frequencies, held, coefficient),
         number=fem.sampled_foldover_number(frequencies, held, coefficient),
     )  # fmt: skip
 
 
-def _agreed(scene: Scene, tolerance: float, rise: float, slope: float | None) -> SteadyTemperature:
+def _agreed(model: Model, tolerance: float, rise: float, slope: float | None) -> SteadyTemperature:
     """Return the temperature at which the stator holds its own rise, by secants from a rise in K.
 
     ``slope``: of the held rise with the rise there; None: the first step takes the held rise.
     """
-    ambient, tried = _ambient(scene), list[tuple[float, float]]()  # rise, and what the heat holds beyond it, K
-    while len(tried) < ROUNDS and 0.0 <= rise <= _largest_rise(scene):
+    stator, tried = model.scene.stator, list[tuple[float, float]]()  # rise, and what the heat holds beyond it, K
+    ambient = stator.ambient
+    while len(tried) < ROUNDS and 0.0 <= rise <= _largest_rise(stator):
         LOGGER.info(f"stator at {ambient + rise:.4g} degC")
-        excess = _held(scene, ambient + rise, tolerance) - rise
+        excess = _held(model, ambient + rise, tolerance) - rise
         if abs(excess) <= AGREED * max(rise, 1.0):
             return SteadyTemperature(temperature=ambient + rise, residual=abs(excess))
         if tried:
@@ -120,64 +128,58 @@ def _agreed(scene: Scene, tolerance: float, rise: float, slope: float | None) ->
     )
 
 
-def _held(scene: Scene, temperature_degC: float, tolerance: float) -> float:
+def _held(model: Model, temperature_degC: float, tolerance: float) -> float:
     """Return the rise in K that the powers of the stator at a temperature hold: at the fingers, or between ends."""
-    warm = replace(scene, stator=replace(scene.stator, temperature=temperature_degC))
+    scene, warm = model.scene, model.at_temperature(temperature_degC)
     motion = solved_motion(
-        stator_alone(warm), scene.positions, tolerance=tolerance, slider=scene.slider is not None, missed=True
-    )
+        warm.alone, scene.positions, tolerance=tolerance, slider=scene.slider is not None, missed=True
+    )  # fmt: skip
     record = Record(
-        scene=warm, tolerance=tolerance, wave=wave_block(warm, motion, scene.positions[0], None),
+        scene=warm.scene, tolerance=tolerance, wave=wave_block(warm, motion, None),
         electrical=electrical_block(warm, motion), surface=surface_columns(warm, motion),
     )  # fmt: skip
     if scene.stator.ends != "absorbing":
-        return _plate(warm, tolerance).steady_rise(sum(each.power for each in sources(record, duty(scene) or 1.0)))
+        return _plate(scene.stator).steady_rise(sum(each.power for each in sources(record, duty(scene.drive) or 1.0)))
     warmed = temperature(record)
     return 0.0 if warmed is None else float(warmed.at(scene.driven_transducer.center_xy[0]))
 
 
-def _response(scene: Scene, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+def _response(model: Model, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies in Hz and the mean rise in K that the stator at the ambient temperature holds at each."""
-    cold = replace(scene, stator=replace(scene.stator, temperature=_ambient(scene)))
-    quality = scene.stator.mechanical_quality or crystal(scene.stator.material).mechanical_quality
-    met = scene.frequency / _frequency_factors(scene, _rises(scene))
+    scene, stator = model.scene, model.scene.stator
+    cold = model.at_temperature(stator.ambient)
+    quality = stator.mechanical_quality or crystal(stator.material).mechanical_quality
+    met = scene.frequency / _frequency_factors(stator, _rises(stator))
     margin = BESIDE * scene.frequency / quality if math.isfinite(quality) else 0.0
     low, high = met.min() - margin, met.max() + margin
     wanted = PER_WIDTH * (high - low) / (scene.frequency / quality) if math.isfinite(quality) else MAX_SAMPLES
     at = np.linspace(low, high, int(np.clip(math.ceil(wanted), MIN_SAMPLES, MAX_SAMPLES)))
     ports, _ = converged_admittances(cold, at, max(tolerance, RESPONSE_TOLERANCE))
-    transducers, drive = fem_objects.transducers(cold), fem_objects.drive(cold)
     pairs = zip(ports.matrix, ports.frequency, strict=True)
-    powers = [fem.solve_circuit(y, ports.names, transducers, drive, f).power for y, f in pairs]
-    share = (duty(scene) or 1.0) * max(scene.levels) ** 2
-    return np.asarray(ports.frequency), _plate(cold, tolerance).resistance * share * np.array(powers)
+    powers = [fem.solve_circuit(y, ports.names, cold.transducers, cold.drive, f).power for y, f in pairs]
+    share = (duty(scene.drive) or 1.0) * max(scene.levels) ** 2
+    return np.asarray(ports.frequency), _plate(stator).resistance * share * np.array(powers)
 
 
-def _plate(scene: Scene, tolerance: float) -> fem.HeatedPlate:
-    body = plate(Record(scene=scene, tolerance=tolerance))
+def _plate(stator: Stator) -> fem.HeatedPlate:
+    body = plate(stator)
     assert body is not None  # `studies.model.resolve` has refused a scene without
     return body
 
 
-def _frequency_factors(scene: Scene, rises: np.ndarray) -> np.ndarray:
+def _frequency_factors(stator: Stator, rises: np.ndarray) -> np.ndarray:
     """Return the resonances' frequency at rises in K over that at the ambient temperature."""
-    ambient = _ambient(scene)
+    ambient = stator.ambient
     nodes = np.linspace(0.0, rises[-1], FITTED)
-    values = [
-        relative_frequency(scene.stator, ambient + each) / relative_frequency(scene.stator, ambient) for each in nodes
-    ]
+    values = [relative_frequency(stator, ambient + each) / relative_frequency(stator, ambient) for each in nodes]
     return np.polynomial.Polynomial.fit(nodes, values, FITTED - 1)(rises)
 
 
-def _rises(scene: Scene) -> np.ndarray:
+def _rises(stator: Stator) -> np.ndarray:
     """Return the rises in K among which states are looked for."""
-    return np.linspace(0.0, _largest_rise(scene), MAX_SAMPLES)
+    return np.linspace(0.0, _largest_rise(stator), MAX_SAMPLES)
 
 
-def _largest_rise(scene: Scene) -> float:
-    curie = thermal_constants(scene.stator.material)["curie_temperature"]
-    return KNOWN_RISE if curie is None else curie - _ambient(scene)
-
-
-def _ambient(scene: Scene) -> float:
-    return (scene.stator.cooling or Cooling()).ambient
+def _largest_rise(stator: Stator) -> float:
+    curie = thermal_constants(stator.material)["curie_temperature"]
+    return KNOWN_RISE if curie is None else curie - stator.ambient

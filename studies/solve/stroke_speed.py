@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.model.contact import Contact
 from studies.model.free_way import free_way
-from studies.scene import Scene
+from studies.model.model import Model
 from studies.solve.ripple import Known, NearbyContact, Ripple, ripples
 from studies.solve.solved_stator import SolvedStator
 from studies.solve.surface_motion import SurfaceMotion
@@ -31,12 +31,12 @@ class StrokeSpeed:
     missing: float  # share of the half wavelengths that has no answer and that the mean leaves out
 
 
-def slider_range(scene: Scene, clear: float = 0.0) -> tuple[float, float]:
+def slider_range(model: Model, clear: float = 0.0) -> tuple[float, float]:
     """Return the range of the slider's centre in m in which all its contacts stay on the free surface about it.
 
     ``clear``: least distance from the fingers, m.
     """
-    way, center = free_way(scene, clear), scene.slider.center[0]
+    way, center = free_way(model, clear), model.scene.slider.center[0]
     return center + way.low, center + way.high
 
 
@@ -47,16 +47,16 @@ def stroke_speed(
 
     ``known``: the motion at the slider's position, as for `ripple.ripples`.
     """
-    scene = driven.scene
+    model, slider = driven.model, driven.scene.slider
     wavelength = abs(motion.wave.phase_velocity) / motion.wave.frequency
-    (low, high), (x, y) = slider_range(scene, CLEAR * wavelength), scene.slider.center
+    (low, high), (x, y) = slider_range(model, CLEAR * wavelength), slider.center
     low, high = min(low, x), max(high, x)  # a slider that stands nearer to the fingers
     needed = max(1, math.ceil(2.0 * (high - low) / wavelength))
     parts = min(needed, MAX_PARTS)
     found = []
     for x in low + (high - low) * (np.arange(parts) + 0.5) / parts:
-        here = replace(scene, slider=replace(scene.slider, position=(float(x), y)))
-        solved = SolvedStator.of(motion, here.positions, nearby=True)
+        here = model.with_blocks(slider=replace(slider, position=(float(x), y)))
+        solved = SolvedStator.of(motion, here.scene.positions, nearby=True)
         nearby = NearbyContact.of(Contact.of_stator(here, solved), tolerance)
         found.append(None if nearby is None else ripples(nearby, {level: known}).get(level))
     answers = [each for each in found if each is not None]
@@ -71,4 +71,4 @@ def stroke_speed(
         mean_over_time=float(1.0 / np.mean(1.0 / np.array(times))) if len(times) == len(answers) else None,
         error=float(max(each.error for each in answers) + sampling),
     )  # fmt: skip
-    return StrokeSpeed(stroke=slider_range(scene), ripple=whole, missing=(parts - len(answers)) / parts)
+    return StrokeSpeed(stroke=slider_range(model), ripple=whole, missing=(parts - len(answers)) / parts)

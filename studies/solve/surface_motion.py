@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import fem
-from studies.model import fem_objects
+from studies.model.fem_objects import section_reason
+from studies.model.model import Model
 from studies.model.scene_errors import as_run_errors
-from studies.scene import Scene
 from studies.scene.blocks import Stator
 
 if TYPE_CHECKING:
@@ -114,14 +114,15 @@ class SurfaceMotion:
 
 
 def solved_motion(
-    scene: Scene, positions, *, tolerance: float, slider: bool | None = None, missed: bool = False
+    model: Model, positions, *, tolerance: float, slider: bool | None = None, missed: bool = False
 ) -> SurfaceMotion:
-    """Return the motion of a driven scene, its section solved to a tolerance at positions (x, y) in m.
+    """Return the motion of a driven stator, its section solved to a tolerance at positions (x, y) in m.
 
     ``slider``: True if the motion is to drive a slider; by default, if the scene has one.  ``missed``: True returns a
     motion that misses the tolerance, with its error, instead of raising RunError.  A refusal of the beam becomes one of
     the key ``stator.diffraction``.
     """
+    scene = model.scene
     slider = scene.slider is not None if slider is None else slider
 
     def solve(stator, transducers, drive, x):
@@ -137,9 +138,8 @@ def solved_motion(
     try:
         with as_run_errors():
             if scene.crossed:
-                return crossed_motion(scene, positions, solve)
-            whole = fem_objects.whole_stator(scene), fem_objects.transducers(scene), fem_objects.drive(scene)
-            wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in positions)))
+                return crossed_motion(model, positions, solve)
+            wave = solve(model.stator, model.transducers, model.drive, tuple(dict.fromkeys(x for x, _ in positions)))
             return surface_motion(wave, scene.stator, positions, slider=slider)
     except fem.BeamError as error:
         scene.refuse("stator.diffraction", f"must be false or absent: {error}")
@@ -148,11 +148,11 @@ def solved_motion(
         scene.refuse(error.key.replace("transducer", f"transducer.{index}", 1), error.rule)
 
 
-def crossed_motion(scene, positions, solve) -> SurfaceMotion:
+def crossed_motion(model: Model, positions, solve) -> SurfaceMotion:
     """Return the motion of a scene with rotated transducers; ``solve`` as for `fem.crossed_beam`."""
     beam = fem.crossed_beam(
-        fem_objects.whole_stator(scene), fem_objects.transducers(scene), width=scene.stator.width,
-        frequency=scene.frequency, drive=fem_objects.drive(scene), solve=solve, places=tuple(positions),
+        model.stator, model.transducers, width=model.scene.stator.width, frequency=model.scene.frequency,
+        drive=model.drive, solve=solve, places=tuple(positions),
     )  # fmt: skip
     return SurfaceMotion(wave=beam.wave, beam=beam)
 
@@ -164,7 +164,7 @@ def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> Su
     section; None: the finite aperture under a slider, unless `fem_objects.section_reason` states a reason against it or
     the error that it adds to the section's is larger than what it changes.
     """
-    reason = fem_objects.section_reason(block, wave.solution.fields.stator, positions if slider else None)
+    reason = section_reason(block, wave.solution.fields.stator, positions if slider else None)
     if reason:
         return SurfaceMotion(wave=wave, reason=reason)
     spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))

@@ -11,7 +11,7 @@ import numpy as np
 
 import contact
 from studies.model.free_way import FreeWay, free_way
-from studies.scene import Scene
+from studies.model.model import Model
 from studies.solve.surface_motion import SurfaceMotion
 
 PER_WAVELENGTH = 32  # nodes of the field; the error of the motion between them is 3e-7
@@ -28,12 +28,12 @@ class WaveAlong:
     track: contact.Track = field(repr=False)  # per volt
 
     @classmethod
-    def under(cls, scene: Scene, motion: SurfaceMotion) -> Self | None:
+    def under(cls, model: Model, motion: SurfaceMotion) -> Self | None:
         """Return the orbits under the slider of a resolved scene on the motion of its stator's surface.
 
         None where the slider cannot travel because it stands at the end of its way.
         """
-        wave, positions, way = motion.wave, scene.slider.contact_positions, free_way(scene)
+        wave, positions, way = motion.wave, model.scene.slider.contact_positions, free_way(model)
         wavelength = abs(wave.phase_velocity) / wave.frequency
 
         def amplitudes(displacements):

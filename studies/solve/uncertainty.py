@@ -19,11 +19,12 @@ then adds to the weight. Uncertain positions are evaluated on one solution of th
 
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
-from studies.model.stator_alone import changes_stator
+from studies.model.model import changes_stator
 from studies.record import Record
 from studies.record.blocks import UncertaintyBlock
 from studies.record.point import Point
@@ -45,7 +46,7 @@ BEND = 0.1
 MAX_POSITIONS = 4096  # at which one solution of the stator is evaluated
 
 
-def with_bands(record: Record, written: Scene) -> Record:
+def with_bands(record: Record, written: Scene | Any) -> Record:
     """Return the record of a scene with [uncertain], with intervals at its points and the block ``uncertainty``.
 
     ``written``: the scene of the record before its automatic values became numbers.
@@ -96,7 +97,10 @@ def with_bands(record: Record, written: Scene) -> Record:
         point | (Point(velocity_low_m_per_s=float(a), velocity_high_m_per_s=float(b)) if np.isfinite(a + b) else {})
         for point, a, b in zip(record.points, low, high, strict=False)
     )
-    return replace(record, points=points, uncertainty=UncertaintyBlock(**block))
+    scene = record.scene
+    if scene.slider is not None:  # so that the stored scene runs to the same intervals
+        scene = replace(scene, slider=replace(scene.slider, preload=written.slider.preload))
+    return replace(record, scene=scene, points=points, uncertainty=UncertaintyBlock(**block))
 
 
 def _centre(record: Record) -> np.ndarray:

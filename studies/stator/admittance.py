@@ -10,7 +10,6 @@ sent, the susceptance is that of the static capacitance within 25 %. Run time: a
 import numpy as np
 
 import fem
-from studies.model import fem_objects
 from studies.record.plots import lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -32,11 +31,11 @@ def run(scene: Scene, *, count: int | None = None, tolerance: float = 1e-2) -> A
     tolerance : float
         Relative, of the admittances.
     """
-    resolved = passband.driven_scene(scene)
-    at = passband.frequencies(resolved, count, 81)
-    ports = port_admittances(resolved, at, tolerance)
-    admittance = driving_point(ports, fem_objects.transducers(resolved), fem_objects.drive(resolved))
-    theory = passband.expected(resolved)
+    model = passband.driven_model(scene)
+    resolved, at = model.scene, passband.frequencies(model, count, 81)
+    ports = port_admittances(model, at, tolerance)
+    admittance = driving_point(ports, model.transducers, model.drive)
+    theory = passband.expected(model)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (
         judged("A transducer takes up power: its conductance is not negative.",

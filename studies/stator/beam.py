@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.model import fem_objects
+from studies.model.fem_objects import free_span
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
@@ -46,18 +46,19 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
     tolerance : float
         Relative, of the section's surface motion.
     """
-    whole = passband.driven_scene(scene)
+    model = passband.driven_model(scene)
+    whole = model.scene
     scan = None if measured is None else scan_file(whole, measured, "position")
-    section_scene, slider_x = fem_objects.first_section(whole, whole.positions[0])
-    transducers, driven = fem_objects.transducers(section_scene), fem_objects.driven(section_scene)
-    section = replace(section_scene, stator=replace(section_scene.stator, diffraction=False))
+    beside, slider_x = model.first_section(whole.positions[0])
+    driven, block = beside.driven, beside.scene.stator
+    section = beside.with_blocks(stator=replace(block, diffraction=False))
     try:
         wave = solved_motion(section, [(slider_x, 0.0)], tolerance=tolerance).wave
-        beam = fem.surface_beam(wave, mirror_width=section_scene.stator.mirror_width)
+        beam = fem.surface_beam(wave, mirror_width=block.mirror_width)
         # on the slider's side of the driven transducer, up to the next one or the end
         edge, clear = driven.extent[slider_x >= driven.center], CLEAR * wave.phase_velocity / wave.frequency
-        extents = [each.extent for each in transducers]
-        x = np.linspace(*fem_objects.free_span(extents, edge, section_scene.stator.length, clear), count)
+        extents = [each.extent for each in beside.transducers]
+        x = np.linspace(*free_span(extents, edge, block.length, clear), count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(slider_x, y)
     except (fem.BeamError, fem.ConvergenceError) as error:
@@ -101,7 +102,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int = 400, toleranc
                expected="below twice the tolerance of the section"),
     )  # fmt: skip
     if scan is not None:
-        panels.append(scan_panel(whole, scan, tolerance=tolerance))
+        panels.append(scan_panel(model, scan, tolerance=tolerance))
     return panels, findings, scan_answer(panels)
 
 

@@ -19,7 +19,6 @@ import numpy as np
 from scipy.special import ellipk, eval_legendre
 
 import fem
-from studies.model import fem_objects
 from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -43,9 +42,9 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """
-    resolved = passband.driven_scene(scene)
-    driven = resolved.driven_transducer
-    solid, above, m = fem_objects.solid(resolved.stator), resolved.stator.above, driven.metallisation
+    model = passband.driven_model(scene)
+    resolved, driven = model.scene, model.scene.driven_transducer
+    solid, above, m = model.solid, resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     LOGGER.info(f"gratings of {solid.name}")
     cell = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)

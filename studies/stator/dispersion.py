@@ -12,7 +12,7 @@ import logging
 import numpy as np
 
 import fem
-from studies.model import fem_objects, resolve
+from studies.model.resolve import build
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.scene import Scene
@@ -38,8 +38,8 @@ def run(scene: Scene, *, count: int = 60) -> Answered:
     """
     if scene.stator is None:
         scene.refuse("stator", "is missing: a prescribed wave has no section to guide it")
-    scene = resolve.resolved(scene)
-    stator, drive = fem_objects.stator(scene.stator), scene.frequency
+    model = build(scene)
+    stator, drive = model.plain, model.scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     LOGGER.info(f"{count} frequencies of {scene.title}")
     at, wavenumbers, near = _propagating(stator, frequencies)

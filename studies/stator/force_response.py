@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import fem
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.model.scene_errors import as_run_errors
 from studies.record.plots import PALETTE, curve, lines
 from studies.record.quantities import quantity
@@ -54,8 +54,8 @@ def run(
     tolerance : float
         Relative, of the surface motion two wavelengths from the force.
     """
-    resolved = passband.driven_scene(scene)
-    problem = _ForceProblem.of(resolved, width, tolerance)
+    model = passband.driven_model(scene)
+    resolved, problem = model.scene, _ForceProblem.of(model, width, tolerance)
     LOGGER.info("stator: the response to a force")
     answers = {component: problem.response(component, resolved.frequency) for component in FORCES}
     x = np.linspace(0.0, resolved.stator.length, count)
@@ -86,7 +86,7 @@ def run(
         answer.append(("", f"{of_currents:.1e} of the currents into transducers at a voltage of zero"))
     panels = [Panel(name="along", title=f"{resolved.title}: u_z by 1 N at {problem.position[0] * 1e3:g} mm", data=data)]
     if band is not None:
-        panels += _over_the_band(problem, passband.band_frequencies(resolved, band))
+        panels += _over_the_band(problem, passband.band_frequencies(model, band))
     bound = {"high": 1.000001 * tolerance, "expected": f"at most {tolerance:g}"}
     findings = (
         *_reciprocity(problem, answers),
@@ -100,13 +100,13 @@ def run(
 
 def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1e-3) -> float:
     """Return about how long the study takes for a scene, s: two forces, at one frequency and at those of a band."""
-    resolved = passband.driven_scene(scene)
-    one = len(FORCES) * plan(replace(resolved, slider=None), tolerance=tolerance)["expected"]["stator_seconds"]
+    model = passband.driven_model(scene)
+    one = len(FORCES) * plan(replace(model.scene, slider=None), tolerance=tolerance)["expected"]["stator_seconds"]
     seconds = 5.0 + one
     if band is not None:
-        at = passband.band_frequencies(resolved, band)
-        spreads = _ForceProblem.of(resolved, None, tolerance).spreads
-        seconds += len(at) * one if spreads else band_seconds(resolved, at, tolerance=tolerance)
+        at = passband.band_frequencies(model, band)
+        spreads = _ForceProblem.of(model, None, tolerance).spreads
+        seconds += len(at) * one if spreads else band_seconds(model, at, tolerance=tolerance)
     return seconds
 
 
@@ -114,7 +114,7 @@ def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1
 class _ForceProblem:
     """Position and width of the force on the stator of a scene."""
 
-    scene: Scene
+    model: Model
     position: tuple[float, float]  # m
     width: float  # m, along y
     tolerance: float
@@ -122,20 +122,25 @@ class _ForceProblem:
     reason: str  # why no beam is computed; empty if one is
 
     @classmethod
-    def of(cls, scene: Scene, width: float | None, tolerance: float) -> "_ForceProblem":
+    def of(cls, model: Model, width: float | None, tolerance: float) -> "_ForceProblem":
+        scene, stator = model.scene, model.stator
         position = scene.positions[0] if scene.slider is None else scene.slider.center
-        stator = fem_objects.whole_stator(scene)
         wavelength = fem.bound_wave(stator, scene.frequency).velocity / scene.frequency
         reason = "stator.diffraction is false" if scene.stator.diffraction is False else fem.beam_refusal(stator)
         if not reason and stator.ends != "absorbing":
             reason = "the beam of a force needs stator.ends = 'absorbing'"
-        narrowest = min(each.aperture for each in fem_objects.section_transducers(scene))
+        narrowest = min(each.aperture for each in model.section_transducers)
         if reason and width is not None:
             scene.refuse("stator", f"must allow a beam for a strip of a specified width: {reason}")
         width = width or (narrowest if reason else wavelength / 2)
         return cls(
-            scene=scene, position=position, width=width, tolerance=tolerance, wavelength=wavelength, reason=reason
+            model=model, position=position, width=width, tolerance=tolerance, wavelength=wavelength, reason=reason
         )
+
+    @property
+    def scene(self) -> Scene:
+        """The resolved scene."""
+        return self.model.scene
 
     @property
     def spreads(self) -> bool:
@@ -167,12 +172,12 @@ class _ForceProblem:
 
     def solved(self, solve, frequency: float, **options):
         """Return the result of a solver of ``fem`` for the scene's stator at a frequency in Hz."""
-        scene = self.scene
+        scene, model = self.scene, self.model
         try:
             with as_run_errors(f"at {frequency / 1e6:.6g} MHz"):
                 return solve(
-                    fem_objects.whole_stator(scene), fem_objects.section_transducers(scene), frequency=float(frequency),
-                    tolerance=self.tolerance, drive=fem_objects.drive(scene), **options,
+                    model.stator, model.section_transducers, frequency=float(frequency), tolerance=self.tolerance,
+                    drive=model.drive, **options,
                 )  # fmt: skip
         except fem.InputError as error:
             if error.key != "force.position":
@@ -203,7 +208,7 @@ def _over_the_band(problem: _ForceProblem, at: np.ndarray) -> list[Panel]:
                 LOGGER.info(f"stator: force along {component} at {frequency / 1e6:.5g} MHz")
                 circuits.append(problem.response(component, frequency).circuit)
         else:
-            circuits = prepared.forced(at, problem.force(component), fem_objects.drive(problem.scene))
+            circuits = prepared.forced(at, problem.force(component), problem.model.drive)
         for number, port in enumerate(circuits[0].names):
             for unit, field in (("A", "currents"), ("V", "voltages")):
                 values = np.array([getattr(each, field)[number] for each in circuits])
@@ -220,11 +225,10 @@ def _over_the_band(problem: _ForceProblem, at: np.ndarray) -> list[Panel]:
 
 def _band(problem: _ForceProblem, at: np.ndarray):
     """Return the `fem.Band` of the plane section."""
-    scene = problem.scene
+    model = problem.model
     return fem.frequency_band(
-        fem_objects.whole_stator(scene), fem_objects.section_transducers(scene), lowest=float(at.min()),
-        highest=float(at.max()), drive=fem_objects.drive(scene), tolerance=problem.tolerance,
-        places=(problem.position[0],),
+        model.stator, model.section_transducers, lowest=float(at.min()), highest=float(at.max()), drive=model.drive,
+        tolerance=problem.tolerance, places=(problem.position[0],),
     )  # fmt: skip
 
 
@@ -233,13 +237,13 @@ def _reciprocity(problem: _ForceProblem, answers: dict) -> tuple:
     if problem.spreads:
         worst, quantity, high = max(each.scattering_error for each in answers.values()), BY_CHARGES, 0.3
     else:
-        drive, scene = fem_objects.drive(problem.scene), problem.scene
+        drive, scene = problem.model.drive, problem.scene
         if len(drive.sources) > 1 or drive.match:
             return ()
         LOGGER.info("stator: the response to a volt")
         driven = problem.solved(fem.driven_wave, scene.frequency, places=(problem.position[0],))
         (name, volts), worst = next(iter(drive.sources.items())), 0.0
-        own = next(each.aperture for each in fem_objects.section_transducers(scene) if each.name == name)
+        own = next(each.aperture for each in problem.model.section_transducers if each.name == name)
         for component, answer in answers.items():
             moved = driven.motion(problem.position[0])["xz".index(component)] * own / problem.width
             current = answer.circuit.currents[answer.circuit.names.index(name)]

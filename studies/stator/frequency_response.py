@@ -14,7 +14,7 @@ import logging
 import numpy as np
 
 import fem
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.record.plots import curve, lines, shaded
 from studies.record.quantities import quantity
 from studies.record.run_pictures import draw_scan
@@ -43,19 +43,20 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
     tolerance : float
         Relative, of the surface motion.
     """
-    resolved = passband.driven_scene(scene)
+    model = passband.driven_model(scene)
+    resolved = model.scene
     scan = None if measured is None else scan_file(resolved, measured, "frequency")
-    x, at = resolved.positions[0][0], passband.frequencies(resolved, count, 161)
+    x, at = resolved.positions[0][0], passband.frequencies(model, count, 161)
     driven = resolved.driven_transducer
-    prepared = response(resolved, at[0], at[-1], positions=(x,), tolerance=tolerance)
+    prepared = response(model, at[0], at[-1], positions=(x,), tolerance=tolerance)
     LOGGER.info(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, fem_objects.drive(resolved))
+    waves = prepared.waves(at, model.drive)
     normal = np.array([each.motion(x)[1] for each in waves])
     covered = any(each.covered(x) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(x)[1] for each in waves])
     distance = abs(x - driven.center_xy[0])
-    free = fem.free_wave(fem_objects.stator(resolved.stator), frequency=float(np.median(at)), tolerance=1e-4)
-    theory = passband.expected(resolved).normal(at) * np.exp(-free.attenuation * distance)
+    free = fem.free_wave(model.plain, frequency=float(np.median(at)), tolerance=1e-4)
+    theory = passband.expected(model).normal(at) * np.exp(-free.attenuation * distance)
     travel_time = distance / free.velocity
     delay = passband.group_delay(at, surface, travel_time)
     band = np.array(half_power_band(at, abs(surface)))
@@ -73,7 +74,7 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
                np.median(delay[inside]) * free.velocity / distance, low=0.9, high=1.1, expected="1, within 10 %",
                **judgement),
     )  # fmt: skip
-    aperture, spreading = _aperture(resolved, x, tolerance)
+    aperture, spreading = _aperture(model, x, tolerance)
     title = f"{resolved.title}: x = {x * 1e3:g} mm, plane section"
     error = max(each.relative_error for each in waves)
     panels = [
@@ -86,17 +87,18 @@ def run(scene: Scene, *, measured: str | None = None, count: int | None = None, 
         )),
     ]  # fmt: skip
     if scan is not None:
-        panels.append(scan_panel(resolved, scan, tolerance=tolerance))
+        panels.append(scan_panel(model, scan, tolerance=tolerance))
     return panels, findings + spreading, scan_answer(panels)
 
 
-def _aperture(scene: Scene, x: float, tolerance: float) -> tuple[dict, tuple[Finding, ...]]:
+def _aperture(model: Model, x: float, tolerance: float) -> tuple[dict, tuple[Finding, ...]]:
     """Return the amplitude of the finite aperture at the drive's frequency and its finding, if the beam spreads."""
-    if not fem_objects.diffracts(scene):
+    scene = model.scene
+    if not model.diffracts:
         return {}, ()
     LOGGER.info("stator: the beam at the drive's frequency")
     at = (x, 0.0) if scene.slider is None else scene.slider.center
-    motion = solved_motion(scene, [at], tolerance=tolerance, slider=True)
+    motion = solved_motion(model, [at], tolerance=tolerance, slider=True)
     amplitude = abs(motion.at([at])[2, 0])
     finding = judged(
         "The finite aperture changes the amplitude at the slider.",

@@ -17,7 +17,7 @@ import numpy as np
 import fem
 from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
 from studies.record.values import Columns
@@ -67,17 +67,18 @@ def run(
     tolerance : float
         Relative, of the admittances.
     """
-    resolved = passband.driven_scene(scene)
+    model = passband.driven_model(scene)
+    resolved = model.scene
     reference = reference_impedance(z0)
-    at = passband.band_frequencies(resolved, band, count)
+    at = passband.band_frequencies(model, band, count)
     lab_file = None
     if measured is not None:  # a wrong file is refused before anything is solved
-        lab_file = _measured(Path(measured), resolved, reference, port)
+        lab_file = _measured(Path(measured), model, reference, port)
         if band is not None:
             lab_file = lab_file.within(at[0], at[-1])
     elif port is not None:
         raise SceneError("--port", "is a port of a measured file: --measured FILE names it")
-    names, ports, scattering, failures = converged_scattering(resolved, at, reference, tolerance)
+    names, ports, scattering, failures = converged_scattering(model, at, reference, tolerance)
     at = ports.frequency
     answer = [("no answer", failure) for failure in failures]
     shared = dict(frequency_Hz=at, ports=names, reference_ohm=reference, scattering=scattering)
@@ -90,7 +91,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.center_xy[0] for each in resolved.transducer if each.name in names[:2])
-        velocity = fem_objects.surface_velocity(resolved.stator, resolved.frequency)
+        velocity = model.wave_velocity(resolved.frequency)
         travel_time = abs(second - first) / velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], travel_time)
         data, title = (dict(frequency_Hz=at, group_delay_s=delay), f"{resolved.title}: {names[0]} to {names[1]}")
@@ -99,11 +100,11 @@ def run(
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        admittance = driving_point(ports, fem_objects.transducers(resolved), name)
+        admittance = driving_point(ports, model.transducers, name)
         models[name] = [fem.motional_model(at, admittance, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, admittance, models[name]))
     if lab_file is not None:
-        _, at_file, predicted, failures = converged_scattering(resolved, lab_file.frequency, reference, tolerance)
+        _, at_file, predicted, failures = converged_scattering(model, lab_file.frequency, reference, tolerance)
         answer += [("not compared", failure) for failure in failures]
         answer += deviations(lab_file.at(np.isin(lab_file.frequency, at_file.frequency)), predicted, names)
         answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
@@ -125,8 +126,8 @@ def run(
 
 def expected_seconds(scene: Scene, band: str | None = None, tolerance: float = 1e-3) -> float:
     """Return about how long the study takes for a scene and a band, s: the field, pictures and circuits."""
-    resolved = passband.driven_scene(scene)
-    return 5.0 + band_seconds(resolved, passband.band_frequencies(resolved, band), tolerance=tolerance)
+    model = passband.driven_model(scene)
+    return 5.0 + band_seconds(model, passband.band_frequencies(model, band), tolerance=tolerance)
 
 
 def _in_words(names, at, scattering, models):
@@ -256,11 +257,11 @@ def _circuit_panel(name: str, at, admittance, models) -> Panel:
     ))  # fmt: skip
 
 
-def _measured(file: Path, scene: Scene, reference: float, port: str | int | None) -> NetworkData:
+def _measured(file: Path, model: Model, reference: float, port: str | int | None) -> NetworkData:
     """Return the data of a file for the scene's transducers, with their reference, which meets the passband."""
     if not file.is_file():
         raise SceneError("--measured", f"must be a network analyser's file, and {str(file)!r} is none")
-    ports = sum(each.has_two_electrodes for each in scene.transducer)
+    ports = sum(each.has_two_electrodes for each in model.scene.transducer)
     data = read_network(file, "--measured")
     if port is not None:
         if not str(port).isdigit():
@@ -272,7 +273,7 @@ def _measured(file: Path, scene: Scene, reference: float, port: str | int | None
         hint = ": --port N takes one of them" if ports == 1 else ""
         raise SceneError("--measured", f"must be a file of {ports} ports, and {file.name!r} has {data.ports}{hint}")
     data = data.with_reference(reference)
-    refuse_other_range(scene, data, "--measured")
+    refuse_other_range(model, data, "--measured")
     return data
 
 

@@ -15,7 +15,6 @@ from itertools import pairwise
 import numpy as np
 
 import fem
-from studies.model import fem_objects
 from studies.model.scene_errors import as_run_errors
 from studies.record.plots import COLOURS, curve, lines
 from studies.record.quantities import quantity
@@ -41,13 +40,13 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     tolerance : float
         Of the P-matrices and of the admittances.
     """
-    resolved = passband.driven_scene(scene)
-    stator = stator_beside_pieces(resolved)
-    row = tuple(sorted(fem_objects.section_transducers(resolved), key=lambda each: each.center))
+    model = passband.driven_model(scene)
+    resolved, stator = model.scene, stator_beside_pieces(model)
+    row = tuple(sorted(model.section_transducers, key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         resolved.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
-    at, by_kind, first, cascade = passband.frequencies(resolved, count), {}, [], []
+    at, by_kind, first, cascade = passband.frequencies(model, count), {}, [], []
     pieces: list[fem.Reflector] = []
     for f in at:
         LOGGER.info(f"P-matrices at {f / 1e6:.5g} MHz")
@@ -68,7 +67,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
         admittance = fem.cascade_admittance([part for _, part in from_left], distances)
         cascade.append(admittance[np.ix_(electrical, electrical)])
         first.append(parts[ports[0]])
-    plane = replace(resolved, stator=replace(resolved.stator, diffraction=False, sides="absorbing"))
+    plane = model.with_blocks(stator=replace(resolved.stator, diffraction=False, sides="absorbing"))
     last = len(ports) - 1
     whole = port_admittances(plane, at, tolerance).matrix[:, last, 0]
     joined = np.array(cascade)[:, last, 0]

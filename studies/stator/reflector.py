@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 import fem
-from studies.model import fem_objects, resolve
+from studies.model.model import Model
+from studies.model.resolve import build
 from studies.model.scene_errors import as_run_errors, stator_keys
 from studies.record.plots import lines
 from studies.record.quantities import quantity
@@ -39,13 +40,14 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
     tolerance : float
         Of the amplitudes, over 1.
     """
-    resolved = resolve.resolved(scene)
+    model = build(scene)
+    resolved = model.scene
     if not resolved.piece:
         resolved.refuse("piece", "is missing: this study asks what a meshed piece sends back")
-    stator, middle = stator_beside_pieces(resolved), resolved.frequency
+    stator, middle = stator_beside_pieces(model), resolved.frequency
     at = middle * np.linspace(1 - REACH, 1 + REACH, count) if count > 1 else np.array([middle])
     if band is not None:
-        at = passband.band_frequencies(resolved, band)
+        at = passband.band_frequencies(model, band)
     answers = []
     for f in at:
         LOGGER.info(f"reflection at {f / 1e6:.5g} MHz")
@@ -94,12 +96,11 @@ def run(scene: Scene, *, band: str | None = None, count: int = 11, tolerance: fl
     return tuple(panels), tuple(findings), answer
 
 
-def stator_beside_pieces(scene: Scene) -> fem.Stator:
+def stator_beside_pieces(model: Model) -> fem.Stator:
     """Return the stator of a resolved scene; refuse a piece that is all of it."""
-    stator = fem_objects.whole_stator(scene)
     with stator_keys("piece"):
-        fem.check_beside_pieces(stator)
-    return stator
+        fem.check_beside_pieces(model.stator)
+    return model.stator
 
 
 def from_the_left(at: np.ndarray, matrices: Sequence[np.ndarray]) -> Columns:

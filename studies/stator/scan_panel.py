@@ -4,6 +4,7 @@ from functools import partial
 
 from studies.lab.measurement_csv import read_measured
 from studies.lab.scan import Scan
+from studies.model.model import Model
 from studies.record.scan_comparison import scan_comparison
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -29,10 +30,10 @@ def scan_file(scene: Scene, path: str, over: str) -> Scan:
     return scan
 
 
-def scan_panel(scene: Scene, scan: Scan, *, tolerance: float) -> Panel:
+def scan_panel(model: Model, scan: Scan, *, tolerance: float) -> Panel:
     """Return the panel of a scan beside the motion computed at its own points, for the study to draw."""
-    block = scan_block(scene, scan, partial(scan_and_error, scene, tolerance=tolerance))
-    return Panel(name="measured", title=f"{scene.title}: measured", data=block)
+    block = scan_block(model, scan, partial(scan_and_error, model, tolerance=tolerance))
+    return Panel(name="measured", title=f"{model.scene.title}: measured", data=block)
 
 
 def scan_answer(panels) -> list[tuple[str, str]]:

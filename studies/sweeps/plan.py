@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from studies.model.changed_scenes import ChangedScenes
-from studies.model.stator_alone import POSITION_KEYS, changes_stator
+from studies.model.model import POSITION_KEYS, changes_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.solve.requested_quantities import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars

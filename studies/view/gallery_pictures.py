@@ -14,7 +14,7 @@ from PIL import Image
 
 import fem
 from fem import reference_matrices
-from studies.model import fem_objects
+from studies.model.model import model_of
 from studies.record.plots import COLOURS, arrow, curve, finished, legend_below, new_figure, saved, shaded, titled
 from studies.record.quantities import Quantity, quantity
 from studies.record.run_pictures import surface, velocity
@@ -245,7 +245,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(run):
     """Draw the depth profiles of the free wave and of the driven stator, compared with that of the half-space."""
-    stator, scene, (name, middle) = fem_objects.stator(run.scene.stator), run.scene, run.focus
+    stator, scene, (name, middle) = model_of(run.scene).plain, run.scene, run.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = run.field.displacement[np.searchsorted(run.field.x, middle - 1e-9)]
 

@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from studies.model import fem_objects
+from studies.model.model import model_of
 from studies.record.quantities import quantity
 from studies.refusal import needed
 from studies.view import overlays
@@ -246,7 +246,7 @@ class Picture:
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for each in fem_objects.transducers(run.scene):
+        for each in model_of(run.scene).transducers:
             outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * run.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
-from studies.model import fem_objects
+from studies.model.model import model_of
 from studies.model.scene_errors import as_run_errors
 from studies.record import Record
 from studies.record.files import DamagedRunError
@@ -152,12 +152,12 @@ def run_field(run: str | Path | Record) -> RunField:
 
 
 def _driven(record: Record) -> RunField:
-    scene, motion = record.scene, recomputed_motion(record)
+    model, motion = model_of(record.scene), recomputed_motion(record)
     wave = motion.wave
     crossed = motion.beam if isinstance(motion.beam, fem.CrossedBeam) else None
-    transducers = fem_objects.transducers(scene) if crossed is None else crossed.rows[0].transducers
-    positions = tuple(dict.fromkeys(map(motion.in_section, scene.positions)))
-    whole_mesh = fem_objects.whole_stator(scene).placement.whole  # a mesh of the whole stator defines its fingers
+    transducers = model.transducers if crossed is None else crossed.rows[0].transducers
+    positions = tuple(dict.fromkeys(map(motion.in_section, model.scene.positions)))
+    whole_mesh = model.stator.placement.whole  # a mesh of the whole stator defines its fingers
 
     def fingers(transducer, sign: str):
         """Return the edges of the fingers of one sign."""
@@ -170,7 +170,7 @@ def _driven(record: Record) -> RunField:
         compute=compute,
         length=wave.length,
         record=record,
-        wavelength=record.wave.phase_velocity_m_per_s / scene.frequency,
+        wavelength=record.wave.phase_velocity_m_per_s / model.scene.frequency,
         fingers={sign: [tuple(edges) for each in transducers for edges in fingers(each, sign)] for sign in "+-o"},
         spans=tuple(tuple(each.extent) for each in transducers),
         wave=wave,
@@ -199,14 +199,15 @@ def recomputed_motion(record: Record) -> SurfaceMotion:
             solution, relative_error=record.error.relative, admittance_error=record.electrical.admittance_relative_error
         )
 
+    model = model_of(scene)
     if scene.crossed:
-        return crossed_motion(scene, (), solve)
-    wave = solve(fem_objects.whole_stator(scene), fem_objects.transducers(scene), fem_objects.drive(scene))
+        return crossed_motion(model, (), solve)
+    wave = solve(model.stator, model.transducers, model.drive)
     return SurfaceMotion(wave=wave)
 
 
 def _free(record: Record) -> RunField:
-    scene, stator = record.scene, fem_objects.whole_stator(record.scene)
+    scene, stator = record.scene, model_of(record.scene).stator
     with as_run_errors():
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     wavelength = wave.velocity / wave.frequency

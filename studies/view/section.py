@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from studies.model import fem_objects
+from studies.model.model import model_of
 from studies.record.surface_map import surface_map
 from studies.refusal import SceneError
 from studies.view.quantities import MOTIONS, QUANTITIES, Shade, shade_of
@@ -168,7 +168,7 @@ def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:
     ``spreads``: as they lie on the surface, for a beam; otherwise as wide as the drawn section.
     """
     if spreads:
-        transducers = fem_objects.transducers(run.scene)
+        transducers = model_of(run.scene).transducers
         corners = [each.on_surface(each.strips(electrode.sign)) for each in transducers]
         return np.concatenate(corners).reshape(-1, 2)
     x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()

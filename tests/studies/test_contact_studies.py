@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studies.model.contact import Contact
-from studies.model.resolve import resolved
+from studies.model.resolve import build
 from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
 from studies.runs import run
@@ -75,7 +75,7 @@ def test_regime_map_lies_on_its_lines():
 
 def test_a_slider_sticks_while_some_of_its_balls_slip(monkeypatch):
     """Balls on unlike orbits slip one after the other; the threshold is where the slider starts."""
-    driven = Contact.prescribed(resolved(Scene.load("twente-contact")))
+    driven = Contact.prescribed(build(Scene.load("twente-contact")))
     unlike = replace(driven, orbits=(driven.orbits[0], driven.orbits[0].scaled(0.5)))
     monkeypatch.setattr(regime_map, "driven_contact", lambda scene, **options: unlike)
     assert regime_map.run(amplitudes=24, preloads=3, checked=1).findings[0].confirmed
@@ -118,7 +118,7 @@ def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():
 @pytest.mark.parametrize(("degrees", "size", "plan"), [(90, 3e-11, "0.03 nm in 1 cycle"), (300, 1e-8, "10 nm in ")])
 def test_a_step_of_one_cycle_is_planned_and_what_goes_back_is_drawn(monkeypatch, degrees, size, plan):
     """Two balls on unlike phases: the first cycles strain their springs along the motor's way or against it."""
-    driven = Contact.prescribed(resolved(Scene.load("twente-contact")))
+    driven = Contact.prescribed(build(Scene.load("twente-contact")))
     (orbit,) = driven.orbits
     unlike = replace(driven, orbits=(orbit, orbit.scaled(complex(np.exp(1j * np.deg2rad(degrees))))))
     monkeypatch.setattr(step_planner, "driven_contact", lambda scene, **options: unlike)

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from studies import Scene, run
-from studies.model import fem_objects, resolve
+from studies.model import resolve
+from studies.model.model import Model
+from studies.model.resolve import build
 from studies.report.surface_map import draw_surface_map
 from studies.stator import beam
 from tests.studies.conftest import SMALL
@@ -69,17 +71,14 @@ def test_places_and_angles_that_change_nothing(small):
     same = small.replace(transducer={"left": {"center": ["4 mm", 0], "angle": "360 deg"}})
     assert same.transducer[0].center == plain.center
     assert not same.crossed
-    assert (
-        replace(fem_objects.transducers(resolve.resolved(same))[0], angle=0.0)
-        == fem_objects.transducers(resolve.resolved(small))[0]
-    )
+    assert replace(build(same).transducers[0], angle=0.0) == build(small).transducers[0]
 
 
 def test_a_turned_transducer_within_45_deg_of_x_drives(chip):
     turned = resolve.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
-    alone, place = fem_objects.first_section(turned, turned.slider.center)
-    (front,) = alone.transducer
-    assert not alone.crossed
+    alone, place = Model(turned).first_section(turned.slider.center)
+    (front,) = alone.scene.transducer
+    assert not alone.scene.crossed
     assert place - front.center_xy[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))
 
 

@@ -18,8 +18,7 @@ from studies.inverse.goals import read_constraint, read_variable
 from studies.inverse.optimum import Options, design
 from studies.inverse.parameters import Parameter
 from studies.inverse.search import REPEATED
-from studies.model import fem_objects
-from studies.model.resolve import resolved
+from studies.model.resolve import build
 from studies.refusal import RunError, SceneError
 from studies.sweeps import sweep
 
@@ -233,7 +232,7 @@ def test_a_position_is_off_by_a_share_of_a_wavelength(small):
     found = design(
         one, "velocity", {"slider.position": (8.6e-3, 9.4e-3)}, options=Options(evaluations=14, tolerance=0.1)
     )
-    best, length = found.optimum["slider.position"], fem_objects.wavelength(resolved(one))
+    best, length = found.optimum["slider.position"], build(one).wavelength
     speeds = [
         abs(run(one.replace(slider={"position": best + shift * length}), tolerance=1e-2).velocity[0])
         for shift in (0.0, -0.05, 0.05)

@@ -8,6 +8,7 @@ import fem
 from studies import Scene, run, sweep
 from studies.model import fem_objects
 from studies.model.contact import contact_slider
+from studies.model.model import Model
 from studies.solve.solved_stator import contact_of_run
 from studies.solve.surface_motion import surface_motion
 from studies.study import driven_contact
@@ -211,7 +212,7 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
 
 def test_the_beam_is_the_default_in_any_cut_and_beside_the_axis():
     """The section does not know y: on 128YX it made the velocity of outer balls 2.4 times too large."""
-    assert fem_objects.diffracts(Scene.load("lithium-niobate-128yx"))
+    assert Model(Scene.load("lithium-niobate-128yx")).diffracts
     motor = Scene.load("twente-left").replace(stator={"ends": "free"})
-    assert not fem_objects.diffracts(motor)
-    assert fem_objects.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
+    assert not Model(motor).diffracts
+    assert Model(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))})).diffracts

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import fem
-from studies.model import fem_objects, resolve
+from studies.model import resolve
+from studies.model.model import Model
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.stator.force_response import run
@@ -22,10 +23,10 @@ def driven(scene, place):
     """The section's answer to 1 V."""
     resolved = resolve.resolved(scene)
     return fem.driven_wave(
-        fem_objects.whole_stator(resolved),
-        fem_objects.transducers(resolved),
+        Model(resolved).stator,
+        Model(resolved).transducers,
         frequency=resolved.frequency,
-        drive=fem_objects.drive(resolved),
+        drive=Model(resolved).drive,
         tolerance=1e-2,
         places=(place,),
     )
@@ -54,7 +55,7 @@ def test_the_current_per_newton_is_the_velocity_of_the_beam_per_volt(scene):
     # the wave of a point: Gamma (k / 2 pi r)^(1/2), with the ripple of the plate
     far = along.data["x_m"] > 12e-3
     r = along.data["x_m"][far] - 9e-3
-    solid = fem_objects.stator(resolve.resolved(scene).stator).solid
+    solid = Model(resolve.resolved(scene)).solid
     point = fem.wave_compliance(solid, "open") * np.sqrt(2.2e6 / (2182.0 * r))
     assert abs(along.data["normal_m_per_N"][far]) == pytest.approx(point, rel=0.5)
 

@@ -56,7 +56,7 @@ def test_temperatures_are_those_of_a_boundary_value_solver(motor, share):
 
 def agrees_with_finite_volumes(record):
     """Compare rises with cells for k A T'' = g T - q', with sources summed from their densities here."""
-    body, heated, length = plate(record), sources(record), record.scene.stator.length
+    body, heated, length = plate(record.scene.stator), sources(record), record.scene.stator.length
     cells = round(length / 5e-6)  # the sources of the ends, 5 mm long, are whole cells
     width = length / cells
     x = width * (np.arange(cells) + 0.5)
@@ -178,7 +178,7 @@ def test_the_velocity_coefficient_gives_drift_and_foldover(motor):
     block = heat_block(warm)
     assert block["frequency_drift"] == pytest.approx(-50e-6 * block["fingers_rise_K"], rel=1e-12)
     assert block["warm_amplitude_factor"] == pytest.approx(np.sinc(4 * block["frequency_drift"]), rel=1e-12)
-    resistance = plate(warm).resistance
+    resistance = plate(warm.scene.stator).resistance
     assert block["foldover_number"] == pytest.approx(2 * 1000 * 50e-6 * resistance * block["power_W"], rel=1e-12)
     assert "time_constant_s" not in block  # no heat capacity
 

@@ -23,6 +23,7 @@ from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
 from studies.lab.scan import Scan, scan_csv
 from studies.model import fem_objects, resolve
+from studies.model.model import Model
 from studies.record import Record
 from studies.record.run_pictures import draw_scan, pictures
 from studies.record.scan_comparison import compared_scan
@@ -152,7 +153,7 @@ def test_an_exported_scan_states_its_numerical_error():
 def test_another_wave_velocity_turns_the_phase_along_the_way():
     chosen = resolve.resolved(SMALL)
     scan = Scan(name="", x=np.array([0.03, 0.05]), y=np.zeros(2), values=np.ones(2, complex))
-    turned = at_other_velocity(chosen, scan, np.ones(2, complex), 1.001)
+    turned = at_other_velocity(Model(chosen), scan, np.ones(2, complex), 1.001)
     velocity = fem.rayleigh(fem_objects.solid(chosen.stator), "open").velocity
     expected = 2 * np.pi * 2.2e6 / velocity * (1 - 1 / 1.001) * 0.02
     assert np.angle(turned[1] / turned[0]) == pytest.approx(expected, rel=1e-9)
@@ -207,7 +208,7 @@ def test_the_truth_lies_in_its_interval_in_18_of_20_draws():
 def test_a_scaled_and_slower_truth_is_found():
     scan = noisy(9)
     chosen = resolve.resolved(SMALL)
-    values = 1.2 * np.exp(1j) * at_other_velocity(chosen, placed(chosen, scan), scan.values, 0.9990)
+    values = 1.2 * np.exp(1j) * at_other_velocity(Model(chosen), placed(chosen, scan), scan.values, 0.9990)
     found = fit(
         SMALL, [measured_scan(replace(scan, values=values))],
         [read_parameter("amplitude_factor=0.5:2"), read_parameter("wave_velocity_factor=0.99:1.01")],
@@ -283,7 +284,7 @@ def test_a_network_analysers_file_is_predicted_as_its_study_computes_it():
     file = NetworkData(name="lab.snp", frequency=at, scattering=np.zeros((2, count, count)), reference=50.0)
     measurement = Measurement(name="lab.snp", quantity="network", values=tuple(file.flat()), network=file)
     (predicted,) = fit_predictor().predict([(measurement, {})])
-    expected = scattering_matrix(scene, at, 50.0, 1e-2)[2]
+    expected = scattering_matrix(Model(scene), at, 50.0, 1e-2)[2]
     np.testing.assert_array_equal(predicted, [*expected.real.ravel(), *expected.imag.ravel()])
     assert np.ptp(predicted) > 0.1
 

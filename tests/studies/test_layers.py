@@ -6,7 +6,7 @@ import pytest
 import fem
 from studies import Scene
 from studies.model import fem_objects
-from studies.model.resolve import resolved
+from studies.model.resolve import build, resolved
 from studies.refusal import SceneError
 from studies.runs import run
 
@@ -40,7 +40,7 @@ def test_layers_come_up_from_the_material_and_survive_being_written():
     bond = {"normal": "1e15 N/m^3", "tangential": 3e14}
     scene = chip([SILICA, {"material": "AlN (McNeil)", "thickness": "2 um", "bond": bond}], plane=1)
     assert Scene.from_table("", scene.to_table()) == scene
-    made = fem_objects.whole_stator(resolved(scene))
+    made = build(scene).stator
     assert [each.name for each in made.solids] == ["LiNbO3 (Kovacs)", "fused silica", "AlN (McNeil)"]
     assert made.plane == 1
     assert made.layers[1].bond == fem.Bond(normal=1e15, tangential=3e14)

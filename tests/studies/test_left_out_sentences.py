@@ -1,12 +1,12 @@
 """What the stator's problem is solved without is said where it holds, and only there."""
 
 from studies import Scene
-from studies.model.resolve import resolved
+from studies.model.resolve import build
 from studies.remarks.left_out import left_out
 
 
 def reasons(name, **stator):
-    return left_out(resolved(Scene.load(name).replace(stator=stator)))
+    return left_out(build(Scene.load(name).replace(stator=stator)))
 
 
 def said(reasons, word):

@@ -14,6 +14,7 @@ import fem
 from studies import Record, Scene, run
 from studies.model import fem_objects
 from studies.model.contact import contact_slider
+from studies.model.model import Model
 from studies.record.text import sentences
 from studies.remarks import ball_effects
 from studies.remarks.model_error import model_error
@@ -88,12 +89,12 @@ def partly_standing(*, mirrored=False) -> Scene:
 def test_the_aperture_of_a_partly_standing_wave_spreads_its_echoes_too(mirrored):
     """The effect left out is what the beam of the same scene changes, not what the slit of the driven aperture does."""
     scene = partly_standing(mirrored=mirrored)
-    motion = solved_motion(scene, scene.contact_positions, tolerance=1e-2)
+    motion = solved_motion(Model(scene), scene.contact_positions, tolerance=1e-2)
     wave = motion.wave
     assert wave.standing_wave_ratio(0.02) > 1.3
     record = SimpleNamespace(scene=scene, surface_motion=motion, surface_wave=wave)
     aperture, charge = itertools.islice(stator_effects(record), 2)
-    spread = solved_motion(scene.replace(stator={"diffraction": True}), scene.contact_positions, tolerance=1e-2)
+    spread = solved_motion(Model(scene.replace(stator={"diffraction": True})), scene.contact_positions, tolerance=1e-2)
     expected = abs(spread.at(scene.contact_positions)[2, 0] / wave.motion(0.02)[1]) - 1
     assert aperture[0] == "finite aperture"
     assert aperture[2] == pytest.approx(expected, abs=1e-3)

@@ -8,8 +8,9 @@ import fem
 from fem.waveguide.port_fields import stator_cascade
 from studies import Scene
 from studies.__main__ import main
-from studies.model.fem_objects import stator, transducers
-from studies.model.resolve import resolved
+from studies.model.fem_objects import stator
+from studies.model.model import Model
+from studies.model.resolve import build, resolved
 from studies.refusal import RunError, SceneError
 from studies.scene import read_table
 from studies.stator import network
@@ -40,7 +41,7 @@ def test_the_parameters_are_those_of_the_admittances_in_the_scenes_order(record)
     assert data["frequency_Hz"] == pytest.approx(np.linspace(2.1e6, 2.3e6, 5), rel=1e-15)
     scene = resolved(chip())
     alone = fem.port_admittance(
-        stator(scene.stator), transducers(scene), frequency=data["frequency_Hz"][2], tolerance=1e-3
+        stator(scene.stator), Model(scene).transducers, frequency=data["frequency_Hz"][2], tolerance=1e-3
     )
     assert alone.names == ("left", "right")
     expected = alone.scattering(75.0)[::-1, ::-1]
@@ -55,7 +56,9 @@ def test_a_closed_lossless_stator_has_a_unitary_matrix():
     table = chip().to_table()
     table["stator"] |= {"mechanical_quality": 1e15, "dielectric_loss": 0, "ends": "free"}
     scene = resolved(Scene.from_table("", table))
-    ports = stator_cascade(stator(scene.stator), transducers(scene), frequency=2.2e6, resolution=fem.LEVELS[0]).solved()
+    ports = stator_cascade(
+        stator(scene.stator), Model(scene).transducers, frequency=2.2e6, resolution=fem.LEVELS[0]
+    ).solved()
     unit = np.eye(2)
     s = np.linalg.solve(unit + 50 * ports.admittances, unit - 50 * ports.admittances)
     assert abs(np.linalg.svd(s, compute_uv=False) - 1).max() < 1e-12
@@ -157,17 +160,16 @@ def test_one_port_of_a_file_of_several_is_taken(tmp_path):
 
 def test_frequencies_without_an_answer_do_not_lose_the_others(monkeypatch, tmp_path):
     """A band of a range does not converge: its frequencies are left out of the curves, and said."""
-    from studies.model import fem_objects
     from studies.solve import spectrum
 
-    solved = fem_objects.port_admittance
+    solved = Model.port_admittance
 
-    def failing(scene, group, tolerance):
+    def failing(model, group, tolerance):
         if group[0] > 2.3e6:
             raise fem.ConvergenceError("the field does not converge")
-        return solved(scene, group, tolerance)
+        return solved(model, group, tolerance)
 
-    monkeypatch.setattr(fem_objects, "port_admittance", failing)
+    monkeypatch.setattr(Model, "port_admittance", failing)
     at = np.array([2.1e6, 2.2e6, 2.4e6])
     monkeypatch.setattr(spectrum, "groups", lambda scene, frequencies: np.split(frequencies, len(frequencies)))
     file = tmp_path / "lab.s1p"
@@ -186,7 +188,7 @@ def test_frequencies_without_an_answer_do_not_lose_the_others(monkeypatch, tmp_p
     ]
     assert "no answer from 2.5 to 2.5 MHz the field does not converge" in dict(made.answer)[""]
     with pytest.raises(RunError, match="the field does not converge"):
-        spectrum.port_admittances(resolved(single()), at, 2e-2)
+        spectrum.port_admittances(build(single()), at, 2e-2)
 
 
 @pytest.mark.parametrize(

@@ -19,9 +19,9 @@ PATCH = Path(__file__).with_name("new_transducer_field.patch")
 ASK = """
 import json
 from studies import Scene, SceneError
-from studies.model.fem_objects import transducers
+from studies.model.model import Model
 from studies.scene.reference import schema
-left, right = transducers(Scene.load("rayleigh-of-two"))
+left, right = Model(Scene.load("rayleigh-of-two")).transducers
 try:
     Scene.load("refused")
 except SceneError as error:

@@ -49,7 +49,7 @@ def electrical(chip):
 def test_the_admittance_is_that_of_a_single_run(chip, electrical):
     data = electrical.panels[0].data
     at = float(data["frequency_Hz"][3])
-    fixed = replace(passband.driven_scene(chip), slider=None)  # with the period of the scene's own frequency
+    fixed = replace(passband.driven_model(chip).scene, slider=None)  # with the period of the scene's own frequency
     record = run(replace(fixed, drive=replace(fixed.drive, frequency=at)), tolerance=3e-2)
     found = data["conductance_S"][3] + 1j * data["susceptance_S"][3]
     assert found == pytest.approx(record.electrical["admittance_S"], rel=2e-2)
@@ -69,15 +69,15 @@ def test_the_findings_on_the_admittance_are_the_panel_s(electrical, tmp_path):
 
 
 def test_the_range_is_three_bandwidths(chip):
-    at = passband.frequencies(passband.driven_scene(chip), 5)
+    at = passband.frequencies(passband.driven_model(chip), 5)
     assert at[2] == pytest.approx(chip.frequency, rel=1e-12)
     assert at[-1] - at[0] == pytest.approx(3 * at[2] / 6, rel=1e-12)
 
 
 def test_the_frequencies_resolve_the_ripple_of_waves_that_return():
     """Waves that run along the stator and back make a ripple of v / (2 L): four frequencies in each."""
-    both, alone = (passband.driven_scene(name) for name in ("twente", "twente-left"))
-    assert (passband.waves_return(both), passband.waves_return(alone)) == (True, False)
+    both, alone = (passband.driven_model(name) for name in ("twente", "twente-left"))
+    assert (passband.waves_return(both.scene), passband.waves_return(alone.scene)) == (True, False)
     ripple = 2181.92 / (2 * both.stator.length)
     assert np.diff(passband.frequencies(both, None, 81)).max() <= ripple / 4
     assert len(passband.frequencies(alone, None, 81)) == 81
@@ -122,8 +122,9 @@ def test_half_power_of_a_known_lobe():
 
 
 def test_the_range_is_about_the_drive_s_frequency_within_the_main_lobe(chip):
-    scene = passband.driven_scene(chip)
+    model = passband.driven_model(chip)
+    scene = model.scene
     middle = 2181.92 / scene.transducer[0].period  # v of PZT-8 with D_n = 0; the main lobe is 1/6 of it to either side
     for frequency, center in ((0.9 * middle, 0.9 * middle), (0.7 * middle, middle)):
-        moved = replace(scene, drive=replace(scene.drive, frequency=frequency))
+        moved = model.with_blocks(drive=replace(scene.drive, frequency=frequency))
         assert passband.frequencies(moved, 5)[2] == pytest.approx(center, rel=5e-3)

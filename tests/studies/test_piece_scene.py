@@ -14,9 +14,8 @@ import fem
 import studies
 from studies import Scene, SceneError, run
 from studies.export.mask_files import gds_files
-from studies.model import fem_objects
-from studies.model.fem_objects import whole_stator
-from studies.model.resolve import resolved
+from studies.model.model import Model
+from studies.model.resolve import build, resolved
 from studies.solve.predictor import Predictor
 from studies.study import module
 from studies.sweeps.plan import designed
@@ -163,7 +162,7 @@ def test_the_reflector_at_the_frequencies_of_a_band():
     groove, tolerance = Path(studies.__file__).parent / "scenes" / "meshes" / "groove.msh", 0.1
     given = scene(groove, {"thickness": "2 mm", "ends": "absorbing"}, position="9 mm")
     found = module("reflector").run(given, band="2.1:2.3:2", tolerance=tolerance)
-    stator = whole_stator(resolved(given))
+    stator = build(given).stator
     lines = dict(found.answer)
     for frequency, name in ((2.1e6, "2.1 MHz"), (2.3e6, "2.3 MHz")):
         alone = fem.reflector(stator, frequency=frequency, tolerance=tolerance)
@@ -183,7 +182,7 @@ def test_a_mask_of_a_mesh(tmp_path):
 
 def test_places_of_one_file(plain):
     """Several places are several pieces; the unit of the file counts."""
-    stator = whole_stator(scene(plain, {"bottom": "grounded"}, position=["5 mm", "7 mm", "9.5 mm"]))
+    stator = Model(scene(plain, {"bottom": "grounded"}, position=["5 mm", "7 mm", "9.5 mm"])).stator
     assert [each.extent[0] for each in stator.pieces] == pytest.approx([5e-3, 7e-3, 9.5e-3])
     assert stator.pieces[0].mesh.extent == pytest.approx((0, 1e-3))
     assert "meant?" not in refused(plain, position="15 mm")
@@ -274,7 +273,7 @@ def test_a_ball_over_a_groove_is_refused_wherever_it_is_asked_for(tmp_path):
     triangles = [(0, 1, 4), (1, 2, 3), (1, 3, 4), (0, 4, 5), (0, 5, 6), (0, 6, 7)]
     lines = {"left": [(7, 0)], "right": [(1, 2)]}
     drawn = scene(write_msh(tmp_path / "v.msh", corners, {"stator": triangles}, lines))
-    assert fem_objects.pieces(drawn)[0].gaps == (pytest.approx((6.35e-3, 6.65e-3)),)
+    assert Model(drawn).pieces[0].gaps == (pytest.approx((6.35e-3, 6.65e-3)),)
     slider = {
         "mass": "0.1 g", "preload": "1 mN", "friction_coefficient": 0.1, "radius": "1 mm", "ball": "steel",
         "contacts": ["-0.5 mm", "0.5 mm"],
@@ -348,7 +347,7 @@ def test_files_that_are_no_mesh(tmp_path, plain):
 def test_what_a_run_warns_of(tmp_path):
     """A corner near the interface."""
     near = rectangle(tmp_path / "near.msh", 1.0, 1.1, size=0.5, groove=(0.05, 0.2, 0.15))
-    (said,) = whole_stator(scene(near)).piece_warnings(2.17e6)
+    (said,) = Model(scene(near)).stator.piece_warnings(2.17e6)
     assert said.startswith('piece "near": a corner stands 0.05 mm from the interface left, nearer than an eighth')
 
 
@@ -384,7 +383,7 @@ def test_the_shipped_meshes(tmp_path):
             position="9 mm" if not end else "10.5 mm",
             **rest,
         )
-        stator = whole_stator(resolved(given))
+        stator = build(given).stator
         (piece,) = stator.pieces
         assert {"left", "bottom"} <= set(piece.mesh.lines)
         assert ("right" in piece.mesh.lines) == (not end)

@@ -8,7 +8,8 @@ import pytest
 
 import fem
 from studies import Scene
-from studies.model.resolve import resolved
+from studies.model.model import Model
+from studies.model.resolve import build, resolved
 from studies.remarks.left_out import left_out
 from studies.runs import run
 from studies.scene import read_table
@@ -96,15 +97,15 @@ def test_the_error_knows_the_envelope_s(record):
     longer = run(chip("drive.burst=0.4 ms"), tolerance=2e-2)
     parts = [each.error["parts"]["stator"] for each in (record, longer)]
     scene = resolved(chip())
-    own = ring_up(scene, scene.slider.center)
+    own = ring_up(Model(scene), scene.slider.center)
     assert own.error == pytest.approx(own.response.relative_error * own.response.settling / 0.1e-3, rel=1e-12)
     assert parts[0] - parts[1] == pytest.approx(0.75 * own.error, rel=1e-2)
 
 
 def test_without_a_burst_nothing_rings():
     scene = replace(chip(), drive=replace(chip().drive, burst=None))
-    assert not any("ring-up" in reason for reason in left_out(resolved(scene)))
-    assert "the burst's ring-up: the slider stands over a transducer or a meshed piece" in left_out(resolved(chip()))
+    assert not any("ring-up" in reason for reason in left_out(build(scene)))
+    assert "the burst's ring-up: the slider stands over a transducer or a meshed piece" in left_out(build(chip()))
 
 
 def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
@@ -134,7 +135,7 @@ def test_a_ring_up_that_is_not_resolved_errs_by_its_part_of_the_burst_or_the_who
     monkeypatch.setattr(ring, "response", lambda *given, **rest: None)
     monkeypatch.setattr(fem, "burst_response", refuse)
     monkeypatch.setattr(ring, "MAX_FREQUENCIES", 4096)
-    found = ring.ring_up(chip(f"drive.burst={burst}"), (0.018, 0.0))
+    found = ring.ring_up(Model(chip(f"drive.burst={burst}")), (0.018, 0.0))
     assert found.response is None
     assert found.error == pytest.approx(error, rel=1e-12)
 
@@ -159,8 +160,8 @@ def test_the_band_of_several_sources_is_that_of_the_transducer_of_fewest_pairs(m
     class FoundError(Exception):
         pass
 
-    def response(scene, low, high, **_):
-        raise FoundError(low / scene.frequency, high / scene.frequency)
+    def response(model, low, high, **_):
+        raise FoundError(low / model.scene.frequency, high / model.scene.frequency)
 
     monkeypatch.setattr("studies.solve.ring_up.response", response)
     scene = resolved(Scene.load("twente").replace(transducer={"right": {"finger_pairs": 6}}))
@@ -168,5 +169,5 @@ def test_the_band_of_several_sources_is_that_of_the_transducer_of_fewest_pairs(m
     for sources, pairs in (({first: 1.0, {"left": "right", "right": "left"}[first]: 0.3}, 6), ({"left": 1.0}, 10)):
         drive = replace(scene.drive, transducer=None, sources=tuple(sources.items()))
         with pytest.raises(FoundError) as found:
-            ring_up(replace(scene, drive=drive), (0.08, 0.0))
+            ring_up(Model(replace(scene, drive=drive)), (0.08, 0.0))
         assert found.value.args == pytest.approx((1 - 1.2 / pairs, 1 + 1.2 / pairs), rel=1e-12)

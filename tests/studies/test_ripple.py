@@ -17,7 +17,8 @@ from studies.inverse.optimum import Options, design
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement_csv import read_measured
 from studies.model.contact import Contact
-from studies.model.resolve import resolved
+from studies.model.model import Model
+from studies.model.resolve import build
 from studies.record.point import Point
 from studies.record.run_pictures import velocity as draw_velocity
 from studies.remarks.run_warnings import warnings_of
@@ -115,7 +116,7 @@ def test_mean_and_range_are_those_of_a_scan(rippled, level):
 def test_the_error_of_the_motion_and_that_of_the_places_are_both_in_the_error(rippled, small):
     """Property: a motion known 100 times worse moves the velocities by as much; a finer tolerance takes more places."""
     driven = Contact.of_stator(
-        rippled.scene, SolvedStator.of(rippled.surface_motion, rippled.scene.positions, nearby=True)
+        Model(rippled.scene), SolvedStator.of(rippled.surface_motion, rippled.scene.positions, nearby=True)
     )
     nearby, point = NearbyContact.of(driven, TOLERANCE), rippled.points[2]
     worse = replace(nearby, motions=tuple(replace(each, error=100 * each.error) for each in nearby.motions))
@@ -275,7 +276,7 @@ def test_the_picture_shows_range_and_mean(rippled):
 def test_pillars_on_waves_from_both_sides_have_the_range_of_displaced_pillars():
     """Oracle: the same pillars at other coordinates, on the same waves, 48 places and the trapezoidal rule."""
     scene = Scene.load(Path(__file__).parent / "scenes" / "pillars.toml")
-    body = Contact.prescribed(resolved(scene))
+    body = Contact.prescribed(build(scene))
     body = replace(body, orbits=replace(body.orbits, forward=0.2 * body.orbits.backward))  # it runs to -x
     level = 20e-9
     point = Point(velocity_m_per_s=wave_velocity(body, level))

@@ -10,6 +10,7 @@ import contact
 from studies import Scene, Wave, runs
 from studies.__main__ import main
 from studies.model.contact import Contact, prescribed_orbits
+from studies.model.model import Model
 from studies.record.point import Point
 from studies.record.text import answer
 from studies.refusal import RunError
@@ -219,9 +220,9 @@ def test_what_is_not_finite_never_leaves(value):
 def on_a_stator(section, whole, ringing=0.0):
     """Return a contact whose stator has these errors: of its section, of the motion, of the ring-up."""
     solved = SolvedStator(at={}, section_error=section, goal=1.0, frequency=1e6, admittance=0j, power=0.0, currents={})
-    scene = Scene.load("twente-contact")
+    model = Model(Scene.load("twente-contact"))
     return Contact(
-        scene=scene, orbits=(), amplitudes=(1.0, 1.0), stator_error=whole, solved=solved, ringing=RingUp(error=ringing)
+        model=model, orbits=(), amplitudes=(1.0, 1.0), stator_error=whole, solved=solved, ringing=RingUp(error=ringing)
     )
 
 

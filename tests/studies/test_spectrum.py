@@ -7,8 +7,9 @@ import pytest
 
 from fem import ConvergenceError, automatic_period, best_frequency, best_period
 from studies import Scene
-from studies.model.fem_objects import drive, stator, transducers
-from studies.model.resolve import resolved
+from studies.model.fem_objects import stator
+from studies.model.model import Model
+from studies.model.resolve import build, resolved
 from studies.runs import run
 from studies.scene import read_table
 from studies.solve.spectrum import Response, response
@@ -34,7 +35,7 @@ def chip(*settings):
 
 
 def prepared(scene, lowest=2.1e6, highest=2.2e6, place=20e-3):
-    return response(scene, lowest, highest, positions=(place,), tolerance=3e-2)
+    return response(Model(scene), lowest, highest, positions=(place,), tolerance=3e-2)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +48,7 @@ def test_a_band_gives_what_single_solves_give(banded):
     scene, many = banded
     assert len(many.bands) == 1
     frequencies = [2.12e6, 2.19e6]
-    waves = many.waves(frequencies, drive(scene)), replace(many, bands=()).waves(frequencies, drive(scene))
+    waves = many.waves(frequencies, Model(scene).drive), replace(many, bands=()).waves(frequencies, Model(scene).drive)
     assert [each.frequency for each in waves[0]] == frequencies
     for name in ("motion", "rayleigh_motion"):
         fast, slow = (np.array([getattr(each, name)(20e-3) for each in some]) for some in waves)
@@ -64,7 +65,7 @@ def test_where_no_band_serves_each_frequency_is_solved_alone(settings, place):
     scene = resolved(chip(*settings))
     many = prepared(scene, place=place)
     assert many.bands == ()
-    (found,) = many.waves([2.15e6], drive(scene))
+    (found,) = many.waves([2.15e6], Model(scene).drive)
     single = run(replace(scene, drive=replace(scene.drive, frequency=2.15e6)), tolerance=3e-2)
     assert found.motion(place)[1] == pytest.approx(single.surface_wave.motion(place)[1], rel=3e-2)
     assert found.covered(place) == (place == 6e-3)
@@ -93,7 +94,7 @@ def test_the_centre_is_that_of_the_lone_transducer():
     """Free ends and the slider's place leave it; the studies and sweeps take the same number."""
     scene = resolved(chip("drive.frequency=center"))
     assert resolved(chip("drive.frequency=center", "stator.ends=free")).frequency == scene.frequency
-    block, (row,) = stator(scene.stator), transducers(scene)
+    block, (row,) = stator(scene.stator), Model(scene).transducers
     assert scene.frequency == best_frequency(block, row)
 
 
@@ -105,7 +106,7 @@ def test_periods_that_are_words():
     found = resolved(replace(chip(), transducer=(words[0], comb, rule_row))).transducer
     block = stator(chip().stator)
     assert found[1].period == found[2].period == automatic_period(block.solid, 2.17e6, 0.5)
-    assert found[0].period == best_period(block, transducers(resolved(chip()))[0], 2.17e6)
+    assert found[0].period == best_period(block, build(chip()).transducers[0], 2.17e6)
     assert found[0].period != found[1].period
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from studies import Scene, run
 from studies.__main__ import main
-from studies.model.resolve import resolved
+from studies.model.model import Model
+from studies.model.resolve import build, resolved
 from studies.refusal import RunError, SceneError
 from studies.scene.blocks import Cooling
 from studies.scene.toml import document
@@ -46,7 +47,7 @@ def test_between_absorbing_ends_the_fingers_are_as_warm_as_the_run(duty):
 @pytest.fixture(scope="module")
 def beyond():
     """A free-ended plate beyond its fold, at a frequency between the two folds of its first resonance."""
-    reached = steady_temperature(resolved(scene(16.0, "free")), 1e-2)
+    reached = steady_temperature(build(scene(16.0, "free")), 1e-2)
     low, high = reached.folds[:2]
     middle = {"frequency": 0.5 * (low + high)}
     return low, high, scene(16.0, "free", middle)
@@ -76,11 +77,11 @@ def test_beyond_the_folds_there_is_one_state(beyond):
     width = high - low
     for frequency in (low - 0.3 * width, high + 0.3 * width):
         there = replace(driven, drive=replace(driven.drive, frequency=frequency))
-        assert steady_temperature(resolved(there), 1e-2).others == ()
+        assert steady_temperature(build(there), 1e-2).others == ()
 
 
 def test_at_rest_the_temperature_is_the_ambient_one():
-    found = steady_temperature(resolved(scene(0.0, "absorbing", cooling=Cooling(ambient=31.0).to_table())), 1e-2)
+    found = steady_temperature(build(scene(0.0, "absorbing", cooling=Cooling(ambient=31.0).to_table())), 1e-2)
     assert (found.temperature, found.residual) == (31.0, 0.0)
 
 
@@ -107,15 +108,14 @@ def test_too_much_heat_has_no_steady_temperature():
 
 def test_the_response_is_known_up_to_the_curie_temperature():
     """Resonances much narrower than the frequency falls by 280 K: 1.4 %, 40 widths."""
-    found = steady_temperature(resolved(scene(1.0, "free", mechanical_quality=3000.0)), 1e-2)
+    found = steady_temperature(build(scene(1.0, "free", mechanical_quality=3000.0)), 1e-2)
     assert found.residual <= 1e-3 * max(found.temperature - 20.0, 1.0)
 
 
 def test_other_answers_ask_for_a_number():
-    from studies.model import fem_objects
 
     with pytest.raises(SceneError, match=r"must be a number here: .steady. is found by sawmotor run"):
-        fem_objects.whole_stator(scene(10.0, "absorbing"))
+        _ = Model(scene(10.0, "absorbing")).stator
 
 
 def test_the_command_runs_and_explains_a_stator_at_its_steady_temperature(tmp_path, monkeypatch, capsys):

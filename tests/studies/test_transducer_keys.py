@@ -10,7 +10,7 @@ from functools import cache
 import pytest
 
 from studies import Scene
-from studies.model.fem_objects import transducers
+from studies.model.model import Model
 from studies.model.resolve import resolved
 from studies.runs import run
 from studies.scene import read_table
@@ -61,7 +61,7 @@ def test_patterns_and_impedances_survive_being_written():
 
 def test_fem_gets_the_comb_of_the_scene():
     scene = resolved(chip("transducer.0.pattern=+-0o", "transducer.1.split=true"))
-    first, second = transducers(scene)
+    first, second = Model(scene).transducers
     assert first.signs == "+-0o"
     assert second.signs == "++--++--"
     assert second.pitch == pytest.approx(first.pitch / 2, rel=1e-14)
@@ -111,6 +111,6 @@ def test_the_picture_colours_fingers_by_their_comb(tmp_path):
     write_run(record, tmp_path, field=True)
     fingers = run_field(tmp_path).fingers
     assert {sign: len(strips) for sign, strips in fingers.items()} == {"+": 3, "-": 2, "o": 1}
-    left = transducers(record.scene)[0].fingers
+    left = Model(record.scene).transducers[0].fingers
     assert fingers["-"][0] == tuple(left[2])
     assert fingers["o"] == [tuple(left[3])]

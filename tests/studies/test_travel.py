@@ -14,6 +14,7 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement import Measurement
 from studies.model import resolve
 from studies.model.free_way import free_way
+from studies.model.model import Model
 from studies.record.text import answer
 from studies.scene import Scene
 from studies.solve.solved_stator import contact_of_run
@@ -68,7 +69,7 @@ def test_a_burst_stops_at_the_fingers_and_says_so(small):
         stopped[name] = point
         assert point["way_ends_after_s"] < 30e-3
         assert path.time[-1] == point["way_ends_after_s"]
-        way = free_way(found.scene)
+        way = free_way(Model(found.scene))
         assert way.low <= path.displacement.min() <= path.displacement.max() <= way.high
         reached = way.low if point["travel_m"] < 0 else way.high
         assert point["travel_m"] == pytest.approx(reached, rel=1e-3)
@@ -121,22 +122,22 @@ def test_a_slider_with_memory_travels_event_by_event(small):
 def test_the_way_ends_at_fingers_pieces_and_ends(small):
     scene = resolve.resolved(Scene.load("twente"))
     left, right = scene.transducer
-    way = free_way(scene)
+    way = free_way(Model(scene))
     balls = [x for x, _ in scene.slider.contact_positions]
     fingers = [each.center_xy[0] for each in (left, right)]
     assert fingers[0] < min(balls) + way.low < max(balls) + way.high < fingers[1]
     assert way.at_low.endswith("mm")
     assert "reaches the fingers of transducer left" in way.at_low
     assert "reaches the fingers of transducer right" in way.at_high
-    clear = free_way(scene, clear=1e-3)
+    clear = free_way(Model(scene), clear=1e-3)
     assert (clear.low, clear.high) == pytest.approx((way.low + 1e-3, way.high - 1e-3), abs=1e-15)
-    groove = free_way(resolve.resolved(Scene.load("reflector")))
+    groove = free_way(resolve.build(Scene.load("reflector")))
     assert groove.at_high == "the contact reaches the piece groove, at x = 26 mm"
-    rotated = free_way(resolve.resolved(Scene.load(SCENES / "crossing.toml")))
+    rotated = free_way(resolve.build(Scene.load(SCENES / "crossing.toml")))
     assert (rotated.low, rotated.high) == pytest.approx((-4.125e-3, 5e-3))
-    pillars = free_way(resolve.resolved(Scene.load(SCENES / "driven-pillars.toml")))
+    pillars = free_way(resolve.build(Scene.load(SCENES / "driven-pillars.toml")))
     assert pillars.at_low == "a pillar reaches the fingers of transducer left, at x = 6.95 mm"
-    alone = free_way(resolve.resolved(small))
+    alone = free_way(resolve.build(small))
     assert "reaches the stator's end" in alone.at_high
     assert alone.high == pytest.approx(5e-3)
 
@@ -144,7 +145,7 @@ def test_the_way_ends_at_fingers_pieces_and_ends(small):
 def test_the_orbits_along_the_way_are_those_of_the_surface(small):
     record = run(small, tolerance=0.05)
     driven, motion = contact_of_run(record), record.surface_motion
-    along = WaveAlong.under(record.scene, motion)
+    along = WaveAlong.under(Model(record.scene), motion)
     places = np.array([-1.1e-3, 0.0, 0.7e-3])
     for (x, y), number in zip(record.scene.slider.contact_positions, range(9), strict=False):
         u_x, _, u_z = motion.along(x + places, y)

@@ -29,10 +29,11 @@ DIRECT = ("high order, no edge layers", "high order, edge layers")
 def problem(ends: str) -> Problem:
     """Return the stator of the scene with other ends, the driven transducer first."""
     from studies.model import fem_objects, resolve
+    from studies.model.model import Model
     from studies.scene import Scene
 
     scene = resolve.resolved(Scene.load(SCENE))
-    transducers = sorted(fem_objects.transducers(scene), key=lambda each: each.center)
+    transducers = sorted(Model(scene).transducers, key=lambda each: each.center)
     return Problem(
         stator=replace(fem_objects.stator(scene.stator), ends=ends),
         transducers=tuple(transducers),

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from studies.model import fem_objects
+from studies.model.model import Model
 from studies.runs import run
 from tests.oracles.fem_finite_fingers import VACUUM, Field, FiniteFingers, Pair, PlaneResponse
 from tests.oracles.test_fem_finite_fingers import plate
@@ -96,7 +96,7 @@ def test_one_transducer(aperture, thickness, count, admittance, worst, rms):
     expected, motion = driven(aperture, thickness, places)
     settings = [f"transducer.0.aperture={aperture}"]
     record = solved("twente-left", *settings, *(["stator.thickness=half-space"] if thickness == HALF_SPACE else []))
-    assert [each.period for each in fem_objects.transducers(record.scene)] == pytest.approx([PERIOD], rel=1e-12)
+    assert [each.period for each in Model(record.scene).transducers] == pytest.approx([PERIOD], rel=1e-12)
     found = record.surface_motion
     assert found.circuit.admittance == pytest.approx(expected, rel=admittance)
     section = abs(found.wave.motion(np.array([x for x, _ in places]))[1])
