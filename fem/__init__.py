@@ -33,7 +33,9 @@ _PUBLIC = {
     "layout": "check_beside_pieces check_layout check_plan check_turned LENGTH_UNITS TURNED turned_rules",
     "analytic.wave_compliance": "bound_compliance spring_shift wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
-    "analytic.layered_wave": "bound_period bound_wave layered_waves LayeredWave principal_wave shorted_velocity",
+    "analytic.layered_wave": (
+        "bound_period bound_wave layered_waves LayeredWave principal_wave shorted_velocities shorted_velocity"
+    ),
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
     "analytic.quasistatic": "end_excess surface_permittivity transducer_estimate TransducerEstimate",

@@ -86,15 +86,17 @@ class LayeredImpedance:
         self.fields = tuple(name for name in ORDER if name in present)
         self.scales = units(substrate)
         self.bodies = [medium(each, self.fields, lossy=False, scales=self.scales) for each in solids]
-        self.limit = limiting_velocity(self.bodies[0]) / float(np.sqrt(self.bodies[0].inertia[0]))  # m/s
+        self.limits = [limiting_velocity(body) / float(np.sqrt(body.inertia[0])) for body in self.bodies]  # m/s
+        self.limit = self.limits[0]
         self.displaced = self.bodies[0].displaced
         self.electric = "phi" in self.fields
         self.gap = VACUUM_PERMITTIVITY * self.scales[1] ** 2 / self.scales[0]
         self._substrate = SurfaceImpedance(self.bodies[0], "open")
+        self._matrices = [_stroh_parts(body) for body in self.bodies[1:]]
 
     def slowest(self) -> float:
         """Velocity in m/s below which no mode exists: half of the slowest bulk wave of all solids."""
-        return 0.5 * min(limiting_velocity(body) / float(np.sqrt(body.inertia[0])) for body in self.bodies)
+        return 0.5 * min(self.limits)
 
     def wavenumber(self, velocity: np.ndarray) -> np.ndarray:
         """Return omega/v in 1/m."""
@@ -106,28 +108,34 @@ class LayeredImpedance:
         """Impedance of the half-space, (v, fields, fields)."""
         unit = self._substrate.velocity_unit
         scale = self._substrate.stress_unit / self.scales[0]
-        return np.stack([scale * self._substrate.of_all_fields(each / unit) for each in velocity])
+        return scale * self._substrate.of_all_fields(velocity / unit)
 
     def partial_waves(self, number: int, velocity: np.ndarray) -> PartialWaves:
         """Partial waves of a layer, counted from the substrate from 0."""
-        body, layer, n = self.bodies[number + 1], self.layers[number], len(self.fields)
-        p, vectors = np.linalg.eig(_stroh(body, velocity))
+        layer, n = self.layers[number], len(self.fields)
+        p, vectors = np.linalg.eig(self._stroh(number, velocity))
         u, t = vectors[:, :n, :], -1j * vectors[:, n:, :]
         real = abs(p.imag) < REAL * abs(p).max(axis=1, keepdims=True)
         power = np.einsum("vik,vik->vk", u.conj(), vectors[:, n:, :]).real
         rank = np.where(real, -np.sign(power) * 1e-300, p.imag)  # power upwards counts as decay upwards
         order = np.argsort(rank, axis=1)
-        up, down = order[:, :n, None].swapaxes(1, 2), order[:, n:, None].swapaxes(1, 2)
+        rows = np.arange(len(velocity))[:, None, None]
+        fields, up, down = np.arange(n)[:, None], order[:, None, :n], order[:, None, n:]
         if layer.wavelengths is not None:
             k_h = np.full(len(velocity), 2.0 * np.pi * layer.wavelengths)
         else:
             k_h = self.wavenumber(velocity) * (layer.thickness or 0.0)
         return PartialWaves(
-            down=np.take_along_axis(u, down, 2), down_traction=np.take_along_axis(t, down, 2),
-            up=np.take_along_axis(u, up, 2), up_traction=np.take_along_axis(t, up, 2),
-            wavenumber_down=np.take_along_axis(p, down[:, 0], 1), wavenumber_up=np.take_along_axis(p, up[:, 0], 1),
+            down=u[rows, fields, down], down_traction=t[rows, fields, down],
+            up=u[rows, fields, up], up_traction=t[rows, fields, up],
+            wavenumber_down=p[rows[:, 0], down[:, 0]], wavenumber_up=p[rows[:, 0], up[:, 0]],
             depth=k_h,
         )  # fmt: skip
+
+    def _stroh(self, number: int, velocity: np.ndarray) -> np.ndarray:
+        """Stroh's matrix of a layer, (v, 2 fields, 2 fields)."""
+        still, inertia = self._matrices[number]
+        return still + velocity[:, None, None] ** 2 * inertia
 
     def joined(self, below: np.ndarray, number: int, velocity: np.ndarray) -> np.ndarray:
         """Impedance below a layer seen through its bond."""
@@ -145,18 +153,20 @@ class LayeredImpedance:
         soft = np.diag([self.scales[0] / per_area[name] for name in self.fields])
         return self.wavenumber(velocity)[:, None, None] * soft
 
-    def stack(self, velocity: np.ndarray, shorted: int | None = None) -> "Stack":
+    def stack(self, velocity: np.ndarray, shorted: int | np.ndarray | None = None) -> "Stack":
         """Return impedances and reflections of all layers.
 
-        ``shorted``: number of layers above an electrode with phi = 0 at an interface; None for none, 0 is at the top.
+        ``shorted``: number of layers above an electrode with phi = 0 at an interface, one or for each velocity; None
+        for none.
         """
         below, parts = self.half_space(velocity), []
         for number in range(len(self.layers)):
             waves = self.partial_waves(number, velocity)
             joined = self.joined(below, number, velocity)
             up, down = waves.up_traction - joined @ waves.up, waves.down_traction - joined @ waves.down
-            if self.electric and self.grounded_below(number, shorted):
-                up[:, -1], down[:, -1] = waves.up[:, -1], waves.down[:, -1]
+            if self.electric:
+                held = np.broadcast_to(self.grounded_below(number, shorted), len(velocity))
+                up[held, -1], down[held, -1] = waves.up[held, -1], waves.down[held, -1]
             reflection = -np.linalg.solve(up, down * waves.factor_down)
             returned = waves.factor_up.swapaxes(1, 2) * reflection
             displacement = waves.down + waves.up @ returned
@@ -166,10 +176,10 @@ class LayeredImpedance:
             below = 0.5 * (below + below.conj().swapaxes(1, 2))
         return Stack(impedance=below, parts=tuple(parts))
 
-    def grounded_below(self, number: int, shorted: int | None) -> bool:
+    def grounded_below(self, number: int, shorted: int | np.ndarray | None) -> np.ndarray:
         """True if phi = 0 on the lower side of a layer: at a shorted electrode, or where one of the solids conducts."""
         conducts = any(each.conducting for each in self.solids[number : number + 2])
-        return conducts or shorted == len(self.layers) - number
+        return np.logical_or(conducts, np.equal(-1 if shorted is None else shorted, len(self.layers) - number))
 
     def on_metal(self, surface: str) -> bool:
         """True if phi = 0 at the top."""
@@ -224,12 +234,10 @@ def _divided(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     return np.linalg.solve(right.swapaxes(1, 2), left.swapaxes(1, 2)).swapaxes(1, 2)
 
 
-def _stroh(body: Medium, velocity: np.ndarray) -> np.ndarray:
-    """Stroh's matrix at some velocities in m/s, shape (v, 2 fields, 2 fields)."""
+def _stroh_parts(body: Medium) -> tuple[np.ndarray, np.ndarray]:
+    """Stroh's matrix of a solid at rest, and what the squared velocity in (m/s)^2 multiplies; (2 fields, 2 fields)."""
     inverse = np.linalg.inv(body.zz)
     upper, lower = -inverse @ body.xz.T, body.xz @ inverse @ body.xz.T - body.xx
-    n = len(upper)
-    matrix = np.empty((len(velocity), 2 * n, 2 * n))
-    matrix[:, :n, :n], matrix[:, :n, n:], matrix[:, n:, n:] = upper, inverse, upper.T
-    matrix[:, n:, :n] = lower + velocity[:, None, None] ** 2 * np.diag(body.inertia)
-    return matrix
+    zero = np.zeros_like(upper)
+    inertia = np.block([[zero, zero], [np.diag(body.inertia), zero]])
+    return np.block([[upper, inverse], [lower, upper.T]]), inertia

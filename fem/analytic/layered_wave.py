@@ -28,6 +28,7 @@ SCALE, NOISE = 0.3, 1e-12  # typical eigenvalue, and rounding of one, over the h
 MAX_ROTATION = 1.5  # of the eigenvalues within an interval, rad
 MAX_RISE = 3.0  # of an eigenvalue at a fixed frequency, rad per rad; aluminium on 128YX: 0.4
 MAX_INTERVALS = 50_000  # of one pass; more are not narrowed by halving
+NOT_SHORTED = -1  # in place of the number of layers above an electrode
 MAX_WAVELENGTHS = 3.0  # a thicker layer holds the whole wave
 
 
@@ -142,30 +143,39 @@ def layered_waves(
         raise InputError("shorted", f"must be the number of layers above the electrode, 0 to {len(layers)}", shorted)
     impedance = LayeredImpedance(substrate, layers, frequency=frequency)
 
-    def eigenvalues(velocity: np.ndarray) -> np.ndarray:
-        top = impedance.stack(velocity, shorted).impedance
+    def eigenvalues(velocity: np.ndarray, plane: np.ndarray) -> np.ndarray:
+        top = impedance.stack(velocity, plane).impedance
         return np.linalg.eigvalsh(impedance.mechanical(top, surface=surface))
 
     waves_across = float(impedance.stack(np.array([impedance.slowest()])).depth.sum()) / (2.0 * np.pi)
     points = min(GRID + int(GRID_PER_WAVELENGTH * waves_across), MAX_GRID)
-    brackets = _brackets(eigenvalues, impedance, impedance.slowest(), impedance.limit, points)
-    roots = [_root(eigenvalues, *bracket) for bracket in sorted(brackets)[:number]]
-    if not roots:
+    plane = NOT_SHORTED if shorted is None else shorted
+    found = _brackets(eigenvalues, impedance, impedance.slowest(), impedance.limit, points, (plane,))
+    brackets = sorted(found)[:number]
+    if not brackets:
         thickest = max(layers, key=lambda each: each.thickness or each.wavelengths or 0.0, default=None)
         what = "" if thickest is None else f" {thickest.solid.name} on"
         raise ConvergenceError(
             f"no bound wave:{what} {substrate.name} makes every wave faster than the half-space's slowest bulk wave, "
             f"{impedance.limit:.1f} m/s: it leaks. A thinner or slower layer, or another orientation, helps"
         )
-    waves = [_wave(impedance, velocity, index, surface, shorted) for velocity, index in sorted(roots)]
-    return tuple(_named(waves))
+    roots = sorted(zip(_roots(eigenvalues, brackets), (index for _, _, index, _ in brackets), strict=True))
+    return tuple(_named([_wave(impedance, velocity, index, surface, shorted) for velocity, index in roots]))
 
 
 def shorted_velocity(wave: LayeredWave, shorted: int) -> float:
     """Return the velocity in m/s of a free wave once an electrode below so many layers holds phi = 0; 0 is at the top.
 
-    A short lowers every wave, at most to the velocity of the one below it (interlacing of a problem with one constraint
-    more), and so is looked for just below.
+    See `shorted_velocities`.
+    """
+    return float(shorted_velocities(wave, (shorted,))[0])
+
+
+def shorted_velocities(wave: LayeredWave, planes: Sequence[int]) -> np.ndarray:
+    """Return the velocities in m/s of a free wave with an electrode that holds phi = 0 in each of some planes alone.
+
+    ``planes``: numbers of layers above the electrode, 0 at the top.  A short lowers every wave, at most to the velocity
+    of the one below it (interlacing of a problem with one constraint more), and so is looked for just below.
 
     Raises
     ------
@@ -173,18 +183,21 @@ def shorted_velocity(wave: LayeredWave, shorted: int) -> float:
         If no wave lies within a fifth below the free one.
     """
     impedance = wave.impedance
-    surface, plane = ("metallised", None) if shorted == 0 else (wave.surface, shorted)
     if not impedance.electric:
-        return wave.velocity
+        return np.full(len(planes), wave.velocity)
 
-    def eigenvalues(velocity: np.ndarray) -> np.ndarray:
-        return np.linalg.eigvalsh(impedance.mechanical(impedance.stack(velocity, plane).impedance, surface=surface))
+    def eigenvalues(velocity: np.ndarray, planes: np.ndarray) -> np.ndarray:
+        top = impedance.stack(velocity, planes).impedance
+        free, held = (impedance.mechanical(top, surface=each) for each in (wave.surface, "metallised"))
+        return np.linalg.eigvalsh(np.where(planes[:, None, None] == 0, held, free))
 
-    top = min(wave.velocity * (1.0 + 1e-12), impedance.limit * (1.0 - BELOW_LIMIT))
-    brackets = _brackets(eigenvalues, impedance, LOWEST_SHORTED * wave.velocity, top, SHORTED_GRID)
-    if not brackets:
+    highest = min(wave.velocity * (1.0 + 1e-12), impedance.limit * (1.0 - BELOW_LIMIT))
+    lowest = LOWEST_SHORTED * wave.velocity
+    brackets = _brackets(eigenvalues, impedance, lowest, highest, SHORTED_GRID, planes)
+    fastest = [max((each for each in brackets if each[-1] == plane), default=None) for plane in planes]
+    if None in fastest:
         raise ConvergenceError(f"no shorted wave within a fifth below {wave.velocity:.6g} m/s")
-    return max(_root(eigenvalues, *bracket)[0] for bracket in brackets)
+    return _roots(eigenvalues, fastest)
 
 
 def principal_wave(waves: Sequence[LayeredWave]) -> LayeredWave:
@@ -201,8 +214,13 @@ def principal_wave(waves: Sequence[LayeredWave]) -> LayeredWave:
     raise ConvergenceError("only transverse (Love) waves are bound: the wave with sagittal motion leaks")
 
 
-def _brackets(eigenvalues: Callable, impedance: LayeredImpedance, low: float, high: float, points: int):
-    """Return intervals in m/s with one wave each, and the index of the eigenvalue that passes through zero there."""
+def _brackets(
+    eigenvalues: Callable, impedance: LayeredImpedance, low: float, high: float, points: int, planes: Sequence[int]
+) -> list[tuple[float, float, int, int]]:
+    """Return intervals in m/s with one wave each, the index of the eigenvalue that is zero there, and the plane.
+
+    ``eigenvalues``: of velocities (v,) in m/s and the plane of the electrode for each, see `shorted_velocities`.
+    """
     # At a fixed wavenumber every eigenvalue falls with the velocity, by its kinetic energy.  At a fixed frequency a
     # slower wave sees thicker layers, and an eigenvalue may rise: through zero for a wave whose energy runs backwards.
     limit, rise = impedance.limit, MAX_RISE if impedance.absolute else 0.0
@@ -212,28 +230,31 @@ def _brackets(eigenvalues: Callable, impedance: LayeredImpedance, low: float, hi
     if impedance.absolute:  # resonances of a layer follow each other evenly in 1/v
         slowness = np.linspace(1.0 / np.sin(last), 1.0 / np.sin(first), points)
         angles = np.union1d(angles, np.arcsin(1.0 / slowness[1:-1]))
-    values = eigenvalues(limit * np.sin(angles))
-    todo, found = list(zip(angles[:-1], angles[1:], values[:-1], values[1:], strict=True)), []
+    values = eigenvalues(limit * np.sin(np.tile(angles, len(planes))), np.repeat(planes, len(angles)))
+    todo, found = [], []
+    for plane, of_plane in zip(planes, values.reshape(len(planes), len(angles), -1), strict=True):
+        todo += [(*each, plane) for each in zip(angles[:-1], angles[1:], of_plane[:-1], of_plane[1:], strict=True)]
     while todo:
         cut = []
-        for a, b, at_a, at_b in todo:
+        for a, b, at_a, at_b, plane in todo:
             poles, rotation = _poles(at_a, at_b, rise * (b - a))
             below = int(np.sum(at_a < 0.0))
             crossings = int(np.sum(at_b < 0.0)) - below + poles
+            ends = limit * np.sin(a), limit * np.sin(b)
             if rotation < MAX_ROTATION and (crossings == 0 or (abs(crossings) == 1 and poles == 0)):
                 if crossings:
-                    found.append((limit * np.sin(a), limit * np.sin(b), below if crossings > 0 else below - 1))
+                    found.append((*ends, below if crossings > 0 else below - 1, plane))
             elif b - a > SHORTEST:
-                cut.append((a, b, at_a, at_b))
+                cut.append((a, b, at_a, at_b, plane))
             elif poles == 0:  # waves that coincide
-                found += [(limit * np.sin(a), limit * np.sin(b), below + k) for k in range(crossings)]
+                found += [(*ends, below + k, plane) for k in range(crossings)]
         if len(cut) > MAX_INTERVALS:
             raise ConvergenceError(f"the waves between {low:.6g} and {high:.6g} m/s could not be told apart")
-        middles = np.array([0.5 * (a + b) for a, b, _, _ in cut])
-        between = eigenvalues(limit * np.sin(middles)) if cut else ()
+        middles = np.array([0.5 * (a + b) for a, b, *_ in cut])
+        between = eigenvalues(limit * np.sin(middles), np.array([each[-1] for each in cut])) if cut else ()
         todo = []
-        for (a, b, at_a, at_b), middle, at_middle in zip(cut, middles, between, strict=True):
-            todo += [(a, middle, at_a, at_middle), (middle, b, at_middle, at_b)]
+        for (a, b, at_a, at_b, plane), middle, at_middle in zip(cut, middles, between, strict=True):
+            todo += [(a, middle, at_a, at_middle, plane), (middle, b, at_middle, at_b, plane)]
     return found
 
 
@@ -291,14 +312,16 @@ def _bound_wave(substrate: Solid, layers: tuple[Layer, ...], frequency: float, s
     return principal_wave(layered_waves(substrate, layers, surface=surface, frequency=frequency))
 
 
-def _root(eigenvalues: Callable, low: float, high: float, index: int) -> tuple[float, int]:
-    """Return the velocity at which a falling eigenvalue is zero, and its index."""
-    from scipy.optimize import brentq
+def _roots(eigenvalues: Callable, brackets: Sequence[tuple[float, float, int, int]]) -> np.ndarray:
+    """Return the velocities in m/s at which the eigenvalues of some of `_brackets` are zero, (n,)."""
+    from scipy.optimize.elementwise import find_root
 
-    def value(velocity: float) -> float:
-        return float(eigenvalues(np.array([velocity]))[0, index])
+    def of_index(velocity: np.ndarray, index: np.ndarray, plane: np.ndarray) -> np.ndarray:
+        return np.take_along_axis(eigenvalues(velocity, plane), index[:, None], 1)[:, 0]
 
-    return float(brentq(value, low, high, xtol=1e-12 * high, rtol=4e-15)), index
+    low, high, *labels = map(np.array, zip(*brackets, strict=True))
+    tolerances = {"xatol": 0.0, "xrtol": 4e-15, "fatol": 0.0, "frtol": 0.0}
+    return find_root(of_index, (low, high), args=tuple(labels), tolerances=tolerances).x
 
 
 def _wave(impedance: LayeredImpedance, velocity: float, index: int, surface: str, shorted: int | None) -> LayeredWave:

@@ -86,22 +86,28 @@ class SurfaceImpedance:
         across = full[np.ix_(m, ~m)]
         return stiff - across @ across.conj().T / (full[-1, -1].real - self.gap)
 
-    def of_all_fields(self, velocity: float) -> np.ndarray:
-        """Z of all fields, equation (2), before the electrical condition is applied; shape (fields, fields)."""
+    def of_all_fields(self, velocity: float | np.ndarray) -> np.ndarray:
+        """Z of all fields, equation (2), before the electrical condition is applied.
+
+        Shape (fields, fields) at a velocity, (v, fields, fields) at several.
+        """
         n = len(self.displaced)
-        # equation (1)
-        w = np.block([[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]])
+        squared = np.square(np.asarray(velocity))
+        w = np.empty((*squared.shape, 2 * n, 2 * n))  # equation (1)
+        w[..., :n, :n], w[..., :n, n:], w[..., n:, n:] = self.upper, self.inverse, self.upper.T
+        w[..., n:, :n] = self.lower + squared[..., None, None] * self.inertia
         for _ in range(_SIGN_STEPS):
             new = (w - np.linalg.inv(w)) / 2
-            change = np.abs(new - w).max()
+            change = np.abs(new - w).max(axis=(-2, -1))
             w = new
-            if change < 1e-8 * np.abs(w).max():
+            if np.all(change < 1e-8 * np.abs(w).max(axis=(-2, -1))):
                 break
         else:
-            raise ConvergenceError(f"no decaying partial waves at {velocity * self.velocity_unit:.6g} m/s")
-        inverse = np.linalg.inv(w[:n, n:])
-        z = inverse + 1j * inverse @ w[:n, :n]
-        return (z + z.conj().T) / 2
+            fastest = float(np.max(velocity)) * self.velocity_unit
+            raise ConvergenceError(f"no decaying partial waves at {fastest:.6g} m/s")
+        inverse = np.linalg.inv(w[..., :n, n:])
+        z = inverse + 1j * inverse @ w[..., :n, :n]
+        return (z + z.conj().swapaxes(-1, -2)) / 2
 
 
 def limiting_velocity(body: Medium) -> float:

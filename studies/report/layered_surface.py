@@ -98,7 +98,8 @@ def layered_surface_wave(
     shorted, coupling = {}, {}
     if surface in ("vacuum", "free") and wave.impedance.electric:
         with as_run_errors():
-            shorted = {name: fem.shorted_velocity(wave, above) for name, above in planes.items()}
+            velocities = fem.shorted_velocities(wave, tuple(planes.values()))
+        shorted = dict(zip(planes, velocities.tolist(), strict=True))
         coupling = {name: 2.0 * (wave.velocity - each) / wave.velocity for name, each in shorted.items()}
     displacement, potential = wave.profile(DEPTHS)
     profile = {"depth_wavelengths": DEPTHS}
