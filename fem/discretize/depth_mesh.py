@@ -182,13 +182,27 @@ def _layered_heights(
     over, under = regions[: stator.plane][::-1], regions[stator.plane :]
     top, layers = _graded_top(resolution, sum(each.thickness for each in under), scale)
     smallest = top * LAYER_RATIO**layers if resolution.edge_layers and np.isfinite(scale) else np.inf
-    elements = divided(under, smallest)[::-1]
+    finest_over, finest_under = _finest(stator, smallest)
+    elements = divided(under, finest_under)[::-1]
     if bottom_corners(stator) and layers:
         elements = with_corner(elements, resolution.edge_layers, under[-1].largest)
-    coating = divided(over, smallest)
+    coating = divided(over, finest_over)
     coating = _with_bonds(stator, coating, elements[-1][1])
     heights, owners = zip(*_with_bonds(stator, elements, 0), *coating, strict=True)
     return np.array(heights), list(owners), len(coating)
+
+
+def _finest(stator: Stator, smallest: float) -> tuple[float, float]:
+    """Heights of the elements above and below the plane of the fingers, where ``smallest`` is that of one solid.
+
+    Near an edge the error of the energy grows as the element's height times the permittivity, so that the side with
+    the smaller one needs no finer elements than this ratio says; at most one layer of the grading is left out.
+    """
+    if not stator.plane:
+        return smallest, smallest
+    under, over = (stator.solids[-stator.plane - 1 + k].sagittal_permittivity for k in (0, 1))
+    coarser = [min(max(ratio, 1.0), 1.0 / LAYER_RATIO) for ratio in (under / over, over / under)]
+    return smallest * coarser[0], smallest * coarser[1]
 
 
 def _with_bonds(stator: Stator, elements: list[tuple[float, int]], below: int) -> list[tuple[float, int]]:

@@ -58,7 +58,9 @@ def vacuum_elements(
     medium = vacuum_medium(*units(*stator.solids))
     if stator.plane:  # the fingers are below the surface: the field above varies over their distance from it
         distance = sum(each.thickness or 0.0 for each in stator.layers[-stator.plane :]) / wavelength
-        layers = min(layers, max(0, int(np.ceil(np.log(START / distance) / np.log(1 / LAYER_RATIO)))))
+        top, growth = START, 1.0 / LAYER_RATIO
+        finer = np.log(START / (growth - 1.0) / distance) / np.log(growth)
+        layers = min(layers, max(0, int(np.ceil(finer))))
     first = graded(min(top, START), layers, largest=resolution.element_size, smallest_first=True)
     height, closed = needed_height(stator, bodies, resolution, wavelength)
     start, stop = first.sum(), height / GROWTH

@@ -72,6 +72,12 @@ class Solid(Parameters):
         return bool(np.any(self.coupling))
 
     @property
+    def sagittal_permittivity(self) -> float:
+        """Permittivity in F/m that the charge on a line along y sees: (eps_xx eps_zz - eps_xz^2)^(1/2)."""
+        own = self.permittivity
+        return float(np.sqrt(own[0, 0] * own[2, 2] - own[0, 2] ** 2))
+
+    @property
     def is_lossy(self) -> bool:
         """True if the solid dissipates power."""
         return np.isfinite(self.mechanical_quality) or self.dielectric_loss > 0

@@ -181,9 +181,7 @@ def vacuum_effect(record: Record) -> Effects:
     """
     if record.scene.stator.above == "none":
         stator, frequency = model_of(record.scene).stator, record.scene.frequency
-        permittivity = stator.solids[-1].permittivity
-        eps_p = math.sqrt(permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2)
-        share = fem.VACUUM_PERMITTIVITY / eps_p
+        share = fem.VACUUM_PERMITTIVITY / stator.solids[-1].sagittal_permittivity
         try:
             bare, metal = (fem.bound_wave(stator, frequency, each).velocity for each in ("open", "metallised"))
             size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
