@@ -194,10 +194,10 @@ def shorted_velocities(wave: LayeredWave, planes: Sequence[int]) -> np.ndarray:
     highest = min(wave.velocity * (1.0 + 1e-12), impedance.limit * (1.0 - BELOW_LIMIT))
     lowest = LOWEST_SHORTED * wave.velocity
     brackets = _brackets(eigenvalues, impedance, lowest, highest, SHORTED_GRID, planes)
-    fastest = [max((each for each in brackets if each[-1] == plane), default=None) for plane in planes]
-    if None in fastest:
-        raise ConvergenceError(f"no shorted wave within a fifth below {wave.velocity:.6g} m/s")
-    return _roots(eigenvalues, fastest)
+    if missing := set(planes) - {plane for *_, plane in brackets}:
+        where = f"with an electrode below {min(missing)} layers" if min(missing) else "with a metallised surface"
+        raise ConvergenceError(f"no wave {where} within a fifth below the free one, {wave.velocity:.6g} m/s")
+    return _roots(eigenvalues, [max(each for each in brackets if each[-1] == plane) for plane in planes])
 
 
 def principal_wave(waves: Sequence[LayeredWave]) -> LayeredWave:
