@@ -42,20 +42,24 @@ class Store:
         self.folder, self._names = folder, ("point", *design.question.keys, *design.question.outcomes)
         self._lock = None if folder is None else _lock(folder)
         self.path = None if folder is None else folder / FILE
+        self._kept: Columns | None = None  # what a store in memory held when it was closed
         with self._explained():
             self.connection = sqlite3.connect(self.path or ":memory:")
-            self.connection.execute("pragma journal_mode = wal")
-            self.connection.execute("pragma synchronous = full")
-            self.connection.executescript(TABLES)
         try:
+            with self._explained():
+                self.connection.execute("pragma journal_mode = wal")
+                self.connection.execute("pragma synchronous = full")
+                self.connection.executescript(TABLES)
             self._begin(design, identity or design.identity)
         except (SceneError, RunError):
-            self.close()
+            self._release()
             raise
         self._insert = f"insert or replace into points values ({', '.join('?' * len(self._names))})"
 
     def columns(self) -> Columns:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
+        if self._kept is not None:
+            return self._kept
         with closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection) as connection:
             rows = connection.execute("select * from points order by point")
             return Columns(zip(self._names, map(list, zip(*rows, strict=True)), strict=True))
@@ -68,9 +72,14 @@ class Store:
         yield from (Columns(zip(self._names, row, strict=True)) for row in rows.fetchall())
 
     def close(self) -> None:
-        """Close the file and release the lock; a store in memory stays."""
+        """Close the file and release the lock; the rows of a store in memory stay."""
+        if self.path is None:
+            self._kept = self.columns()
+        self._release()
+
+    def _release(self) -> None:
+        self.connection.close()
         if self._lock is not None:
-            self.connection.close()
             self._lock.release()
 
     def done(self, count: int):
@@ -155,7 +164,7 @@ def _lock(folder: Path) -> FileLock:
 
 def _owner(folder: Path) -> str:
     try:
-        with sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True, timeout=0) as reader:
+        with closing(sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True, timeout=0)) as reader:
             owner = reader.execute("select value from sweep where name = 'driver'").fetchone()
     except sqlite3.Error:
         return ""

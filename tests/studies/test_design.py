@@ -8,6 +8,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -99,7 +100,7 @@ def test_a_search_that_was_killed_goes_on_and_ends_as_if_it_had_not(tmp_path, ca
 
 def _points(folder) -> int:
     try:
-        with sqlite3.connect(f"file:{folder / 'points.sqlite'}?mode=ro", uri=True) as connection:
+        with closing(sqlite3.connect(f"file:{folder / 'points.sqlite'}?mode=ro", uri=True)) as connection:
             return connection.execute("select count(*) from points").fetchone()[0]
     except sqlite3.Error:
         return 0

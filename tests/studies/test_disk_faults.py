@@ -11,6 +11,7 @@ import os
 import shutil
 import sqlite3
 import sys
+from contextlib import closing
 
 import pytest
 
@@ -162,9 +163,8 @@ def test_full_store_keeps_the_points_that_were_reported(tmp_path, monkeypatch):
         patch.setattr(store.Store, "write", full_after_two)
         with pytest.raises(RunError, match="is the disk full"):
             studies.sweep(scene, keys, out=tmp_path / "sweep", workers=1)
-    with sqlite3.connect(tmp_path / "sweep" / store.FILE) as connection:
+    with closing(sqlite3.connect(tmp_path / "sweep" / store.FILE)) as connection:
         points = [row[0] for row in connection.execute("select point from points order by point")]
-    connection.close()
     assert points == sorted(row[0] for row in kept)
     again = studies.sweep(scene, keys, out=tmp_path / "sweep")
     assert again.columns() == whole.columns()

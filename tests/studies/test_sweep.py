@@ -61,7 +61,7 @@ def command(*words, **options):
 
 
 def rows(folder):
-    with sqlite3.connect(folder / FILE) as connection:
+    with closing(sqlite3.connect(folder / FILE)) as connection, connection:
         found = connection.execute("select * from points order by point").fetchall()
     connection.close()
     return found
@@ -353,9 +353,8 @@ def test_batches_and_interruptions_change_nothing(whole, tmp_path, monkeypatch):
     assert found.columns() == whole
     assert rows(tmp_path / "s")[: len(before)] == before
     assert found.counts == {"ok": 48}
-    with sqlite3.connect(found.path) as connection:
+    with closing(sqlite3.connect(found.path)) as connection:
         computed = connection.execute("select sum(points) from batches").fetchone()[0]
-    connection.close()
     assert computed == 48  # what was there is not computed again
 
 
@@ -606,7 +605,7 @@ def test_a_store_with_gaps_is_filled_where_the_stator_s_axis_is_not_the_first(tm
     """Three loads, two frequencies, three voltages; five rows of both frequencies are lost."""
     over = {"slider.load": [0.0, 2e-6, 4e-6], "drive.frequency": [2.18e6, 2.2e6], "drive.voltage": [20.0, 60.0, 90.0]}
     whole = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s").columns()
-    with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+    with closing(sqlite3.connect(tmp_path / "s" / FILE)) as connection, connection:
         connection.execute("delete from points where point in (1, 3, 8, 10, 17)")
     connection.close()
     found = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s")
@@ -620,7 +619,7 @@ def test_a_store_of_another_version_is_refused_by_name(tmp_path):
     small = {"wave.normal_amplitude": "3 nm"}
     sweep("twente-contact", small, out=tmp_path / "s")
     kept = rows(tmp_path / "s")
-    with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+    with closing(sqlite3.connect(tmp_path / "s" / FILE)) as connection, connection:
         (text,) = connection.execute("select value from sweep where name = 'identity'").fetchone()
         held = json.loads(text) | {"version of numpy": "1.0.0"}
         connection.execute("update sweep set value = ? where name = 'identity'", (json.dumps(held),))
