@@ -18,6 +18,7 @@ import numpy as np
 from contact.body import Paths
 from contact.jit.compiled import compiled, formula
 from contact.law import normal
+from contact.law.normal import NormalLaw
 from contact.law.protocol import Law
 from contact.orbit import as_orbits, product
 from contact.slider import Slider
@@ -38,7 +39,7 @@ class ContactParameters(NamedTuple):
     friction: float
     contact_damping: float
     stick_band: float
-    shape: int
+    normal: NormalLaw
     length: float
     omega: float
     law: Law
@@ -59,7 +60,7 @@ class Problem(NamedTuple):
     limit_slope: float
     stick_band: float  # `slider.stick_band`, DV in Feenstra and Breedveld
     longest: float  # Longest segment of the event-driven solver
-    shape: int  # Of each contact, one of `codes.Shape`
+    normal: NormalLaw  # Of each contact
     paths: Paths  # Of the contacts
     factors: ContactFactors  # Of the contacts, on `stiffness` and `limit_slope`
     length: float  # ell, m
@@ -88,7 +89,7 @@ def changed(problem, load, paths):
     return Problem(
         problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload,
         problem.tangential_damping, load, problem.friction, problem.limit_slope, problem.stick_band, problem.longest,
-        problem.shape, paths, problem.factors, problem.length, problem.omega, problem.law,
+        problem.normal, paths, problem.factors, problem.length, problem.omega, problem.law,
     )  # fmt: skip
 
 
@@ -98,7 +99,7 @@ def contact_parameters(problem, i):
     factors = problem.factors
     return ContactParameters(
         problem.stiffness * factors.stiffness[i], problem.limit_slope * factors.limit_slope[i], problem.friction,
-        problem.contact_damping, problem.stick_band, problem.shape, problem.length, problem.omega, problem.law,
+        problem.contact_damping, problem.stick_band, problem.normal, problem.length, problem.omega, problem.law,
     )  # fmt: skip
 
 
@@ -120,15 +121,14 @@ class SliderNumber(IntEnum):
     CHI = 6
     NORMAL_DAMPING = 7
     TANGENTIAL_DAMPING = 8
-    SHAPE = 9
-    REST = 10  # the largest approach at rest
+    REST = 9  # the largest approach at rest
 
 
 def numbers(s: Slider, contacts: int) -> list[float]:
     """Return what `in_units` takes of a slider, in the order of `SliderNumber`."""
     return [
         s.unit_mass, s.stiffness_unit, s.slope_unit, s.preload, s.load, s.static_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
+        s.normal_damping, s.tangential_damping, float(s.rest_approaches(contacts).max()),
     ]  # fmt: skip
 
 
@@ -138,16 +138,19 @@ def paths_of(u_z: np.ndarray, u_x: np.ndarray, heights: np.ndarray) -> Paths:
 
 
 @formula
-def in_units(numbers, length, omega, paths, factors, law):
-    """Return the problem of a slider with these `numbers` and its law on scaled paths, without a longest segment."""
-    mass, shape = numbers[SliderNumber.MASS], int(numbers[SliderNumber.SHAPE])
+def in_units(numbers, length, omega, paths, factors, law, own):
+    """Return the problem of a slider with these `numbers` on scaled paths, without a longest segment.
+
+    `law` is its tangential law, and `own` its normal law in SI units.
+    """
+    mass = numbers[SliderNumber.MASS]
     unit = mass * omega**2 * length
     return Problem(
-        numbers[SliderNumber.STIFFNESS] * normal.load(length, shape) / unit, numbers[SliderNumber.CHI] * omega * length,
+        numbers[SliderNumber.STIFFNESS] * normal.load(length, own) / unit, numbers[SliderNumber.CHI] * omega * length,
         numbers[SliderNumber.NORMAL_DAMPING] / (mass * omega), numbers[SliderNumber.PRELOAD] / unit,
         numbers[SliderNumber.TANGENTIAL_DAMPING] / (mass * omega), numbers[SliderNumber.LOAD] / unit,
-        numbers[SliderNumber.FRICTION], numbers[SliderNumber.SLOPE], 0.0, np.inf, shape, paths, factors, length, omega,
-        law,
+        numbers[SliderNumber.FRICTION], numbers[SliderNumber.SLOPE], 0.0, np.inf, normal.scaled(own, length), paths,
+        factors, length, omega, law,
     )  # fmt: skip
 
 
@@ -164,7 +167,7 @@ def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem
     u_z, u_x = product(orbits.normal, unit), product(orbits.tangential, unit)
     paths = paths_of(u_z, u_x, slider.offsets(len(orbits)) / length)
     factors = ContactFactors(*slider.contact_factors(len(orbits)))
-    problem = in_units(own, length, omega, paths, factors, slider.tangential_law)
+    problem = in_units(own, length, omega, paths, factors, slider.tangential_law, slider.normal_law)
     return _with_longest(
         problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
         load=direction * problem.load, stick_band=slider.stick_band / problem.speed,
@@ -174,7 +177,7 @@ def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem
 def largest_resonance(problem: Problem) -> float:
     """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
     total = float(problem.factors.stiffness.sum()) * problem.stiffness
-    return math.sqrt(total * float(normal.slope(2.0, problem.shape)))
+    return math.sqrt(total * float(normal.slope(2.0, problem.normal)))
 
 
 def _with_longest(problem, longest, **changed):

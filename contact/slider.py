@@ -233,6 +233,11 @@ class Slider(SliderRules):
         """SPHERE or PUNCH of `contact.law.normal`."""
         return normal.SHAPES.index(self.shape)
 
+    @property
+    def normal_law(self) -> normal.NormalLaw:
+        """The normal law over the stiffness, in SI units."""
+        return normal.LAWS[self.contact_shape]
+
     @cached_property
     def _key(self) -> tuple:
         values = (getattr(self, each.name) for each in fields(self))
@@ -321,7 +326,7 @@ class Slider(SliderRules):
     def _in_si(self, limit_slope=None):
         """Problem of a contact for the law's functions with lengths in m, times in s and forces divided by K."""
         return SimpleNamespace(
-            length=1.0, omega=1.0, friction=self.static_coefficient, shape=self.contact_shape, law=self.tangential_law,
+            length=1.0, omega=1.0, friction=self.static_coefficient, normal=self.normal_law, law=self.tangential_law,
             limit_slope=self.slope_unit if limit_slope is None else limit_slope,
         )  # fmt: skip
 
@@ -360,7 +365,7 @@ class Slider(SliderRules):
     def tangential_force(self, deformation, approach: float):
         """Return Q in N of the elastic law at deformations and an approach in m, limited by friction."""
         friction = self.friction_coefficient * self.normal_stiffness
-        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.contact_shape)
+        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.normal_law)
 
     def _each(self, name: str, contacts: int) -> np.ndarray:
         """Return a value of `OWN` for each of so many contacts."""
@@ -465,20 +470,20 @@ class Slider(SliderRules):
 
     def approach_under(self, force: float, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
-        shape, target = self.contact_shape, force / self.stiffness_unit
+        law, target = self.normal_law, force / self.stiffness_unit
         if self.even and self.level:
-            return float(normal.approach(target / contacts, shape))
+            return float(normal.approach(target / contacts, law))
         heights, (share, _) = self.offsets(contacts), self.contact_factors(contacts)
         # both initial guesses are upper bounds: one takes all heights equal to the smallest, the other only the contact
         # with the largest height
         top = int(np.argmax(heights))
-        h = float(min(normal.approach(target / np.sum(share), shape) - min(heights),
-                      normal.approach(target / share[top], shape) - heights[top]))  # fmt: skip
+        h = float(min(normal.approach(target / np.sum(share), law) - min(heights),
+                      normal.approach(target / share[top], law) - heights[top]))  # fmt: skip
         if target == 0.0:
             return h
 
         def sums(height):
-            return tuple(float(np.sum(share * each(height + heights, shape))) for each in (normal.load, normal.slope))
+            return tuple(float(np.sum(share * each(height + heights, law))) for each in (normal.load, normal.slope))
 
         return float(height_under(sums, target, h, 1e-15 * (abs(h) + float(np.max(np.abs(heights))))))
 
@@ -551,7 +556,7 @@ class Slider(SliderRules):
 
     def _spring(self, contacts, ratio):
         """Return the sum of the contacts' normal springs at rest, each times a ratio, N/m."""
-        each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.contact_shape)
+        each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.normal_law)
         return self.stiffness_unit * float(np.sum(self.contact_factors(contacts)[0] * ratio * each))
 
 

@@ -505,7 +505,7 @@ def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
         )
     # the Hunt-Crossley force depends on the approach rate, which the scheme resolves to first order in the step only
     stiffness = problem.stiffness * float(problem.factors.stiffness.max())
-    if step * problem.contact_damping * stiffness * load(2.0, problem.shape) > MAX_DAMPING:
+    if step * problem.contact_damping * stiffness * load(2.0, problem.normal) > MAX_DAMPING:
         why += (f"the contact's damper is too fast for {per_cycle} steps per cycle",)
     if step * max(problem.normal_damping, problem.tangential_damping) > MAX_STEP:
         why += (f"the dampers are too fast for {per_cycle} steps per cycle",)

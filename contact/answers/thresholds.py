@@ -372,11 +372,9 @@ def _factor_at(height, slider, normal):
     under the force preload / sum <p>.
     """
     unit = max(height, *normal)
-    shape, (share, _) = slider.contact_shape, slider.contact_factors(len(normal))
-    mean_sum = sum(
-        part * mean_load(height / unit, each / unit, shape) for part, each in zip(share, normal, strict=True)
-    )
-    return float(approach(slider.preload / mean_sum / slider.stiffness_unit, shape)) / unit
+    law, (share, _) = slider.normal_law, slider.contact_factors(len(normal))
+    mean_sum = sum(part * mean_load(height / unit, each / unit, law) for part, each in zip(share, normal, strict=True))
+    return float(approach(slider.preload / mean_sum / slider.stiffness_unit, law)) / unit
 
 
 def _alike(orbits):
@@ -391,7 +389,7 @@ def _holding_margin(slider, orbits, factor):
     It is the smaller of two margins: half the width of the interval of allowed offsets over the slip limit at rest, and
     the distance of the load from the mean tangential forces at the largest and the smallest offsets.
     """
-    mu, shape, (share, slopes) = slider.static_coefficient, slider.contact_shape, slider.contact_factors(len(orbits))
+    mu, law, (share, slopes) = slider.static_coefficient, slider.normal_law, slider.contact_factors(len(orbits))
     scaled = orbits.scaled(factor)
     h = riding_height(slider, scaled)
     margin, largest, smallest = math.inf, 0.0, 0.0
@@ -403,8 +401,8 @@ def _holding_margin(slider, orbits, factor):
         margin = min(margin, 0.5 * (forward + backward) / (c * slider.rest_approach(len(orbits))))
         z, u_x = h + (orbit.normal * PHASES).real, (orbit.tangential * PHASES).real
         friction = mu * slider.stiffness_unit * part
-        largest += float(np.mean(tangential_force(u_x + forward, z, friction, c, shape)))
-        smallest += float(np.mean(tangential_force(u_x - backward, z, friction, c, shape)))
+        largest += float(np.mean(tangential_force(u_x + forward, z, friction, c, law)))
+        smallest += float(np.mean(tangential_force(u_x - backward, z, friction, c, law)))
     return min(margin, _load_margin(smallest, largest, slider.load, mu * slider.preload))
 
 

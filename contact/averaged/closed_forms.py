@@ -70,8 +70,8 @@ def _sliding(slider):
     """Return mu times the mean elastic normal force of contacts that always slip, N."""
     friction = slider.friction_coefficient * slider.preload
     # the reciprocal force of a slipping contact is proportional to P and carries a part of the preload
-    shape = slider.contact_shape
-    share = back_load(1.0, 0.0, shape) / load(1.0, shape)
+    law = slider.normal_law
+    share = back_load(1.0, 0.0, law) / load(1.0, law)
     back = share * slider.friction_coefficient * slider.slope_unit
     return friction / (1.0 + back) if slider.reciprocal and slider.law == "elastic" else friction
 

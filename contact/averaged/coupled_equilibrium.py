@@ -109,7 +109,7 @@ class Equilibrium:
         # load on the slider, N, and the point (x_F, y_F) at which the resultant of load and preload acts, m
         self.load, self.preload_at = 0.0, slider.preload_at
         self.preload, self.friction = slider.preload, slider.friction_coefficient * slider.preload
-        rest = float(approach(self.preload / float(np.sum(cycle.weight * cycle.k_n)), cycle.shape))
+        rest = float(approach(self.preload / float(np.sum(cycle.weight * cycle.k_n)), cycle.normal))
         self.amplitude = max(wave.amplitude, 1e-300)
         self.length = max(wave.amplitude, rest)
         self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
@@ -190,7 +190,7 @@ class Equilibrium:
     def _row_heights(self):
         """Return H of each row under its share of the preload."""
         cycle = self.cycle
-        above = approach(self.row_load / cycle.sums(cycle.k_n), cycle.shape)
+        above = approach(self.row_load / cycle.sums(cycle.k_n), cycle.normal)
         above = above - np.minimum.reduceat(cycle.height, cycle.first)
         # the last heights are better initial values if they are still too large
         force = cycle.sums(next(cycle.mean_normal(self.rows)))

@@ -257,7 +257,7 @@ def _motion_at_nodes(path, rule, nodes, start, width, offset):
 @summed
 def _forces_at_nodes(problem, path, rule, nodes, slip):
     """Replace approach and deformation at the nodes by the weighted forces P/kappa and Q/kappa; return their sums."""
-    law, shape, wave = problem.law, problem.shape, path.wave
+    law, normal, wave = problem.law, problem.normal, path.wave
     z, x = nodes.normal, nodes.tangential
     normal_sum = tangential_sum = 0.0
     if slip != 0.0:  # in slip x holds the speed of slip, which the force may depend on
@@ -275,7 +275,7 @@ def _forces_at_nodes(problem, path, rule, nodes, slip):
             force = -force if x[j] < 0.0 else force
         else:
             force = slip * law.sliding(problem, z[j], max(x[j], 0.0))
-        z[j] = rule.weight[j] * load(z[j], shape)
+        z[j] = rule.weight[j] * load(z[j], normal)
         x[j] = rule.weight[j] * force
         normal_sum += z[j]
         tangential_sum += x[j]
@@ -310,7 +310,7 @@ def _add_harmonics(problem, path, rule, work, scale):
 @summed
 def _first_harmonic_sums(problem, path, rule, start, width, slip, offset):
     """Return the integrals of normal and tangential force over a smooth piece of a path of one harmonic."""
-    law, shape = problem.law, problem.shape
+    law, normal = problem.law, problem.normal
     h, v = path.h, path.v
     a, b, d, e = first_harmonic(path)
     normal_sum, tangential_sum = 0.0, 0.0
@@ -318,7 +318,7 @@ def _first_harmonic_sums(problem, path, rule, start, width, slip, offset):
         phi = start + width * rule.node[j]
         co, si = circle(phi)
         z = h + a * co + b * si
-        normal_sum += rule.weight[j] * load(z, shape)
+        normal_sum += rule.weight[j] * load(z, normal)
         if slip == 0.0:
             x = offset + d * co + e * si - v * phi
             force = law.stuck(problem, z, abs(x))

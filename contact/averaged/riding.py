@@ -16,8 +16,8 @@ from contact.body import Coordinates, approach, circle, normal_amplitude
 from contact.codes import Shape, Tangential
 from contact.jit.compiled import compiled, formula, native, summed
 from contact.law.elastic import coulomb
+from contact.law.normal import NormalLaw, load, slope
 from contact.law.normal import approach as approach_under
-from contact.law.normal import load, slope
 from contact.problem import Problem, scaled
 from contact.slider import Slider
 from contact.wave import Surface, prescribed
@@ -62,47 +62,47 @@ def punch_means(z, a):
 
 
 @summed
-def _sums_over_arc(z, a, half, rule, shape):
+def _sums_over_arc(z, a, half, rule, normal):
     """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
     force = rate = 0.0
     for j in range(rule.weight.size):
         co, _ = circle(half * rule.node[j])
-        force += rule.weight[j] * load(z + a * co, shape)
-        rate += rule.weight[j] * slope(z + a * co, shape)
+        force += rule.weight[j] * load(z + a * co, normal)
+        rate += rule.weight[j] * slope(z + a * co, normal)
     return force, rate
 
 
 @compiled
-def _load_means(z, a, rule, shape):
+def _load_means(z, a, rule, normal):
     """Return the cycle means of p(z + a cos phi) and of its derivative in z."""
     if z <= -a:
         return 0.0, 0.0
-    if shape == Shape.PUNCH:
+    if normal.shape == Shape.PUNCH and normal.smooth:
         mean, _, half = punch_means(z, a)
         return mean, half / np.pi
     half = arc(z, a)
-    force, rate = _sums_over_arc(z, a, half, rule, shape)
+    force, rate = _sums_over_arc(z, a, half, rule, normal)
     return force * half / np.pi, rate * half / np.pi
 
 
-@native("f1 f1 t i f2", {"z": "n", "a": "n", "out": "2 n"})
-def _mean_loads(z, a, rule, shape, out):
+@native("f1 f1 t t f2", {"z": "n", "a": "n", "out": "2 n"})
+def _mean_loads(z, a, rule, normal, out):
     for i in range(z.size):
-        out[0, i], out[1, i] = _load_means(z[i], a[i], rule, shape)
+        out[0, i], out[1, i] = _load_means(z[i], a[i], rule, normal)
     return 0
 
 
-def mean_loads(z, a, shape):
+def mean_loads(z, a, normal):
     """Return the cycle means of p(z + a cos phi) and of its derivative in z; arrays (n,)."""
     z, a = np.broadcast_arrays(np.atleast_1d(z), np.atleast_1d(a))
     out = np.empty((2, z.size))
-    _mean_loads(np.ascontiguousarray(z, float), np.ascontiguousarray(a, float), quadrature(NODES), int(shape), out)
+    _mean_loads(np.ascontiguousarray(z, float), np.ascontiguousarray(a, float), quadrature(NODES), normal, out)
     return out
 
 
-def mean_load(z: float, a: float, shape: int) -> float:
+def mean_load(z: float, a: float, normal: NormalLaw) -> float:
     """Return the cycle mean of p(z + a cos phi)."""
-    return float(mean_loads(z, a, shape)[0][0])
+    return float(mean_loads(z, a, normal)[0][0])
 
 
 @compiled
@@ -115,7 +115,7 @@ def mean_normal_force(problem, h, rule):
         a, z = normal_amplitude(paths, i), approach(paths, i, 0.0, Coordinates(-h, 0.0))
         if a != last_a or z != last_z:
             last_a, last_z = a, z
-            force, rate = _load_means(z, a, rule, problem.shape)
+            force, rate = _load_means(z, a, rule, problem.normal)
         kappa = problem.stiffness * factors.stiffness[i]
         total += kappa * force
         steepness += kappa * rate
@@ -134,7 +134,7 @@ def riding(problem, rule):
         number += problem.factors.stiffness[i]
         least, reach = min(least, paths.height[i]), max(reach, normal_amplitude(paths, i))
     # too large: the mean load is at least that of the mean approach, and no contact is lower than the lowest
-    h = approach_under(target / (problem.stiffness * number), problem.shape) - least
+    h = approach_under(target / (problem.stiffness * number), problem.normal) - least
     for _ in range(80):
         force, steepness = mean_normal_force(problem, h, rule)
         step = (force - target) / steepness if steepness > 0.0 else 0.0

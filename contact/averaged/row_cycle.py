@@ -62,17 +62,18 @@ class RowCycle:
     """
 
     def __init__(self, slider: Slider, wave: PassingWave, loads: bool):
-        self.slider, self.wave, self.shape = slider, wave, slider.contact_shape
+        self.slider, self.wave, self.normal = slider, wave, slider.normal_law
         self.g = wave.compliance_per_width if loads else 0.0
         self._set_classes(slider)
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
         self.incident = np.array([wave.forward, wave.backward])
         self.evaluations = 0
-        rule = CLOSED if self.shape == Shape.PUNCH else quadrature(NODES)
+        closed = self.normal.shape == Shape.PUNCH and self.normal.smooth
+        rule = CLOSED if closed else quadrature(NODES)
         paths = Paths(*np.empty((5, self.x.size)))
         self.problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, shape=self.shape, paths=paths,
+            friction=1.0, limit_slope=1.0, stick_band=0.0, longest=1.0, normal=self.normal, paths=paths,
             factors=ContactFactors(*np.ones((2, self.x.size))), length=1.0, omega=1.0, law=coulomb(Tangential.ELASTIC),
         )  # fmt: skip
         self._rule, self._work = rule, cycle_arrays(1, max(len(rule.node), 1))
@@ -123,7 +124,7 @@ class RowCycle:
     def mean_loads(self, approach):
         """Return <P> of each class in N and its derivative in N/m at mean approaches in m."""
         (u_z, _) = self.amplitudes()
-        return (self.k_n * each for each in mean_loads(approach, abs(u_z)[self.row], self.shape))
+        return (self.k_n * each for each in mean_loads(approach, abs(u_z)[self.row], self.normal))
 
     def forces(self, approach, w: float, side: float) -> MeanForces:
         """Return the forces per class, without weights, at mean approaches in m and a velocity over omega, `w`, in m.
@@ -141,7 +142,7 @@ class RowCycle:
         np.divide(u_x.real, c * ell, out=paths.tangential_cos)
         np.divide(-u_x.imag, c * ell, out=paths.tangential_sin)
         velocities, before = float(w) / (c * ell), BACKWARD if side < 0.0 else FORWARD
-        out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.shape))  # p(ell)
+        out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.normal))  # p(ell)
         contact_cycles(self.problem, 0.0, velocities, before, self._rule, self._work, out)
         out[Each.FRICTION] *= force * ell * c**2  # over k_t, m^2
         return forces_of(out, self.k_n * force, self.k_t * force * c)

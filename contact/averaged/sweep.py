@@ -214,10 +214,11 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
         if not averaged[k]:
             _fill_closed(sliders[slider], towards_plus(listed[wave])[1], factors[k], out[k])
     errors = np.asarray(wave_errors, float)
-    for law, law_numbers, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
+    for law, law_numbers, own, members, harmonics in _by_law(sliders, which, np.flatnonzero(averaged)):
         problems = Sweep(
-            parameters, law_numbers, law, heights, contact_factors, paths, omegas, errors, ratios, which, factors
-        )
+            parameters, law_numbers, law, own, heights, contact_factors, paths, omegas, errors, ratios, which,
+            factors,
+        )  # fmt: skip
         _solve(problems, out, members, harmonics, threads)
     side = sides[which[:, 1]]
     for column in (Entry.VELOCITY, Entry.FIRST_ORDER):
@@ -226,9 +227,10 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
 
 
 def _by_law(sliders, which, averaged):
-    """Yield (law, numbers, members, harmonics) for each law of the problems `averaged`, and for infinite masses.
+    """Yield (law, numbers, normal law, members, harmonics) for each kind of slider of the problems `averaged`.
 
-    `members` are the problems with this law, `harmonics` those of the slider's motion within a cycle.
+    Of a kind are sliders of one tangential law, one normal law, and finite or infinite mass.
+    `members` are its problems, `harmonics` those of the slider's motion within a cycle.
 
     A kernel is compiled for the functions of one law, so that laws which differ only in their numbers are one law here.
     `numbers` has shape (sliders, k). The entry of a slider with another law holds the numbers of the first slider with
@@ -236,14 +238,15 @@ def _by_law(sliders, which, averaged):
     """
     laws = [slider.tangential_law for slider in sliders]
     functions = [
-        (law._replace(numbers=None), slider.mass == math.inf) for law, slider in zip(laws, sliders, strict=True)
+        (law._replace(numbers=None), slider.normal_law, slider.mass == math.inf)
+        for law, slider in zip(laws, sliders, strict=True)
     ]
     for kind in dict.fromkeys(functions):
         first, same = laws[functions.index(kind)], np.array([other == kind for other in functions])
         numbers = np.array([(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)])
         members = averaged[same[which[averaged, 0]]]
         if members.size:
-            yield first, numbers, members, 0 if kind[1] else HARMONICS
+            yield first, numbers, kind[1], members, 0 if kind[2] else HARMONICS
 
 
 def _fill_closed(slider, orbits, factor, result):

@@ -26,6 +26,7 @@ from contact.error_estimate import (
     second_order_error,
 )
 from contact.jit.compiled import compiled, native, per_thread
+from contact.law.normal import NormalLaw
 from contact.law.protocol import Law, with_numbers
 from contact.problem import ContactFactors, SliderNumber, changed, in_units
 
@@ -42,6 +43,7 @@ class Sweep(NamedTuple):
     sliders: np.ndarray  # (s, len(SliderNumber)): `problem.numbers`, SI units
     laws: np.ndarray  # (s, k): numbers of the sliders' laws
     law: Law  # of all sliders, but for its numbers
+    normal: NormalLaw  # of all sliders
     heights: np.ndarray  # (s, contacts), m
     contact_factors: np.ndarray  # (s, 2, contacts): the fields of `problem.ContactFactors`
     paths: Paths  # surface motion of the waves, m; arrays (w, contacts), their heights zero
@@ -95,7 +97,7 @@ def _solve_problems(sweep, out, todo, harmonics, first, stride, arrays):
         paths = of_run(sweep.paths, wave)
         length = _scale_paths(slider, sweep.heights[own], paths, sweep.factors[k], arrays.paths)
         own_factors = ContactFactors(sweep.contact_factors[own, 0], sweep.contact_factors[own, 1])
-        problem = in_units(slider, length, omega, arrays.paths, own_factors, law)
+        problem = in_units(slider, length, omega, arrays.paths, own_factors, law, sweep.normal)
         result, speed = out[k], problem.length * omega
         _solve_problem(problem, sweep.ratios[k], sweep.wave_errors[wave], harmonics, arrays, result)
         result[Entry.VELOCITY] *= speed

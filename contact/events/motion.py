@@ -173,7 +173,7 @@ class Motion:
         height, normal_velocity, speed = state.slider
         rate, paths = Coordinates(normal_velocity, speed), problem.paths
         approaches = self._approaches(height)
-        stored = problem.stiffness * np.sum(problem.factors.stiffness * normal.energy(approaches, problem.shape))
+        stored = problem.stiffness * np.sum(problem.factors.stiffness * normal.energy(approaches, problem.normal))
         for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
             regime, sign, contact = self.regime[i], self.sign[i], contact_parameters(problem, i)
             if self.memory is None:

@@ -233,7 +233,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
             own[Plane.P, i, j] = own[Plane.Q, i, j] = own[Plane.X, i, j] = 0.0
         return
     for j in range(n):
-        own[Plane.P, i, j] = contact.stiffness * load(own[Plane.Z, i, j], contact.shape)
+        own[Plane.P, i, j] = contact.stiffness * load(own[Plane.Z, i, j], contact.normal)
     if regime == Regime.SLIP:
         for j in range(n):
             own[Plane.X, i, j] = sign * slip_limit(contact, own[Plane.Z, i, j])

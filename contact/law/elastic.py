@@ -46,41 +46,41 @@ def limit_slope(friction_coefficient, effective_modulus, tangential_modulus):
 
 
 @formula
-def spring_force(z, x, friction, c, shape):
+def spring_force(z, x, friction, c, normal):
     """Return Q of 0 <= x <= c z; `friction` is mu K, with c that of this approach."""
-    return friction * (load(z, shape) - load(z - x / c, shape))
+    return friction * (load(z, normal) - load(z - x / c, normal))
 
 
 @formula
-def spring_deformation(z, force, friction, c, shape):
+def spring_deformation(z, force, friction, c, normal):
     """Return x at which the spring carries a force, at most c z: the inverse of `spring_force`."""
-    return c * (z - approach(max(load(z, shape) - force / friction, 0.0), shape))
+    return c * (z - approach(max(load(z, normal) - force / friction, 0.0), normal))
 
 
 @formula
-def spring_work(z, x, friction, c, shape):
+def spring_work(z, x, friction, c, normal):
     """Return the integral of `spring_force` from 0 to x."""
-    return friction * c * friction_energy(z, z - x / c, shape)
+    return friction * c * friction_energy(z, z - x / c, normal)
 
 
 @formula
-def friction_energy(z, stick, shape):
+def friction_energy(z, stick, normal):
     """Return W/(mu K c), W the integral of Q dx from 0 to x at constant z; `stick` is z_s = z - x/c."""
-    return (z - stick) * load(z, shape) - energy(z, shape) + energy(stick, shape)
+    return (z - stick) * load(z, normal) - energy(z, normal) + energy(stick, normal)
 
 
 @formula
-def back_load(z, stick, shape):
+def back_load(z, stick, normal):
     """Return dW/dz/(mu K c) at constant x, the reciprocal normal force; zero for a punch."""
-    return (z - stick) * slope(z, shape) - load(z, shape) + load(stick, shape)
+    return (z - stick) * slope(z, normal) - load(z, normal) + load(stick, normal)
 
 
 @formula
-def tangential_force(x, z, friction, c, shape):
+def tangential_force(x, z, friction, c, normal):
     """Return Q for any x, held at the friction limit beyond c z; `friction` is mu K. Numbers or arrays."""
     if c == 0.0:
         return 0.0 * x
-    return np.sign(x) * spring_force(z, abs(x), friction, c, shape)
+    return np.sign(x) * spring_force(z, abs(x), friction, c, normal)
 
 
 @formula
@@ -105,34 +105,34 @@ def limit_ratio(problem, z):
 def stuck(problem, z, x):
     """Return Q in stick."""
     law = problem.law
-    return spring_force(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
+    return spring_force(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.normal)
 
 
 @formula
 def sliding(problem, z, w):
     """Return Q in slip."""
-    return problem.friction * load(z, problem.shape)
+    return problem.friction * load(z, problem.normal)
 
 
 @formula
 def deformation(problem, z, force):
     """Return x of a spring that carries a force, at most X."""
     law = problem.law
-    return spring_deformation(z, force, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
+    return spring_deformation(z, force, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.normal)
 
 
 @formula
 def energy_stored(problem, z, x):
     """Return the spring's energy."""
     law = problem.law
-    return spring_work(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.shape)
+    return spring_work(z, x, law.coefficient(problem, z), law.limit_ratio(problem, z), problem.normal)
 
 
 @formula
 def reciprocal_force(problem, z, x):
     """Return the derivative of the spring's energy in z at constant x, where mu and c do not depend on z."""
     c = problem.limit_slope
-    return problem.friction * c * back_load(z, z - x / c, problem.shape)
+    return problem.friction * c * back_load(z, z - x / c, problem.normal)
 
 
 @formula

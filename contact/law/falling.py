@@ -27,7 +27,7 @@ from contact import parameter_check
 from contact.codes import Tangential
 from contact.jit.compiled import formula
 from contact.law.elastic import back_load, coulomb, deformation, friction_energy
-from contact.law.normal import load, mean_pressure, slope
+from contact.law.normal import exponent, load, mean_pressure
 from contact.law.protocol import Law
 from contact.rules import FrictionRules
 
@@ -89,9 +89,9 @@ def pressure_factor(problem, z):
     By eq. (2), g = h + (1 - h) f with h = mu_h/static and f = 1/(1 + p/p_h). As p is proportional to z^n,
     z dg/dz = -(1 - h) n (p/p_h) f^2.
     """
-    numbers, n = problem.law.numbers, 2.0 - slope(1.0, problem.shape)  # n: 1/2 for a sphere, 1 for a punch
+    numbers, n = problem.law.numbers, 2.0 - exponent(problem.normal)  # n: 1/2 for a sphere, 1 for a punch
     h = numbers[HIGH_PRESSURE_RATIO]
-    pressure = numbers[PRESSURE_RATIO] * mean_pressure(z * problem.length, problem.shape)
+    pressure = numbers[PRESSURE_RATIO] * mean_pressure(z * problem.length, problem.normal)
     f = 1.0 / (1.0 + pressure)
     return h + (1.0 - h) * f, -(1.0 - h) * n * pressure * f * f
 
@@ -121,7 +121,7 @@ def sliding(problem, z, w):
     numbers = problem.law.numbers
     r = numbers[SLIDING_RATIO]
     speed_factor = r + (1.0 - r) * np.exp(-w * problem.length * problem.omega / numbers[SPEED])
-    return coefficient(problem, z) * speed_factor * load(z, problem.shape)
+    return coefficient(problem, z) * speed_factor * load(z, problem.normal)
 
 
 @formula
@@ -133,9 +133,9 @@ def back(problem, z, x):
 
         dW/dz = mu g C [2 b E + dE/dz],   dE/dz = `back_load` - (z - z_s) b (p(z) - p(z_s)).
     """
-    (g, z_dg), shape = pressure_factor(problem, z), problem.shape
+    (g, z_dg), normal = pressure_factor(problem, z), problem.normal
     c_g = problem.law.numbers[SLOPE] * g
     z_s, b = z - x / c_g, z_dg / (g * (z + 1e-300))
-    bracket = back_load(z, z_s, shape) + 2.0 * b * friction_energy(z, z_s, shape)
-    bracket -= (z - z_s) * b * (load(z, shape) - load(z_s, shape))
+    bracket = back_load(z, z_s, normal) + 2.0 * b * friction_energy(z, z_s, normal)
+    bracket -= (z - z_s) * b * (load(z, normal) - load(z_s, normal))
     return problem.friction * g * c_g * bracket

@@ -61,11 +61,11 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import slip_speed
-from contact.codes import Event, Guard, Regime, Shape, Tangential
+from contact.codes import Event, Guard, Regime, Tangential
 from contact.jit.compiled import compiled, formula
 from contact.law import elastic
 from contact.law.elastic import FAR_SIDE
-from contact.law.normal import load
+from contact.law.normal import hertz
 from contact.law.protocol import Law
 from contact.roots import interpolate
 
@@ -127,7 +127,7 @@ def front(memory, i, s, z, x, c):
         k = _crossed(memory, i, s, constant)
         return _front_on_curve(memory, i, k, s, c, constant)[:2]
     eta = max(s * (corner[W if s > 0.0 else U] - constant) / (2.0 * c), 0.0)
-    return eta, corner[MOMENT] + kind * (load(eta, Shape.SPHERE) - load(corner[ETA], Shape.SPHERE))
+    return eta, corner[MOMENT] + kind * (hertz(eta) - hertz(corner[ETA]))
 
 
 @compiled
@@ -188,13 +188,13 @@ def moment(memory, i, regime, s, z, x, c):
     """Return (M, eta_f) of a contact with approach z and deformation x, eq. (5)."""
     if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0, 0.0
-    power = load(z, Shape.SPHERE)
+    power = hertz(z)
     if regime == Regime.SLIP:
         return s * power, 0.0
     if regime == Regime.GROW:
         return memory.level[i], z
     eta, below = front(memory, i, s, z, x, c)
-    return below + s * (power - load(eta, Shape.SPHERE)), eta
+    return below + s * (power - hertz(eta)), eta
 
 
 @formula
@@ -203,7 +203,7 @@ def annulus_slip(z, eta):
 
     All of them slip at the speed of the open line: this sum times mu K and that speed is the friction power.
     """
-    return load(z, Shape.SPHERE) - 1.5 * z * np.sqrt(eta) + 0.5 * load(eta, Shape.SPHERE)
+    return hertz(z) - 1.5 * z * np.sqrt(eta) + 0.5 * hertz(eta)
 
 
 @compiled
@@ -252,7 +252,7 @@ def freeze(memory, i, regime, s, z, x, c):
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
     memory.kind[i, k], memory.arc[i, k] = 1 if s > 0.0 else -1, k
     memory.number[i] = k + 1
-    memory.level[i] = below + s * (load(z, Shape.SPHERE) - load(eta, Shape.SPHERE))
+    memory.level[i] = below + s * (hertz(z) - hertz(eta))
     return True
 
 
@@ -438,7 +438,7 @@ def jump(memory, i, regime, s, old, new, c):
         if dz > 0.0:
             root = np.sqrt(old_z) + 0.5 * (sigma + 1.0) * (np.sqrt(z) - np.sqrt(old_z))
             line = root**2  # so that M is a polynomial
-            level = memory.level[i] + dx / (c * dz) * (line * root - load(old_z, Shape.SPHERE))
+            level = memory.level[i] + dx / (c * dz) * (line * root - hertz(old_z))
             write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c)
         return Regime.GROW, s, x
     s = 1.0 if dx > 0.0 else -1.0

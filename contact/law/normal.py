@@ -7,8 +7,14 @@ With approach z (closing distance, compression positive), radius R and effective
     punch    p = z,        K = 2 E R             a = R           Boussinesq; Johnson, eq. 3.36
 
 with a the contact radius. In both dP/dz = 2 a E. P of a sphere is once continuously differentiable at z = 0, that of a
-punch has a kink: whoever integrates it must stop there. The functions take numbers or arrays of z; `shape` is a number.
+punch has a kink: whoever integrates it must stop there.
+
+Kernels and Python take the law as a `NormalLaw`, whose functions they call through those of this module; z is a number
+or an array, measured from first touch. `SPHERE` and `PUNCH` share their functions, so that one kernel serves both.
 """
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,44 +22,129 @@ from contact.codes import Shape
 from contact.jit.compiled import formula
 
 SHAPES = ("sphere", "punch")
+STEP = 1e-4  # of the difference that gives p'', relative
+
+
+class NormalLaw(NamedTuple):
+    """The normal force of each contact over its stiffness, p(z); see the module's text."""
+
+    shape: int  # one of `codes.Shape`: p begins as that of this shape does, as onset z^m
+    smooth: int  # 1: p is the power of z throughout
+    onset: float
+    force: Callable  # k p(z) of z >= 0
+    slope: Callable
+    energy: Callable
+    approach: Callable
+    scaled: Callable
 
 
 @formula
-def load(z, shape):
+def load(z, normal):
     """Return p(z) = P/K, zero when separated."""
-    return force(1.0, 0.5 * (z + abs(z)), shape)
+    return normal.force(1.0, 0.5 * (z + abs(z)), normal)
 
 
 @formula
-def force(stiffness, z, shape):
-    """Return P of z >= 0."""
-    return stiffness * z * np.sqrt(z) if shape == Shape.SPHERE else stiffness * z
-
-
-@formula
-def slope(z, shape):
+def slope(z, normal):
     """Return dp/dz, zero when separated."""
-    return 1.5 * np.sqrt(0.5 * (z + abs(z))) if shape == Shape.SPHERE else 1.0 * (z > 0.0)
+    return normal.slope(z, normal)
 
 
 @formula
-def energy(z, shape):
+def energy(z, normal):
     """Return the integral of p from 0 to z."""
-    up = 0.5 * (z + abs(z))
-    return 0.4 * up * up * np.sqrt(up) if shape == Shape.SPHERE else 0.5 * up * up
+    return normal.energy(z, normal)
 
 
 @formula
-def mean_pressure(z, shape):
-    """Return P/(pi a^2) over its value at z = 1, a length of any unit."""
-    up = 0.5 * (z + abs(z))
-    return np.sqrt(up) if shape == Shape.SPHERE else up
-
-
-@formula
-def approach(p, shape):
+def approach(p, normal):
     """Return z >= 0 with p(z) = p."""
-    return p ** (2.0 / 3.0) if shape == Shape.SPHERE else p
+    return normal.approach(p, normal)
+
+
+@formula
+def scaled(normal, length):
+    """Return the law p(length z)/p(length) of lengths in this unit."""
+    return normal.scaled(normal, length)
+
+
+@formula
+def force(stiffness, z, normal):
+    """Return P of z >= 0."""
+    return normal.force(stiffness, z, normal)
+
+
+@formula
+def exponent(normal):
+    """Return m of p ~ z^m at first touch, 3/2 for a sphere and 1 for a punch."""
+    return 1.5 if normal.shape == Shape.SPHERE else 1.0
+
+
+@formula
+def hertz(z):
+    """Return p of a sphere."""
+    up = 0.5 * (z + abs(z))
+    return up * np.sqrt(up)
+
+
+@formula
+def smooth_force(stiffness, z, normal):
+    """Return P of z >= 0 of a sphere or punch."""
+    return stiffness * z * np.sqrt(z) if normal.shape == Shape.SPHERE else stiffness * z
+
+
+@formula
+def smooth_slope(z, normal):
+    """Return dp/dz of a sphere or punch."""
+    return 1.5 * np.sqrt(0.5 * (z + abs(z))) if normal.shape == Shape.SPHERE else 1.0 * (z > 0.0)
+
+
+@formula
+def smooth_energy(z, normal):
+    """Return the integral of p of a sphere or punch."""
+    up = 0.5 * (z + abs(z))
+    return 0.4 * up * up * np.sqrt(up) if normal.shape == Shape.SPHERE else 0.5 * up * up
+
+
+@formula
+def smooth_approach(p, normal):
+    """Return z of a sphere or punch that carries p."""
+    return p ** (2.0 / 3.0) if normal.shape == Shape.SPHERE else p
+
+
+@formula
+def unchanged(normal, length):
+    """Return a power law, which is the same in every unit of length."""
+    return normal
+
+
+@formula
+def edge_load(z, normal):
+    """Return p of a small approach: the power of first touch."""
+    return normal.onset * smooth_force(1.0, 0.5 * (z + abs(z)), normal)
+
+
+@formula
+def curvature(z, normal):
+    """Return z^2 p''/2p."""
+    m = exponent(normal)
+    if normal.smooth:
+        return 0.5 * m * (m - 1.0)
+    step = STEP * z
+    return z * z * (slope(z + step, normal) - slope(z - step, normal)) / (4.0 * step * load(z, normal))
+
+
+SPHERE, PUNCH = LAWS = tuple(
+    NormalLaw(int(shape), 1, 1.0, smooth_force, smooth_slope, smooth_energy, smooth_approach, unchanged)
+    for shape in Shape
+)
+
+
+@formula
+def mean_pressure(z, normal):
+    """Return P/(pi a^2) of a sphere or punch over its value at z = 1, a length of any unit."""
+    up = 0.5 * (z + abs(z))
+    return np.sqrt(up) if normal.shape == Shape.SPHERE else up
 
 
 def stiffness(radius, effective_modulus, shape):

@@ -28,9 +28,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact import parameter_check
-from contact.codes import Shape
 from contact.exceptions import ConvergenceError, InputError
-from contact.law.normal import approach, stiffness
+from contact.law.normal import SPHERE, approach, stiffness
 
 ASPERITY_RADIUS = 10e-6  # m, of polished balls by atomic force microscopy; a factor of 5 changes the stiffness by 5 %
 ASPERITIES = 0.05  # eta beta sigma of surfaces without a measured density
@@ -177,7 +176,7 @@ class Asperities:
 
     def stiffness(self, effective_modulus: float) -> float:
         """Return K of P = K u^(3/2) of each asperity, N/m^1.5."""
-        return float(stiffness(self.radius, effective_modulus, Shape.SPHERE))
+        return float(stiffness(self.radius, effective_modulus, SPHERE.shape))
 
     def approaches(self, sphere_radius: float, effective_modulus: float, z: float) -> np.ndarray:
         """Return u_j of each asperity in m at an approach z in m of the sphere; negative where one does not touch.
@@ -278,7 +277,7 @@ class MeanField:
         reach = math.sqrt(2.0 * self.radius * max(z + REACH * sigma, 0.5 * sigma))
         r, influence = reach * self.middle, reach * self._influence
         area = math.pi * np.diff((reach * self._edges) ** 2)
-        scale = rough.density * float(stiffness(rough.asperity_radius, self.modulus, Shape.SPHERE)) * sigma**1.5
+        scale = rough.density * float(stiffness(rough.asperity_radius, self.modulus, SPHERE.shape)) * sigma**1.5
         plane = r**2 / (2.0 * self.radius) - z
         p, identity = np.zeros(self.rings), np.eye(self.rings)
         for _ in range(100):
@@ -298,7 +297,7 @@ class MeanField:
     def approach(self, force: float) -> float:
         """Return the approach of the mean planes in m under a force in N, by Newton's method on its logarithm."""
         parameter_check.positive("force", force, "N")
-        z = float(approach(force / stiffness(self.radius, self.modulus, Shape.SPHERE), Shape.SPHERE))
+        z = float(approach(force / stiffness(self.radius, self.modulus, SPHERE.shape), SPHERE))
         for _ in range(100):
             field = self.at(z)
             step = math.log(force / field.force) * field.force / field.stiffness

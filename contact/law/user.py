@@ -43,7 +43,7 @@ from contact.codes import Tangential
 from contact.exceptions import InputError
 from contact.jit.compiled import callback, formula
 from contact.law import elastic
-from contact.law.normal import load
+from contact.law.normal import LAWS, load
 from contact.law.protocol import Law, slip_limit
 from contact.law.whole_numbers import with_floats
 
@@ -166,8 +166,8 @@ def tried(user: UserLaw, contact: Contact, stiffness: float) -> tuple[float, flo
 
     Raises an InputError for forces that are negative or not finite, or that differ between Python and numba.
     """
-    shape, ratio = int(contact.punch), contact.effective_modulus / (4.0 * contact.tangential_modulus)
-    normal_forces = stiffness * load(TRIED_APPROACHES, shape)
+    law, ratio = LAWS[int(contact.punch)], contact.effective_modulus / (4.0 * contact.tangential_modulus)
+    normal_forces = stiffness * load(TRIED_APPROACHES, law)
     trials = list(zip(TRIED_APPROACHES, normal_forces, strict=True))
     forces = np.array([[_value(user, "sliding", z, p, w, contact) for w in TRIED_SPEEDS] for z, p in trials])
     coefficients = forces[:, 0] / normal_forces
@@ -248,7 +248,7 @@ def _compared(user, name, contact, stiffness):
     """Yield the arguments before ``contact`` at which a function is compared."""
     ratio = contact.effective_modulus / (4.0 * contact.tangential_modulus)
     for approach in COMPARED_APPROACHES.tolist():
-        normal_force = float(stiffness * load(approach, int(contact.punch)))
+        normal_force = float(stiffness * load(approach, LAWS[int(contact.punch)]))
         if name == "limit":
             yield approach, normal_force
         elif name == "sliding":
@@ -328,14 +328,14 @@ def _digest(source):
 @formula
 def force_unit(problem):
     """Return the force in N of a scaled force over kappa of 1."""
-    return problem.law.numbers[STIFFNESS] * load(problem.length, problem.shape)
+    return problem.law.numbers[STIFFNESS] * load(problem.length, problem.normal)
 
 
 @formula
 def sliding(problem, z, w):
     """Return the sliding force over kappa."""
     up, unit, n = 0.5 * (z + abs(z)), force_unit(problem), problem.law.numbers
-    normal_force = unit * load(up, problem.shape)
+    normal_force = unit * load(up, problem.normal)
     speed = w * problem.length * problem.omega
     own = problem.law.callbacks.sliding
     return own(up * problem.length, normal_force, speed, n[0], n[1], n[2], n[3], n[4]) / unit
@@ -345,7 +345,7 @@ def sliding(problem, z, w):
 def coefficient(problem, z):
     """Return a coefficient of friction that depends on the approach."""
     up, n = max(z, CLOSEST), problem.law.numbers
-    normal_force = force_unit(problem) * load(up, problem.shape)
+    normal_force = force_unit(problem) * load(up, problem.normal)
     own = problem.law.callbacks.sliding
     return own(up * problem.length, normal_force, 0.0, n[0], n[1], n[2], n[3], n[4]) / normal_force
 
@@ -354,7 +354,7 @@ def coefficient(problem, z):
 def limit_ratio(problem, z):
     """Return X/z of a user's slip limit."""
     up, n = max(z, CLOSEST), problem.law.numbers
-    normal_force = force_unit(problem) * load(up, problem.shape)
+    normal_force = force_unit(problem) * load(up, problem.normal)
     own = problem.law.callbacks.limit
     return own(up * problem.length, normal_force, n[0], n[1], n[2], n[3], n[4]) / (up * problem.length)
 
@@ -385,7 +385,7 @@ def back(problem, z, x):
 def stuck(problem, z, x):
     """Return the force over kappa of a user's spring."""
     up, unit, n = max(z, CLOSEST), force_unit(problem), problem.law.numbers
-    normal_force, size = unit * load(up, problem.shape), abs(x) * problem.length
+    normal_force, size = unit * load(up, problem.normal), abs(x) * problem.length
     own = problem.law.callbacks.stuck
     force = own(up * problem.length, normal_force, size, n[0], n[1], n[2], n[3], n[4]) / unit
     return force if x >= 0.0 else -force

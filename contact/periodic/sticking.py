@@ -45,8 +45,8 @@ def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion
     for _ in range(MAX_ITERATIONS):
         z = approach(problem.paths, every, u_z, Coordinates(fast - h, 0.0))
         rate = approach_rate(u_z_rate, Coordinates(fast_rate, 0.0))
-        normal_force = contact_force(contact, contact.stiffness * load(z, contact.shape), rate).sum(axis=0)
-        rise = float((contact.stiffness * slope(z, contact.shape)).sum(axis=0).mean())
+        normal_force = contact_force(contact, contact.stiffness * load(z, contact.normal), rate).sum(axis=0)
+        rise = float((contact.stiffness * slope(z, contact.normal)).sum(axis=0).mean())
         step = (problem.preload - normal_force.mean()) / rise
         moved, fast_rate = _driven(normal_force, problem.normal_damping)
         change, h, fast = float(np.max(np.abs(moved - fast))) + abs(step), h + step, moved

@@ -18,7 +18,7 @@ Subtracting these terms leaves the rule its accuracy for smooth periodic functio
 
 from contact.codes import Shape
 from contact.jit.compiled import compiled
-from contact.law.normal import load, slope
+from contact.law.normal import edge_load, exponent, load, smooth_force, smooth_slope
 from contact.law.protocol import slip_limit
 
 
@@ -41,9 +41,9 @@ def zeta_five_halves(theta):
 
 
 @compiled
-def edge_excess(theta, h, first, second, shape):
+def edge_excess(theta, h, first, second, normal):
     """Return the excess (1) for first p(t) + second t p(t); the sample next to the edge is at t = theta h."""
-    if shape == Shape.PUNCH:  # zeta(-1, theta) = -B_2/2 and zeta(-2, theta) = -B_3/3
+    if normal.shape == Shape.PUNCH:  # zeta(-1, theta) = -B_2/2 and zeta(-2, theta) = -B_3/3
         b2, b3 = theta * (theta - 1.0) + 1.0 / 6.0, theta * (theta - 0.5) * (theta - 1.0)
         return -h * h * (0.5 * first * b2 + h * second * b3 / 3.0)
     root = h**0.5
@@ -56,19 +56,20 @@ def contact_edge(contact, z_rate, z_bend, h):
 
     `z_rate`, `z_bend`: z' and z''. The second term is limited to the first one at t = h.
     """
-    first, half = contact.stiffness * load(z_rate, contact.shape), 0.5 * slope(1.0, contact.shape)
+    law = contact.normal
+    first, half = contact.stiffness * edge_load(z_rate, law), 0.5 * exponent(law)
     return first, first * min(max(half * z_bend / z_rate, -1.0 / h), 1.0 / h)
 
 
 @compiled
-def closing_share(ratio, shape):
+def closing_share(ratio, normal):
     """Return the share Q/(mu P) of a contact that closes and p'(1 - ratio)/2, for |x'| = ratio c z', 0 <= ratio <= 1.
 
     The contact sticks, and its deformation grows in proportion to its approach, |x| = ratio c z. From
     Q/(mu K) = p(z) - p(z - |x|/c) and z - |x|/c = (1 - ratio) z the share is 1 - p(1 - ratio), constant in time. The
     second result takes the place of m/2 in eq. (2) if the rate of z - |x|/c changes in time.
     """
-    return 1.0 - load(1.0 - ratio, shape), 0.5 * slope(1.0 - ratio, shape)
+    return 1.0 - smooth_force(1.0, 1.0 - ratio, normal), 0.5 * smooth_slope(1.0 - ratio, normal)
 
 
 @compiled
@@ -89,27 +90,21 @@ def slip_edge(contact, z_old, z_new, below, above, v_old, v_new, h):
     """
     if above <= 0.0:
         return 0.0
-    shape = contact.shape
+    normal = contact.normal
     s = rising_root(below, above, h * v_old, h * v_new)
     v_edge = max(v_old + s * (v_new - v_old), 0.0)
     z = max((1.0 - s) * z_old + s * z_new, 1e-6 * max(z_old, z_new))
     # c and mu at this approach: a limit that is not proportional to z is replaced by X = c z near the edge
     limit = slip_limit(contact, z)
-    c, friction = limit / z, contact.law.stuck(contact, z, limit) / load(z, shape)
-    bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)  # h m z''/(2 z'), with m = p'(1)
-    first = friction * contact.stiffness * load(v_edge / c, shape)
-    excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
+    c, friction = limit / z, contact.law.stuck(contact, z, limit) / load(z, normal)
+    bend = 0.5 * exponent(normal) * (v_old - v_new) / max(v_edge, 1e-300)  # h m z''/(2 z'), with m = p'(1)
+    first = friction * contact.stiffness * edge_load(v_edge / c, normal)
+    excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, normal)
     if contact.law.rated and v_new >= 0.0:
         # The force drops at once to that of slip at this speed: a = 0 after the edge, zeta(0, 1 - s) = s - 1/2.
-        fall = contact.stiffness * (friction * load(z, shape) - contact.law.sliding(contact, z, v_edge))
+        fall = contact.stiffness * (friction * load(z, normal) - contact.law.sliding(contact, z, v_edge))
         excess += fall * h * (s - 0.5)
     return excess
-
-
-@compiled
-def curvature(shape):
-    """Return z^2 p''/2p = m (m - 1)/2, to which the jump in curvature of Q at x = 0 is proportional."""
-    return 0.5 * slope(1.0, shape) * (slope(1.0, shape) - 1.0)
 
 
 @compiled

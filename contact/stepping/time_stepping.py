@@ -21,6 +21,7 @@ from contact.body import Coordinates, Point, approach, approach_rate, at_phase, 
 from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
+from contact.law.normal import curvature
 from contact.law.normal import force as elastic_force
 from contact.law.protocol import slip_limit, slip_rate
 from contact.problem import contact_parameters
@@ -163,9 +164,9 @@ def _release(contact, passage, x, slip):
     sign, tangential = 1.0 if x > 0.0 else -1.0, 0.0
     if slip == 0.0:  # it must have slipped before
         sign, tangential = _leave_stick(contact, passage, x)
-    normal = edges.edge_excess(s, h, first * (1.0 - contact.contact_damping * rate), second, contact.shape)
+    normal = edges.edge_excess(s, h, first * (1.0 - contact.contact_damping * rate), second, contact.normal)
     if not contact.law.rated:
-        tangential += sign * contact.friction * edges.edge_excess(s, h, first, second, contact.shape)
+        tangential += sign * contact.friction * edges.edge_excess(s, h, first, second, contact.normal)
     return 0.0, 0.0, normal, tangential
 
 
@@ -176,7 +177,7 @@ def _stick(contact, passage, x, sticks):
     if sticks:  # past x = 0
         x_rate = passage.x_rate_new
         friction = contact.stiffness * contact.law.stuck(contact, passage.z_new, limit)
-        bend = edges.curvature(contact.shape) * friction * x_rate * abs(x_rate) / (limit * limit)
+        bend = curvature(passage.z_new, contact.normal) * friction * x_rate * abs(x_rate) / (limit * limit)
         return deformation, 0.0, edges.passage_excess(x / (x - deformation), passage.h, bend)
     sign, excess = _leave_stick(contact, passage, x)
     _, v_new = _slip_speeds(contact, passage, sign)
@@ -200,7 +201,7 @@ def _slip(contact, passage, sign):
 @compiled
 def _close(contact, passage):
     """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
-    h, shape, law = passage.h, contact.shape, contact.law
+    h, profile, law = passage.h, contact.normal, contact.law
     c = law.limit_rate(contact, 0.0)
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = edges.rising_root(passage.z_old, passage.z_new, r0, r1)
@@ -208,13 +209,13 @@ def _close(contact, passage):
     rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
     sign = 1.0 if drift > 0.0 else -1.0
     first, second = edges.contact_edge(contact, rate, passage.z_bend, h)
-    normal = edges.edge_excess(1.0 - s, h, first * (1.0 + contact.contact_damping * rate), second, shape)
+    normal = edges.edge_excess(1.0 - s, h, first * (1.0 + contact.contact_damping * rate), second, profile)
     ratio = min(sign * drift / (c * rate), 1.0)
-    (share, steep), turn = edges.closing_share(ratio, shape), 0.0
+    (share, steep), turn = edges.closing_share(ratio, profile), 0.0
     if ratio < 1.0:
         turn = steep * (sign * passage.x_bend / c - ratio * passage.z_bend) / rate
         turn = min(max(turn, -1.0 / h), 1.0 / h)
-    excess = edges.edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
+    excess = edges.edge_excess(1.0 - s, h, first * share, second * share + first * turn, profile)
     tangential = sign * contact.friction * excess
     if law.rated:
         tangential = 0.0
@@ -295,7 +296,7 @@ def one_step(problem, k, work):
         own[Own.X, i], own[Own.SLIP, i] = x, slip
         if z_new > 0.0:
             point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
-            normal_force += contact_force(contact, elastic_force(contact.stiffness, z_new, contact.shape), z_rate)
+            normal_force += contact_force(contact, elastic_force(contact.stiffness, z_new, contact.normal), z_rate)
             tangential_force += _traction(contact, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
@@ -359,7 +360,7 @@ def begin_steps(problem, state, per_cycle, work):
         if z > 0.0:
             contact = contact_parameters(problem, i)
             z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(contact, z)
-            normal_force += contact_force(contact, elastic_force(contact.stiffness, z, contact.shape), z_rate)
+            normal_force += contact_force(contact, elastic_force(contact.stiffness, z, contact.normal), z_rate)
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
             if x != 0.0:

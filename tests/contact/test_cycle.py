@@ -8,7 +8,7 @@ from contact.averaged.cycle_pieces import FORWARD, Counted, Mean, cycle_arrays
 from contact.averaged.event_equilibrium import balanced, mean_tangential_force
 from contact.averaged.riding import mean_loads, mean_normal_force, punch_means, quadrature, riding_height
 from contact.body import normal_amplitude, tangential_amplitude
-from contact.codes import Shape
+from contact.law.normal import PUNCH, SPHERE
 from tests.contact.motors import orbit, slider
 
 
@@ -70,8 +70,8 @@ def test_the_means_of_a_punch_are_integrals_over_its_arc(delta):
     assert mean == pytest.approx(weight @ z, rel=1e-13, abs=0.0)
     assert first == pytest.approx(2.0 * weight @ (z * np.cos(phi)), rel=1e-13, abs=0.0)
     assert arc == pytest.approx(half, rel=1e-14)
-    assert mean_loads(delta - 1.0, 1.0, Shape.PUNCH)[:, 0] == pytest.approx([mean, half / np.pi], rel=1e-13, abs=0.0)
-    assert mean_loads(delta - 1.0, 1.0, Shape.SPHERE)[0, 0] == pytest.approx(weight @ z**1.5, rel=1e-6)
+    assert mean_loads(delta - 1.0, 1.0, PUNCH)[:, 0] == pytest.approx([mean, half / np.pi], rel=1e-13, abs=0.0)
+    assert mean_loads(delta - 1.0, 1.0, SPHERE)[0, 0] == pytest.approx(weight @ z**1.5, rel=1e-6)
 
 
 def test_the_slope_of_the_mean_normal_force_is_its_derivative():

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import zeta
 
 from contact import burst
-from contact.codes import Shape
+from contact.law.normal import PUNCH, SPHERE
 from contact.stepping.end_corrections import (
     cubic,
     edge_excess,
@@ -35,7 +35,7 @@ def test_hurwitz_zeta(function, power):
     assert 0.5 * np.dot(weight, values) == pytest.approx(0.0, abs=2e-8)
 
 
-@pytest.mark.parametrize(("shape", "a"), [(Shape.SPHERE, 1.5), (Shape.PUNCH, 1.0)])
+@pytest.mark.parametrize(("shape", "a"), [(SPHERE, 1.5), (PUNCH, 1.0)])
 @pytest.mark.parametrize("theta", [0.07, 0.5, 0.93])
 def test_the_sum_less_its_excess_is_the_integral(theta, shape, a):
     # (2 t^a - 3 t^(a+1)) (1 - t)^8 on [0, 1], smooth at the far end; Euler's beta function

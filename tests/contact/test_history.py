@@ -6,7 +6,6 @@ import pytest
 from contact import ConvergenceError, Orbit, contact_history, steady
 from contact.answers import waveforms
 from contact.averaged.event_equilibrium import balanced
-from contact.codes import Shape
 from contact.law import elastic, normal
 from contact.orbit import towards_plus
 from contact.periodic import shooting
@@ -22,9 +21,9 @@ def history(A, stage="steady", skip=0, cycles=2, points=200, **changed):
 @pytest.mark.parametrize("stage", ["start", "steady", "after"])
 def test_forces_are_those_of_the_laws_at_every_instant(A, stage):
     s, h = slider(), history(A, stage)
-    P = s.normal_stiffness * normal.load(h.approach, Shape.SPHERE)
+    P = s.normal_stiffness * normal.load(h.approach, normal.SPHERE)
     friction = s.friction_coefficient * s.normal_stiffness
-    Q = elastic.tangential_force(h.deformation, h.approach, friction, s.limit_slope, Shape.SPHERE)
+    Q = elastic.tangential_force(h.deformation, h.approach, friction, s.limit_slope, normal.SPHERE)
     assert h.normal_force == pytest.approx(P, rel=1e-9, abs=1e-9 * s.preload)
     assert h.tangential_force == pytest.approx(Q, rel=1e-6, abs=1e-6 * s.preload)  # square root at the slip limit
 

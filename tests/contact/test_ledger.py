@@ -13,7 +13,7 @@ from contact.answers.ledger import Ledger, ledger, together
 from contact.body import Point
 from contact.codes import Regime, Shape
 from contact.law import elastic
-from contact.law.normal import stiffness
+from contact.law.normal import LAWS, SPHERE, stiffness
 from tests.contact.motors import orbit, slider
 
 E, G, MU, RADIUS = 71e9, 13.3e9, 0.23, 1.7e-3
@@ -26,7 +26,7 @@ def spring(z, x):
         "friction": MU,
         "stiffness": stiffness(RADIUS, E, Shape.SPHERE),
         "limit_slope": C,
-        "shape": Shape.SPHERE,
+        "normal": SPHERE,
         "law": elastic.coulomb(0),
     }
     known = [
@@ -67,7 +67,7 @@ def test_the_reciprocal_force_is_the_closed_form_of_the_sphere_and_zero_for_a_pu
     sign, x = np.sign(share), share * c * z
     expected = friction * z**1.5 * c * (2.5 * w - r * slope)
     contact = {"friction": 0.4, "stiffness": 1.3, "limit_slope": c, "law": elastic.coulomb(0)}
-    ball, punch = (SimpleNamespace(**contact, shape=shape) for shape in Shape)
+    ball, punch = (SimpleNamespace(**contact, normal=law) for law in LAWS)
     back = elastic.spring(ball, Regime.STICK, sign, Point(z, x, 0.0, 0.0))[1]
     assert back == pytest.approx(expected, rel=1e-12, abs=1e-16)
     limit = elastic.spring(ball, Regime.SLIP, sign, Point(z, sign * c * z, 0.0, 0.0))[1]
@@ -126,7 +126,7 @@ def test_work_slip_and_leak_are_those_of_the_sampled_forces():
     assert found.slip == pytest.approx(slip, rel=1e-3)  # a sample at each end of slip
     friction, c = s.friction_coefficient * s.normal_stiffness, s.limit_slope
     stick = np.maximum(z - np.abs(x) / c, 0.0)
-    back = friction * c * elastic.back_load(np.maximum(z, 0.0), stick, Shape.SPHERE)
+    back = friction * c * elastic.back_load(np.maximum(z, 0.0), stick, SPHERE)
     assert found.leak == pytest.approx(-np.sum(back * np.gradient(z, step)) * step, rel=1e-5)
     assert found.leak / found.wave_tangential == pytest.approx(0.0117, rel=1e-2)
 

@@ -19,7 +19,7 @@ from contact import (
 from contact import threshold_factor as threshold
 from contact.averaged.riding import mean_normal_force, quadrature
 from contact.codes import Shape
-from contact.law.normal import SHAPES, load
+from contact.law.normal import LAWS, SHAPES, load
 from contact.problem import scaled
 from tests.contact.motors import FREQUENCY, HEAVY, orbit, slider
 
@@ -28,7 +28,7 @@ def mean_load(h, A, shape=Shape.SPHERE):
     """Return the cycle mean of p(h + A cos phi) from the kernel."""
     problem = scaled(slider(shape=SHAPES[shape]), (orbit(A),), direction=1.0, start=0.0)
     force, _ = mean_normal_force(problem, h / problem.length, quadrature(48))
-    return force / problem.stiffness * load(problem.length, shape)
+    return force / problem.stiffness * load(problem.length, LAWS[shape])
 
 
 @pytest.mark.parametrize("shape", [Shape.SPHERE, Shape.PUNCH])
