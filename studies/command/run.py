@@ -9,7 +9,7 @@ from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, say, warn, warn_of_scene
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
-from studies.refusal import SceneError
+from studies.refusal import SceneError, needed
 
 LOGGER = logging.getLogger(__name__)
 
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="run.json on stdout; no pictures, files only with --out")
     field = "keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv"
     parser.add_argument("--field", action="store_true", help=field)
-    add_shared(parser, "--no-plot")
+    add_shared(parser, "--netcdf", "--no-plot")
     parser.add_argument("--plot", action="store_true", help="show the pictures in windows when the run has ended")
     measured = "measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan"
     parser.add_argument("--measured", metavar="FILE", help=measured)
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and write its files."""
-    from studies.record.files import write_run
+    from studies.record.files import write_netcdf, write_run
     from studies.record.text import answer
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, long_wait, plan
@@ -61,7 +61,9 @@ def call(arguments: argparse.Namespace) -> int:
         from studies.record.run_pictures import pictures
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
-    for option in ("report", "field"):
+    if arguments.netcdf:
+        needed("xarray", "--netcdf")
+    for option in ("report", "field", "netcdf"):
         if getattr(arguments, option) and arguments.json and arguments.out is None:
             raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
     if arguments.field and not scene.transducer:
@@ -82,6 +84,8 @@ def call(arguments: argparse.Namespace) -> int:
             if result is not None:
                 LOGGER.info("writing the results")
                 write_run(record, result.folder, field=arguments.field)
+                if arguments.netcdf:
+                    write_netcdf(record.to_xarray(), result.folder / "run.nc")
                 result.commit()
                 with committed_pictures(result):
                     if arguments.report:

@@ -10,7 +10,7 @@ from studies.command.options import add_shared
 from studies.command.output import print_answer, results_folder, say
 from studies.command.scene_argument import changed_file, read_tolerance
 from studies.progress import Progress
-from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, RunError, SceneError
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, RunError, SceneError, needed
 from studies.scene import scene_path
 from studies.scene.override import read_axes
 
@@ -30,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--tolerance", "--workers")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786")
     parser.add_argument("--out", metavar="DIR", help="where the points are kept (results/NAME-sweep)")
+    add_shared(parser, "--netcdf")
     parser.add_argument("--json", action="store_true", help="the summary as JSON on stdout")
 
 
@@ -42,14 +43,21 @@ def call(arguments: argparse.Namespace) -> int:
     tolerance = read_tolerance(arguments.tolerance)
     also = tuple(filter(None, map(str.strip, arguments.also.split(","))))
     axes = over if arguments.points is None else [Path(arguments.points), over]
+    if arguments.netcdf:
+        needed("xarray", "--netcdf")
     say(_moving_periods(table, over))
     say(_expected_time(table, axes, tolerance))
+    folder = results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep")
     with Progress() as progress:
         result = sweep(
             table, axes, tolerance=tolerance, also=also, progress=progress.points,
-            out=results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep"),
+            out=folder,
             workers=arguments.scheduler or arguments.workers,
         )  # fmt: skip
+    if arguments.netcdf:
+        from studies.record.files import write_netcdf
+
+        write_netcdf(result.to_xarray(), folder / "points.nc")
     print_answer(arguments, result.summary, str(result))
     if not result.failed:
         return 0

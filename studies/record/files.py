@@ -20,6 +20,8 @@ from studies.scene.toml import document
 PAIRS = ("tilt_rad",)  # of a point: lists of two numbers in run.json that are not complex numbers
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from studies.record import Record
 
 
@@ -81,6 +83,15 @@ def write_columns(path: Path, columns: dict) -> None:
     """Write arrays as columns; a complex one becomes two, as in `flat`."""
     columns = flat(columns)
     write_table(path, columns, zip(*(each.tolist() for each in columns.values()), strict=True))
+
+
+def write_netcdf(dataset: "xr.Dataset", path: Path) -> None:
+    """Write a dataset of real numbers and texts as netCDF 3, which needs no further package than scipy.
+
+    xarray's engines scipy and netcdf4 open it, and so do Octave, Julia, ncdump and Panoply; h5netcdf reads netCDF 4
+    alone.
+    """
+    dataset.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT")
 
 
 def write_table(path: Path, keys, rows) -> None:

@@ -25,6 +25,7 @@ from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, n
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
 from studies.scene import Scene
+from studies.scene.toml import document
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -245,10 +246,10 @@ class Record:
         return needed("pandas", "to_dataframe").DataFrame(list(self.points))
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return the points as an xarray Dataset over the drive's level, each variable and coordinate with its units.
+        """Return the points over the drive's level and the surface over x as an xarray Dataset, each with its units.
 
-        Complex numbers are two variables, ``..._re`` and ``..._im``, the tilts ``..._0`` and ``..._1``, as in
-        velocity.csv.
+        ``scene`` of its attributes is the resolved scene, as in scene.toml. Complex numbers are two variables,
+        ``..._re`` and ``..._im``, the tilts ``..._0`` and ``..._1``, as in velocity.csv.
 
         Raises
         ------
@@ -269,9 +270,14 @@ class Record:
             key: (self.level, *labelled_column(key, [point.get(key) for point in points]))
             for key in dict.fromkeys(key for point in points for key in point)
         }
-        about = {"title": self.scene.title, "tolerance": self.tolerance}
-        level = {self.level: data.pop(self.level)} if data else {}
-        return needed("xarray", "to_xarray").Dataset(data, level, about)
+        places = {self.level: data.pop(self.level)} if data else {}
+        along = quantity.x_m.column
+        surface = {key: (along, *labelled_column(key, each.tolist())) for key, each in flat(self.surface).items()}
+        if along in surface:
+            places[along] = surface.pop(along)
+            data |= surface
+        about = {"title": self.scene.title, "tolerance": self.tolerance, "scene": document(self.scene.to_table())}
+        return needed("xarray", "to_xarray").Dataset(data, places, about)
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw the main result: velocity over voltage, without a slider the surface, else the wave's profile.

@@ -249,7 +249,8 @@ def test_a_thread_that_ran_and_lives_on_leaves_the_number_of_threads_to_the_user
 def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, record):
     for each, level, unit in ((driven, "voltage_V", "V"), (record, "normal_amplitude_m", "m")):
         data = each.to_xarray()
-        assert dict(data.sizes) == {level: len(each.points)}
+        surface = {"x_m": each.surface["x_m"].size} if each.surface else {}
+        assert dict(data.sizes) == {level: len(each.points)} | surface
         assert data[level].attrs == {"units": unit, "long_name": quantity(level).label}
         assert data["velocity_m_per_s"].attrs["units"] == "m/s"
         assert data["relative_error"].attrs["units"] == "1"
