@@ -1,0 +1,77 @@
+r"""Radau's collocation on a step of time, with maps that remove square roots at its ends.
+
+A step of phase, H, is mapped from 0 <= s <= 1 by one of three maps. Near the instant at which a sphere touches, opens
+or begins to slip its force has a term (phase - phase_0)^(3/2), which is smooth in s:
+
+    LINEAR   phi = H s            BEGIN   phi = H s^2            END   phi = H (1 - (1 - s)^2)
+
+Radau's rule has the end of the step among its nodes, is stable for stiff equations and has the order 2 n - 1
+(Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.5).
+"""
+
+from enum import IntEnum
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.polynomial.legendre import Legendre
+from scipy.interpolate import BarycentricInterpolator
+
+
+class Map(IntEnum):
+    """Map of a step."""
+
+    LINEAR = 0
+    BEGIN = 1
+    END = 2
+
+
+class Nodes(NamedTuple):
+    """A Radau rule with n nodes; arrays."""
+
+    phase: np.ndarray  # (3, n): phase of the nodes over H, by `Map`
+    rate: np.ndarray  # (3, n): its derivative in s
+    integral: np.ndarray  # (n, n): integrals from 0 to each node of the polynomial through the nodes
+    weight: np.ndarray  # (n,): weights of the integral over the step
+    difference: np.ndarray  # (n,): those of the rule less those of the rule without one of its nodes
+    slope: np.ndarray  # (3, n): weights of the derivative in phase, times H, at the end of the step
+
+
+@cache
+def radau(n: int) -> Nodes:
+    """Return the rule with n nodes."""
+    polynomial = Legendre.basis(n) - Legendre.basis(n - 1)  # its roots in [-1, 1) and +1 are the nodes, mirrored
+    x = np.sort(polynomial.roots().real)
+    for _ in range(3):
+        x = x - polynomial(x) / polynomial.deriv()(x)
+    x[-1] = 1.0
+    s = 0.5 * (x + 1.0)
+    integral, weight = _integrals(s)
+    middle = np.delete(np.arange(n), n // 2)
+    difference = weight.copy()
+    difference[middle] -= _integrals(s[middle])[1]
+    phase = np.array([s, s**2, 1.0 - (1.0 - s) ** 2])
+    rate = np.array([np.ones(n), 2.0 * s, 2.0 * (1.0 - s)])
+    slope = np.array([_slope_at_end(each) for each in phase])
+    return Nodes(phase, rate, integral, weight, difference, slope)
+
+
+def _integrals(s):
+    """Return the integrals of the polynomial through nodes s from 0 to each, and to 1."""
+    n, (node, weight) = len(s), np.polynomial.legendre.leggauss(len(s))
+    unit = BarycentricInterpolator(s, np.eye(n))
+    ends = np.append(s, 1.0)
+    rows = np.array([0.5 * end * (weight @ unit(0.5 * end * (node + 1.0))) for end in ends])
+    return rows[:-1].copy(), rows[-1].copy()
+
+
+def _slope_at_end(phase):
+    """Return the weights of the derivative of the polynomial through values at phases, at the last of them."""
+    n, at = len(phase), phase[-1]
+    row = np.empty(n)
+    for k in range(n):
+        roots = np.delete(phase, k)
+        basis = Polynomial.fromroots(roots)
+        row[k] = basis.deriv()(at) / basis(phase[k])
+    return row

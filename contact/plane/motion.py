@@ -1,0 +1,689 @@
+r"""Event-driven motion of contacts in the plane: stick in closed form, the angle of slip by Radau's collocation.
+
+While contact i sticks, its deformation follows the surface, e' = w. While it slips, e = c z n and
+
+    lambda = n.w - c z' >= 0,      c z alpha' = t.w,      n = (cos alpha, sin alpha),   t = e_z x n,                 (1)
+
+(Moreau's sweeping process with a disc of radius c z; the first is eq. 3 of Feenstra and Breedveld). Equation (1) is
+stiff where z is small: its rate is |w|/(c z). A segment ends where a contact
+
+    touches        z = 0, rising: it slips at once with n = w/|w| where |w| > c z', else it sticks with e = 0
+    opens          z = 0, falling
+    begins to slip |e| = c z
+    sticks         lambda = 0
+    passes         the least |e| of stick (e.w = 0), where |e| is small: the force bends there
+
+The slider's coordinates follow by fixed-point iteration of the same collocation: its own motion is slow.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.jit.compiled import compiled, native
+from contact.law.elastic import back_load, spring_force
+from contact.law.normal import load
+from contact.plane.collocation import Map, Nodes, radau
+from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface
+
+TURN = 2.0 * np.pi
+NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
+CLOSE = 1e-13  # of an event, in phase
+MAX_STEP = 0.6  # rad of the fastest wave
+MAX_TRIES = 60  # trials of the length of one segment
+
+
+class Regime(IntEnum):
+    """Regime of a contact."""
+
+    SEPARATED = 0
+    STICK = 1
+    SLIP = 2
+
+
+class Guard(IntEnum):
+    """What ends the regime of a contact."""
+
+    NONE = 0
+    TOUCH = 1
+    OPEN = 2
+    SLIP = 3
+    STICK = 4
+    PASS = 5
+
+
+class Stage(IntEnum):
+    """Columns of `Work.stage`: a contact at a node."""
+
+    Z = 0
+    Z_RATE = 1
+    W_X = 2
+    W_Y = 3
+    E_X = 4
+    E_Y = 5
+    N_X = 6  # direction of the force
+    N_Y = 7
+    P = 8
+    Q_X = 9
+    Q_Y = 10
+    LAMBDA = 11
+    TURNING = 12  # d alpha/ds
+    ARM_X = 13  # R r
+    ARM_Y = 14
+
+
+class Sum(IntEnum):
+    """Integrals over the phase, of each contact; forces and powers."""
+
+    NORMAL = 0
+    ALONG_X = 1
+    ALONG_Y = 2
+    MOMENT = 3  # of the tangential force
+    SLIP = 4  # mu P lambda
+    WAVE_TANGENTIAL = 5  # Q.u_t'
+    WAVE_NORMAL = 6  # P u_z'
+    LEAK = 7  # -W_z z'
+    DAMPER = 8  # chi P z'^2
+    CONTACT = 9  # 1 in contact
+    STUCK = 10  # 1 in stick
+
+
+class Count(IntEnum):
+    """Events of a contact since the counts were cleared."""
+
+    MADE = 0
+    OPENED = 1
+    SLIPS = 2
+
+
+class Total(IntEnum):
+    """Index of `State.total`."""
+
+    PHASE = 0
+    STEP = 1  # proposed length of the next segment
+    STEPS = 2
+    SOLVES = 3
+    LOST = 4  # by the body's dampers, energy
+
+
+class State(NamedTuple):
+    """Body and contacts at a phase, and the integrals since they were cleared."""
+
+    q: np.ndarray  # (4,)
+    p: np.ndarray  # (4,)
+    regime: np.ndarray  # (n,), integers
+    begins: np.ndarray  # (n,): 1 in the segment that begins at the touch
+    e: np.ndarray  # (n, 2)
+    alpha: np.ndarray  # (n,)
+    sums: np.ndarray  # (n, len(Sum))
+    counts: np.ndarray  # (n, len(Count))
+    total: np.ndarray  # (len(Total),)
+
+
+class Work(NamedTuple):
+    """Work arrays of a segment with s nodes."""
+
+    nodes: Nodes
+    tolerance: float  # of the force in a segment over the friction limit
+    phase: np.ndarray  # (s,)
+    rate: np.ndarray  # (s,): d phase/ds
+    q: np.ndarray  # (s, 4)
+    p: np.ndarray  # (s, 4)
+    a: np.ndarray  # (s, 4): accelerations
+    stage: np.ndarray  # (s, n, len(Stage))
+    surface: np.ndarray  # (s, n, 6)
+    before: np.ndarray  # (n, 6): surface at the start of the segment
+    start: np.ndarray  # (n, len(Stage)): contacts at the start
+    matrix: np.ndarray  # (s, s + 1)
+
+
+def state_of(n: int) -> State:
+    """Return the state of a body at rest above the surface."""
+    total = np.zeros(len(Total))
+    total[Total.STEP] = 0.1
+    return State(
+        np.zeros(4), np.zeros(4), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros((n, 2)), np.zeros(n),
+        np.zeros((n, len(Sum))), np.zeros((n, len(Count)), np.int64), total,
+    )  # fmt: skip
+
+
+def work_of(n: int, nodes: int, tolerance: float) -> Work:
+    """Return work arrays for n contacts."""
+    s = nodes
+    return Work(
+        radau(nodes), tolerance, np.empty(s), np.empty(s), np.empty((s, 4)), np.empty((s, 4)), np.zeros((s, 4)),
+        np.zeros((s, n, len(Stage))), np.empty((s, n, 6)), np.empty((n, 6)), np.zeros((n, len(Stage))),
+        np.empty((s, s + 1)),
+    )  # fmt: skip
+
+
+@compiled
+def _solve_linear(matrix):
+    """Solve a linear system in place, the right side in the last column; return False where it is singular."""
+    n = matrix.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(matrix[i, k]) > abs(matrix[best, k]):
+                best = i
+        if matrix[best, k] == 0.0 or not np.isfinite(matrix[best, k]):
+            return False
+        if best != k:
+            for j in range(k, n + 1):
+                matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
+        for i in range(k + 1, n):
+            f = matrix[i, k] / matrix[k, k]
+            for j in range(k + 1, n + 1):
+                matrix[i, j] -= f * matrix[k, j]
+    for k in range(n - 1, -1, -1):
+        value = matrix[k, n]
+        for j in range(k + 1, n):
+            value -= matrix[k, j] * matrix[j, n]
+        matrix[k, n] = value / matrix[k, k]
+    return True
+
+
+@compiled
+def _fill_kinematics(problem, i, surface, q, p, row):
+    """Fill approach and surface speed of contact i at a node."""
+    c, s = (1.0, 0.0) if q[Body.YAW] == 0.0 else (np.cos(q[Body.YAW]), np.sin(q[Body.YAW]))
+    x, y = c * problem.x[i] - s * problem.y[i], s * problem.x[i] + c * problem.y[i]
+    row[Stage.ARM_X], row[Stage.ARM_Y] = x, y
+    row[Stage.Z] = problem.height[i] + surface[Surface.Z] - q[Body.HEIGHT]
+    row[Stage.Z_RATE] = surface[Surface.Z_RATE] - p[Body.HEIGHT]
+    row[Stage.W_X] = surface[Surface.X_RATE] - p[Body.X] + p[Body.YAW] * y
+    row[Stage.W_Y] = surface[Surface.Y_RATE] - p[Body.Y] - p[Body.YAW] * x
+
+
+@compiled
+def _slip_angles(problem, i, alpha, work):
+    """Solve eq. (1) for contact i at the nodes of a segment by Newton's method; return True where it converges."""
+    nodes, stage, matrix, c = work.nodes, work.stage, work.matrix, problem.limit_slope[i]
+    n = nodes.weight.size
+    for j in range(n):
+        stage[j, i, Stage.TURNING] = 0.0
+    for _ in range(25):
+        change = 0.0
+        for j in range(n):
+            row = stage[j, i]
+            angle = alpha
+            for k in range(n):
+                angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
+            cos, sin = np.cos(angle), np.sin(angle)
+            row[Stage.N_X], row[Stage.N_Y] = cos, sin
+            along, across = cos * row[Stage.W_X] + sin * row[Stage.W_Y], cos * row[Stage.W_Y] - sin * row[Stage.W_X]
+            # at the end of a segment that ends at z = 0 the equation is t.w = 0; where only the map stands still, K = 0
+            stands = work.rate[j] == 0.0
+            opens = row[Stage.Z] < 1e-12
+            inertia = c * max(row[Stage.Z], 0.0) / work.rate[j] if not stands else (0.0 if opens else 1.0)
+            if stands and not opens:
+                along = across = 0.0
+            for k in range(n):
+                matrix[j, k] = along * nodes.integral[j, k]
+            matrix[j, j] += inertia
+            matrix[j, n] = across - inertia * row[Stage.TURNING]
+        if not _solve_linear(matrix):
+            return False
+        largest = 0.0
+        for j in range(n):
+            largest = max(largest, abs(matrix[j, n]))
+        factor = 1.0 if largest < 2.0 else 2.0 / largest
+        for j in range(n):
+            stage[j, i, Stage.TURNING] += factor * matrix[j, n]
+            change = max(change, abs(matrix[j, n]))
+        if change < 1e-9:
+            break
+    if not change < 1e-9:
+        return False
+    for j in range(n):  # quadratic: the last change leaves less than rounding
+        row, angle = stage[j, i], alpha
+        for k in range(n):
+            angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
+        row[Stage.N_X], row[Stage.N_Y] = np.cos(angle), np.sin(angle)
+    return True
+
+
+@compiled
+def _fill_forces(problem, i, regime, row):
+    """Fill the forces of contact i at a node from its approach and deformation."""
+    z, friction, c, kappa = row[Stage.Z], problem.friction, problem.limit_slope[i], problem.stiffness[i]
+    row[Stage.P] = row[Stage.Q_X] = row[Stage.Q_Y] = 0.0
+    if regime == Regime.SEPARATED or z <= 0.0:
+        return
+    elastic = kappa * load(z, problem.shape)
+    row[Stage.P] = elastic * (1.0 + problem.contact_damping * row[Stage.Z_RATE])
+    if regime == Regime.SLIP:
+        q = friction * elastic
+    else:
+        size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+        if size == 0.0 or c == 0.0:
+            row[Stage.N_X], row[Stage.N_Y] = 1.0, 0.0
+            return
+        row[Stage.N_X], row[Stage.N_Y] = row[Stage.E_X] / size, row[Stage.E_Y] / size
+        q = spring_force(z, min(size, c * z), friction * kappa, c, problem.shape)
+    row[Stage.Q_X], row[Stage.Q_Y] = q * row[Stage.N_X], q * row[Stage.N_Y]
+
+
+@compiled
+def _guard(problem, i, regime, which, row):
+    """Return a guard of contact i, positive inside its regime."""
+    if which == Guard.TOUCH:
+        return -row[Stage.Z]
+    if which == Guard.OPEN:
+        return row[Stage.Z]
+    if which == Guard.STICK:
+        return row[Stage.LAMBDA]
+    size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+    if which == Guard.SLIP:
+        return problem.limit_slope[i] * row[Stage.Z] - size
+    speed = np.hypot(row[Stage.W_X], row[Stage.W_Y])
+    return -(row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]) / (speed + 1e-300)
+
+
+@compiled
+def _guard_rate(problem, i, which, length, kind, work):
+    """Return the rate of a guard at the end of a segment."""
+    stage = work.stage
+    row = stage[stage.shape[0] - 1, i]
+    if which == Guard.TOUCH:
+        return -row[Stage.Z_RATE]
+    if which == Guard.OPEN:
+        return row[Stage.Z_RATE]
+    if which == Guard.SLIP:
+        along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
+        return problem.limit_slope[i] * row[Stage.Z_RATE] - along
+    if which == Guard.PASS:
+        return -np.hypot(row[Stage.W_X], row[Stage.W_Y])
+    rate = 0.0
+    for j in range(stage.shape[0]):
+        rate += work.nodes.slope[kind, j] * stage[j, i, Stage.LAMBDA]
+    return rate / length
+
+
+@compiled
+def _fill_contact(problem, i, state, work):
+    """Fill contact i at all nodes of a segment; return True where its equations are solved."""
+    stage, regime, c = work.stage, state.regime[i], problem.limit_slope[i]
+    n = stage.shape[0]
+    for j in range(n):
+        _fill_kinematics(problem, i, work.surface[j, i], work.q[j], work.p[j], stage[j, i])
+    if regime == Regime.SLIP:
+        for j in range(n - 1):
+            if stage[j, i, Stage.Z] <= 0.0:  # opens before the end: the caller shortens the segment
+                for k in range(n):
+                    stage[k, i, Stage.LAMBDA] = 1.0
+                return True
+        if stage[n - 1, i, Stage.Z] < -1e-9:
+            for k in range(n):
+                stage[k, i, Stage.LAMBDA] = 1.0
+            return True
+        if not _slip_angles(problem, i, state.alpha[i], work):
+            return False
+    start = work.start[i]
+    for j in range(n):
+        row = stage[j, i]
+        if regime == Regime.STICK:
+            row[Stage.E_X] = state.e[i, 0] + (work.surface[j, i, Surface.X] - work.before[i, Surface.X])
+            row[Stage.E_Y] = state.e[i, 1] + (work.surface[j, i, Surface.Y] - work.before[i, Surface.Y])
+            row[Stage.E_X] -= (work.q[j, Body.X] - state.q[Body.X]) + (row[Stage.ARM_X] - start[Stage.ARM_X])
+            row[Stage.E_Y] -= (work.q[j, Body.Y] - state.q[Body.Y]) + (row[Stage.ARM_Y] - start[Stage.ARM_Y])
+        elif regime == Regime.SLIP:
+            row[Stage.E_X] = c * row[Stage.Z] * row[Stage.N_X]
+            row[Stage.E_Y] = c * row[Stage.Z] * row[Stage.N_Y]
+            row[Stage.LAMBDA] = (
+                row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y] - c * row[Stage.Z_RATE]
+            )
+        _fill_forces(problem, i, regime, row)
+    return True
+
+
+@compiled
+def _solve(problem, first, last, length, kind, state, work):
+    """Solve one segment of a length in phase for contacts `first` to `last`; return True where it converges."""
+    nodes, n = work.nodes, work.phase.size
+    begin = state.total[Total.PHASE]
+    state.total[Total.SOLVES] += 1.0
+    moves = False
+    for k in range(4):
+        moves = moves or problem.inverse[k] > 0.0
+    for j in range(n):
+        work.phase[j], work.rate[j] = begin + length * nodes.phase[kind, j], length * nodes.rate[kind, j]
+        fill_surface(problem, first, last, work.phase[j], work.surface[j])
+    for count in range(40):
+        for k in range(4):
+            for j in range(n):
+                rate = state.p[k]
+                if moves:
+                    for i in range(n):
+                        rate += nodes.integral[j, i] * work.rate[i] * work.a[i, k]
+                work.p[j, k] = rate
+            for j in range(n):
+                place = state.q[k]
+                if moves:
+                    for i in range(n):
+                        place += nodes.integral[j, i] * work.rate[i] * work.p[i, k]
+                else:
+                    place += length * nodes.phase[kind, j] * state.p[k]
+                work.q[j, k] = place
+        for i in range(first, last):
+            if not _fill_contact(problem, i, state, work):
+                return False
+        if not moves:
+            return True
+        change = 0.0
+        for j in range(n):
+            total_x = total_y = total_z = moment = 0.0
+            for i in range(first, last):
+                row = work.stage[j, i]
+                total_z += row[Stage.P]
+                total_x += row[Stage.Q_X]
+                total_y += row[Stage.Q_Y]
+                moment += row[Stage.ARM_X] * row[Stage.Q_Y] - row[Stage.ARM_Y] * row[Stage.Q_X]
+            for k in range(4):
+                total = total_z if k == 0 else total_x if k == 1 else total_y if k == 2 else moment
+                new = problem.inverse[k] * (total + problem.force[k] - problem.damping[k] * work.p[j, k])
+                change = max(change, abs(new - work.a[j, k]) * (1.0 if k < 3 else _reach(problem)))
+                work.a[j, k] = new
+        if change * length < 1e-15 * (1.0 + count):
+            return True
+    return False
+
+
+@compiled
+def _reach(problem):
+    """Return the largest distance of a contact from the axis of rotation."""
+    reach = 0.0
+    for i in range(problem.x.size):
+        reach = max(reach, np.hypot(problem.x[i], problem.y[i]))
+    return reach
+
+
+@compiled
+def _first_event(problem, first, last, length, kind, state, work):
+    """Return (contact, guard, phase from the start, crossing) of the earliest event of a segment.
+
+    `crossing`: 1 where it lies before the segment's last node, 2 at the last node, 0 where there is no event.
+    """
+    nodes, n = work.nodes, work.phase.size
+    found, what, at, crossing = -1, 0, length, 0
+    for i in range(first, last):
+        regime = state.regime[i]
+        for turn in range(2):
+            if regime == Regime.SEPARATED:
+                which = Guard.TOUCH
+            elif regime == Regime.SLIP:
+                which = Guard.OPEN if turn == 0 else Guard.STICK
+            else:
+                which = Guard.SLIP if turn == 0 else Guard.PASS
+            if regime == Regime.SEPARATED and turn == 1:
+                continue
+            old, phase_old = _guard(problem, i, regime, which, work.start[i]), 0.0
+            rate_old = work.start[i, Stage.Z_RATE]
+            if state.begins[i] == 1:
+                old = 0.0
+                if which == Guard.PASS:
+                    continue
+            if which == Guard.PASS and old <= 1e-11:
+                continue
+            for j in range(n):
+                row = work.stage[j, i]
+                new, phase = _guard(problem, i, regime, which, row), length * nodes.phase[kind, j]
+                if phase_old > at:
+                    break
+                if which == Guard.PASS and new < -1e-13:
+                    limit = problem.limit_slope[i] * row[Stage.Z]
+                    if min(np.hypot(row[Stage.E_X], row[Stage.E_Y]), abs(old)) > NEAR * limit:
+                        break
+                if new < -1e-13:
+                    share = old / (old - new) if old > 0.0 else 0.0
+                    place = phase_old + share * (phase - phase_old)
+                    if place < at or found < 0:
+                        found, what, at, crossing = i, which, place, 1 if j < n - 1 else 2
+                    break
+                if which == Guard.TOUCH and rate_old > 0.0 > row[Stage.Z_RATE]:
+                    # between two nodes the gap may close: aim at its least value
+                    share = rate_old / (rate_old - row[Stage.Z_RATE])
+                    if old - 0.5 * rate_old * share * (phase - phase_old) < 0.0 and j < n - 1:
+                        place = phase_old + share * (phase - phase_old)
+                        if place < at or found < 0:
+                            found, what, at, crossing = i, Guard.NONE, place, 1
+                        break
+                old, phase_old, rate_old = new, phase, row[Stage.Z_RATE]
+    return found, what, at, crossing
+
+
+@compiled
+def _error(problem, first, last, work):
+    """Return the error of a segment's forces over the friction limit, by a rule without one of the nodes."""
+    nodes, error = work.nodes, 0.0
+    for i in range(first, last):
+        p = x = y = top = angle = 0.0
+        for j in range(nodes.weight.size):
+            row, d = work.stage[j, i], nodes.difference[j]
+            p += d * work.rate[j] * row[Stage.P]
+            x += d * work.rate[j] * row[Stage.Q_X]
+            y += d * work.rate[j] * row[Stage.Q_Y]
+            angle += d * row[Stage.TURNING]
+            top = max(top, row[Stage.P])
+        scale = problem.stiffness[i] * load(1.0, problem.shape)
+        own = (abs(p) + np.hypot(x, y) / problem.friction + abs(angle) * top) / scale
+        error = max(error, own)
+    return error
+
+
+@compiled
+def _shorter(error, work):
+    """Return the factor on a segment that is too long for its error."""
+    return max(0.15, min(0.8, 0.9 * (work.tolerance / error) ** (1.0 / work.phase.size)))
+
+
+@compiled
+def _finish(problem, first, last, state, work):
+    """Add the integrals of a solved segment and move body and contacts to its end."""
+    nodes, n, sums = work.nodes, work.phase.size, state.sums
+    for i in range(first, last):
+        regime, c = state.regime[i], problem.limit_slope[i]
+        for j in range(n if regime != Regime.SEPARATED else 0):
+            row, d = work.stage[j, i], nodes.weight[j] * work.rate[j]
+            z = row[Stage.Z]
+            if z <= 0.0:
+                continue
+            q_x, q_y, surface = row[Stage.Q_X], row[Stage.Q_Y], work.surface[j, i]
+            sums[i, Sum.NORMAL] += d * row[Stage.P]
+            sums[i, Sum.ALONG_X] += d * q_x
+            sums[i, Sum.ALONG_Y] += d * q_y
+            sums[i, Sum.MOMENT] += d * (row[Stage.ARM_X] * q_y - row[Stage.ARM_Y] * q_x)
+            sums[i, Sum.WAVE_TANGENTIAL] += d * (q_x * surface[Surface.X_RATE] + q_y * surface[Surface.Y_RATE])
+            sums[i, Sum.WAVE_NORMAL] += d * row[Stage.P] * surface[Surface.Z_RATE]
+            elastic = problem.stiffness[i] * load(z, problem.shape)
+            sums[i, Sum.DAMPER] += d * problem.contact_damping * elastic * row[Stage.Z_RATE] ** 2
+            sums[i, Sum.CONTACT] += d
+            size = c * z
+            if regime == Regime.SLIP:
+                sums[i, Sum.SLIP] += d * problem.friction * elastic * row[Stage.LAMBDA]
+            else:
+                size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+                sums[i, Sum.STUCK] += d
+            if c > 0.0:
+                back = problem.friction * problem.stiffness[i] * c * back_load(z, z - size / c, problem.shape)
+                sums[i, Sum.LEAK] -= d * back * row[Stage.Z_RATE]
+        row = work.stage[n - 1, i]
+        if regime == Regime.SLIP:
+            for j in range(n):
+                state.alpha[i] += nodes.weight[j] * work.stage[j, i, Stage.TURNING]
+        if regime != Regime.SEPARATED:
+            state.e[i, 0], state.e[i, 1] = row[Stage.E_X], row[Stage.E_Y]
+        state.begins[i] = 0
+        for k in range(15):
+            work.start[i, k] = row[k]
+        for k in range(6):
+            work.before[i, k] = work.surface[n - 1, i, k]
+    for k in range(4):
+        state.q[k], state.p[k] = work.q[n - 1, k], work.p[n - 1, k]
+        for j in range(n):
+            lost = problem.damping[k] * work.p[j, k] ** 2
+            state.total[Total.LOST] += nodes.weight[j] * work.rate[j] * lost
+            work.a[j, k] = work.a[n - 1, k]
+    state.total[Total.PHASE] = work.phase[n - 1]
+    state.total[Total.STEPS] += 1.0
+
+
+@compiled
+def _pass_event(problem, i, which, state, row):
+    """Move contact i beyond its guard; `row` is the contact at the event."""
+    c, counts = problem.limit_slope[i], state.counts
+    if which == Guard.TOUCH:
+        speed = np.hypot(row[Stage.W_X], row[Stage.W_Y])
+        state.begins[i] = 1
+        counts[i, Count.MADE] += 1
+        state.e[i, 0] = state.e[i, 1] = 0.0
+        if speed > c * row[Stage.Z_RATE]:
+            state.regime[i], state.alpha[i] = Regime.SLIP, np.arctan2(row[Stage.W_Y], row[Stage.W_X])
+            counts[i, Count.SLIPS] += 1
+        else:
+            state.regime[i] = Regime.STICK
+    elif which == Guard.OPEN or (which == Guard.SLIP and row[Stage.Z] < 1e-12):
+        state.regime[i] = Regime.SEPARATED
+        state.e[i, 0] = state.e[i, 1] = 0.0
+        counts[i, Count.OPENED] += 1
+    elif which == Guard.SLIP:
+        state.regime[i], state.alpha[i] = Regime.SLIP, np.arctan2(row[Stage.E_Y], row[Stage.E_X])
+        counts[i, Count.SLIPS] += 1
+    elif which == Guard.STICK:
+        size, limit = np.hypot(row[Stage.E_X], row[Stage.E_Y]), c * row[Stage.Z]
+        if size > 0.0:
+            state.e[i, 0], state.e[i, 1] = limit * row[Stage.E_X] / size, limit * row[Stage.E_Y] / size
+        state.regime[i] = Regime.STICK
+    work_e_x, work_e_y = state.e[i, 0], state.e[i, 1]
+    row[Stage.E_X], row[Stage.E_Y] = work_e_x, work_e_y
+    if state.regime[i] == Regime.SLIP:
+        n_x, n_y = np.cos(state.alpha[i]), np.sin(state.alpha[i])
+        row[Stage.N_X], row[Stage.N_Y] = n_x, n_y
+        row[Stage.LAMBDA] = n_x * row[Stage.W_X] + n_y * row[Stage.W_Y] - c * row[Stage.Z_RATE]
+
+
+@compiled
+def begin(problem, first, last, state, work):
+    """Fill what a segment knows of its start."""
+    fill_surface(problem, first, last, state.total[Total.PHASE], work.before)
+    for i in range(first, last):
+        row = work.start[i]
+        _fill_kinematics(problem, i, work.before[i], state.q, state.p, row)
+        row[Stage.E_X], row[Stage.E_Y] = state.e[i, 0], state.e[i, 1]
+        row[Stage.N_X], row[Stage.N_Y] = np.cos(state.alpha[i]), np.sin(state.alpha[i])
+        row[Stage.LAMBDA] = (
+            row[Stage.N_X] * row[Stage.W_X]
+            + row[Stage.N_Y] * row[Stage.W_Y]
+            - (problem.limit_slope[i] * row[Stage.Z_RATE])
+        )
+
+
+@compiled
+def advance(problem, first, last, until, state, work):
+    """Move body and contacts `first` to `last` up to a phase; return True where all segments converge."""
+    n, total = work.phase.size, state.total
+    begin(problem, first, last, state, work)
+    for _ in range(200000):
+        left = until - total[Total.PHASE]
+        if left <= 1e-12:
+            return True
+        length = min(total[Total.STEP], MAX_STEP)
+        if length > 0.8 * left:
+            length = left
+        kind = Map.LINEAR
+        for i in range(first, last):
+            if state.begins[i] == 1:
+                kind = Map.BEGIN
+        begun, low, high, target, guard, done, error = kind, 0.0, np.inf, -1, 0, False, 0.0
+        for _ in range(MAX_TRIES):
+            if not _solve(problem, first, last, length, kind, state, work):
+                length, kind, target, high, low = 0.4 * length, begun, -1, np.inf, 0.0
+                continue
+            i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
+            if i < 0 and target < 0:
+                error = _error(problem, first, last, work)
+                if error <= work.tolerance or length < 1e-7:
+                    done = True
+                    break
+                length = length * _shorter(error, work)
+                continue
+            if i >= 0 and which == Guard.NONE:  # a gap that closes between two nodes
+                length, kind, target = at, begun, -1
+                continue
+            if i >= 0 and begun == Map.BEGIN and kind == Map.BEGIN and at > 1e-9:
+                # both ends of a segment are singular: two segments
+                length, target = 0.5 * at, -1
+                continue
+            if i >= 0 and (i != target or which != guard):
+                target, guard, low, high = i, which, 0.0, np.inf
+            value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
+            rate = _guard_rate(problem, target, guard, length, kind, work)
+            if crossing == 1 or value < 0.0:
+                high = length
+            else:
+                low = length
+            step = -value / rate if rate < 0.0 else 0.0
+            if crossing != 1 and (abs(step) < CLOSE or abs(value) < 1e-15 or high - low < CLOSE) and value > -1e-9:
+                error = _error(problem, first, last, work)
+                if error <= work.tolerance or length < 1e-7:
+                    done = True
+                    break
+                length, kind, target = length * _shorter(error, work), begun, -1
+                continue
+            if i >= 0 and at < 1e-11:  # at the start of the segment
+                length, done = max(at, 1e-15), True
+                break
+            new = length + step
+            if crossing == 1 and kind != Map.END:
+                new = at
+            elif crossing == 1:
+                new = at
+            if not (low < new < high) or rate >= 0.0:
+                new = at if crossing == 1 and low < at < high else 0.5 * (low + min(high, 2.0 * length))
+            kind = Map.END
+            length = min(new, left)
+        if not done:
+            return False
+        if target >= 0 and length < 1e-11:
+            _pass_event(problem, target, guard, state, work.start[target])
+            if length < 1e-14:
+                total[Total.STEPS] += 1.0
+            continue
+        _finish(problem, first, last, state, work)
+        grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / n)
+        if target < 0 or grow < 1.0:
+            total[Total.STEP] = length * max(0.3, min(2.5, grow))
+        else:
+            total[Total.STEP] = max(total[Total.STEP], length * min(2.5, grow))
+        if target >= 0:
+            _pass_event(problem, target, guard, state, work.start[target])
+            for i in range(first, last):  # events of equal contacts
+                if i != target:
+                    _pass_simultaneous(problem, i, state, work)
+    return False
+
+
+@compiled
+def _pass_simultaneous(problem, i, state, work):
+    """Move contact i beyond a guard that has come to zero at the same instant."""
+    row, regime = work.start[i], state.regime[i]
+    if regime == Regime.SEPARATED:
+        which, rising = Guard.TOUCH, row[Stage.Z_RATE] > 0.0
+    elif regime == Regime.SLIP:
+        which, rising = Guard.OPEN, row[Stage.Z_RATE] < 0.0
+    else:
+        which = Guard.SLIP
+        along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
+        rising = along > problem.limit_slope[i] * row[Stage.Z_RATE]
+    if rising and abs(_guard(problem, i, regime, which, row)) < 1e-12:
+        _pass_event(problem, i, which, state, row)
+
+
+@native("t i i f t t")
+def follow(problem, first, last, until, state, work):
+    """Move body and contacts up to a phase; return 1 where all segments converge."""
+    return 1 if advance(problem, first, last, until, state, work) else 0
+
+
+__all__ = ["Count", "Guard", "PlaneProblem", "Regime", "State", "Sum", "Total", "Work", "advance", "follow"]

@@ -1,0 +1,93 @@
+r"""The equations of a slider in the plane, in the units of a wave, and the motion of its contacts.
+
+The body has the coordinates q = (z_s, x, y, psi) and the rates p; contact i is at r_i from the point about which the
+body turns, R the rotation by psi:
+
+    approach       z_i = h_i + u_z,i - z_s
+    surface speed  w_i = u_t,i' - (x', y') - psi' e_z x R r_i,       e_z x r = (-Y, X)
+    body           q_k'' = inverse_k (sum of the contacts' forces + force_k - damping_k p_k)
+
+with inverse = (1/m, 1/m, 1/m, 1/J), or 0 for a coordinate that is held: a heavy slider has inverse = 0. Unit of time
+1/omega of the fastest wave, of length ell = max(rest approach, largest amplitude), of force m omega^2 ell.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.jit.compiled import compiled
+
+
+class Body(IntEnum):
+    """Index of the coordinates."""
+
+    HEIGHT = 0
+    X = 1
+    Y = 2
+    YAW = 3
+
+
+class Surface(IntEnum):
+    """Index of the surface's displacement and velocity."""
+
+    X = 0
+    Y = 1
+    Z = 2
+    X_RATE = 3
+    Y_RATE = 4
+    Z_RATE = 5
+
+
+class PlaneProblem(NamedTuple):
+    """A dimensionless problem; n contacts, w frequencies."""
+
+    friction: float  # mu
+    contact_damping: float  # chi
+    shape: int
+    inverse: np.ndarray  # (4,), by `Body`
+    force: np.ndarray  # (4,): preload, load and torque, with the sign in which they act on the slider
+    damping: np.ndarray  # (4,)
+    # Of the contacts, (n,): position from the axis of rotation, height, stiffness of P = kappa p(z), c
+    x: np.ndarray
+    y: np.ndarray
+    height: np.ndarray
+    stiffness: np.ndarray
+    limit_slope: np.ndarray
+    # Of the surface under each contact: u = e(phase) sum (cos_k cos(ratio_k phase) + sin_k sin(ratio_k phase))
+    ratio: np.ndarray  # (w,): frequencies over that of the unit of time
+    cos: np.ndarray  # (w, n, 3)
+    sin: np.ndarray
+    # The envelope e: 1 - exp(-phase/rise) up to `stop`, then falling with the same constant; 1 and 0 where rise is 0
+    rise: float
+    stop: float
+
+
+@compiled
+def envelope(problem, phase):
+    """Return the envelope and its rate."""
+    if problem.rise == 0.0:
+        return (1.0 if phase <= problem.stop else 0.0), 0.0
+    if phase <= problem.stop:
+        fall = np.exp(-phase / problem.rise)
+        return 1.0 - fall, fall / problem.rise
+    left = (1.0 - np.exp(-problem.stop / problem.rise)) * np.exp(-(phase - problem.stop) / problem.rise)
+    return left, -left / problem.rise
+
+
+@compiled
+def fill_surface(problem, first, last, phase, out):
+    """Fill displacement and velocity of the surface (`Surface`) under contacts `first` to `last` at a phase."""
+    e, e_rate = envelope(problem, phase)
+    for i in range(first, last):
+        for k in range(6):
+            out[i, k] = 0.0
+    for j in range(problem.ratio.size):
+        nu = problem.ratio[j]
+        c, s = np.cos(nu * phase), np.sin(nu * phase)
+        for i in range(first, last):
+            for k in range(3):
+                a, b = problem.cos[j, i, k], problem.sin[j, i, k]
+                u = a * c + b * s
+                out[i, k] += e * u
+                out[i, 3 + k] += e * nu * (b * c - a * s) + e_rate * u
