@@ -16,6 +16,7 @@ class SliderRules(Checks):
     special_friction: Any  # what the friction depends on beside the normal force, in words; empty for Coulomb's law
     backing: str
     tilt: str
+    freedom: str = "x"
 
     def check_law(self) -> Iterator[tuple[str, str]]:
         """Require a law, a stick band and a friction that go together."""
@@ -40,6 +41,25 @@ class SliderRules(Checks):
                 "tilt",
                 f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
             )
+
+
+    def check_freedom(self) -> Iterator[tuple[str, str]]:
+        """Require a law and a body whose motion in the plane is known."""
+        if self.freedom == "x":
+            return
+        where = f'with slider.freedom = "{self.freedom}"'
+        if self.law == "hysteretic":
+            yield "law", f'must change {where}: the hysteretic law has one direction: choose "elastic"'
+        if self.reciprocal:
+            yield "reciprocal", f"must be false {where}"
+        if self.stick_band > 0:
+            yield "stick_band", f"must be 0 {where}, got {self.stick_band:g} m/s"
+        if self.special_friction:
+            yield "friction", f"must be a number {where}"
+        if self.backing == "soft":
+            yield "backing", f'must be "rigid" {where}'
+        if self.tilt == "pitch":
+            yield "tilt", f'must be "held" or "free" {where}'
 
 
 class FrictionRules(Checks):

@@ -25,6 +25,7 @@ from contact.roots import bracketed
 from contact.rules import SliderRules
 
 LAWS = ("elastic", "hysteretic")
+FREEDOMS = ("x", "xy", "xy yaw", "axle")
 TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
 NON_NEGATIVE = {
     "preload": "N", "load": "N", "friction_coefficient": "", "stick_band": "m/s", "contact_damping": "s/m",
@@ -115,11 +116,23 @@ class Slider(SliderRules):
     curvature : float
         Curvature of the slider's face, 1/m. If it is positive, the middle protrudes: a contact at (x, y) is set back by
         (x^2 + y^2)/2 times the curvature.
+    freedom : str
+        "x" (default: motion along x alone), or a motion in the plane, see `contact.plane`: "xy" (yaw held), "xy yaw",
+        or "axle" (rotation about `axis` alone). In the plane `load` is the vector (F_x, F_y) in N of any sign; the
+        force on the slider is its negative.
+    axis : tuple of float
+        Position (x, y) of the axle, m.
+    inertia : float, optional
+        Moment of inertia about the centre, or about the axle, kg m^2, positive; required where yaw is followed in time.
+    torque : float
+        Torque in N m against positive yaw, which turns from x to y.
+    yaw_damping : float
+        Viscous damper of the yaw, N m s.
     """
 
     mass: float
     preload: float
-    load: float
+    load: Any
     friction_coefficient: float
     law: str
     reciprocal: bool
@@ -143,6 +156,11 @@ class Slider(SliderRules):
     load_height: float = 0.0
     backing: str = "rigid"
     curvature: float = 0.0
+    freedom: str = "x"
+    axis: tuple[float, float] = (0.0, 0.0)
+    inertia: float | None = None
+    torque: float = 0.0
+    yaw_damping: float = 0.0
 
     def __post_init__(self):
         if not isinstance(self.law, str) or (self.law not in LAWS and self.law.endswith(".py")):
@@ -150,8 +168,10 @@ class Slider(SliderRules):
             self._set("law", "elastic")
         if self.mass != math.inf:
             self._set("mass", parameter_check.positive("slider.mass", self.mass, "kg"))
+        self._set_freedom()
         for name, unit in NON_NEGATIVE.items():
-            self._set(name, parameter_check.non_negative(f"slider.{name}", getattr(self, name), unit))
+            if name != "load" or self.freedom == "x":
+                self._set(name, parameter_check.non_negative(f"slider.{name}", getattr(self, name), unit))
         for name, allowed in {"law": LAWS, "shape": normal.SHAPES, "tilt": TILTS, "backing": BACKINGS}.items():
             parameter_check.choice(f"slider.{name}", getattr(self, name), allowed)
         if not isinstance(self.reciprocal, bool):
@@ -164,6 +184,20 @@ class Slider(SliderRules):
 
     def _set(self, name, value):
         object.__setattr__(self, name, value)
+
+    def _set_freedom(self):
+        """Check what belongs to a motion in the plane."""
+        parameter_check.choice("slider.freedom", self.freedom, FREEDOMS)
+        if self.inertia is not None:
+            self._set("inertia", parameter_check.positive("slider.inertia", self.inertia, "kg m^2"))
+        self._set("torque", parameter_check.finite("slider.torque", self.torque, "N m"))
+        self._set("yaw_damping", parameter_check.non_negative("slider.yaw_damping", self.yaw_damping, "N m s"))
+        for name, unit in ({"axis": "m"} | ({"load": "N"} if self.freedom != "x" else {})).items():
+            value = getattr(self, name)
+            pair = (0.0, 0.0) if np.ndim(value) == 0 and value == 0.0 else value
+            if np.shape(pair) != (2,):
+                raise InputError(f"slider.{name}", f"must be a vector of two numbers in {unit}", value)
+            self._set(name, tuple(parameter_check.finite(f"slider.{name}", each, unit) for each in pair))
 
     def _set_contacts(self):
         """Check the contacts' values and make them floats or arrays; derive the stiffnesses from radius and moduli."""
@@ -207,8 +241,19 @@ class Slider(SliderRules):
             self._set(name, parameter_check.finite(f"slider.{name}", getattr(self, name), unit))
         at = tuple(parameter_check.finite("slider.preload_at", each, "m") for each in self.preload_at)
         self._set("preload_at", at)
+        if self.freedom in ("xy yaw", "axle"):
+            about = self.axis if self.freedom == "axle" else (np.mean(self.x), np.mean(self.y))
+            arms = np.hypot(np.subtract(self.x, about[0]), np.subtract(self.y, about[1]))
+            if not np.any(arms > 0.0):
+                raise InputError("slider.axis", "needs two contacts apart: one ball has no yaw stiffness")
         if self.tilt == "held":
             return
+        if self.tilt == "free" and self.freedom != "x" and _on_a_line(self.x, self.y):
+            number = {1: "one ball does", 2: "two balls on a line do", 3: "three balls on a line do"}
+            which = number.get(self.count, "balls on a line do")
+            raise InputError(
+                "slider.tilt", f'must change: {which} not fix the tilt: hold it with slider.tilt = "held"'
+            )
         for name in ("x",) if self.tilt == "pitch" else ("x", "y"):
             if np.ptp(getattr(self, name)) == 0.0:
                 raise InputError("slider.tilt", f'must be "held" where all contacts have the same {name}')
@@ -558,6 +603,13 @@ class Slider(SliderRules):
         """Return the sum of the contacts' normal springs at rest, each times a ratio, N/m."""
         each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.normal_law)
         return self.stiffness_unit * float(np.sum(self.contact_factors(contacts)[0] * ratio * each))
+
+
+def _on_a_line(x, y):
+    """Return True if all positions lie on one line, or at one place."""
+    x, y = np.broadcast_arrays(np.atleast_1d(x), np.atleast_1d(y))
+    widths = np.linalg.svd(np.array([x - x.mean(), y - y.mean()]), compute_uv=False)
+    return bool(widths[-1] <= 1e-9 * widths[0]) or widths.size < 2
 
 
 def _other_number(name, contacts, got) -> InputError:

@@ -156,6 +156,8 @@ def coupling(slider: Slider, orbits) -> tuple[str, ...]:
 
     ``orbits``: `Orbit`, a sequence of them, or a `PassingWave`.
     """
+    if slider.freedom != "x":
+        raise InputError("slider.freedom", 'must be "x" for this question; contact.plane answers those of the plane')
     why: tuple[str, ...] = ("the slider tilts",) if slider.tilt != "held" else ()
     why += ("its backing is soft",) if slider.backing == "soft" else ()
     passes = isinstance(orbits, PassingWave)

@@ -1,0 +1,288 @@
+r"""The averaged motion in the plane: velocity and yaw rate at which the mean forces of one period balance.
+
+A heavy slider keeps height, velocity and yaw rate within a period of the waves. The heights follow from the mean normal
+forces alone (`heights`); velocity and yaw rate are the root of
+
+    <sum Q> - F - R_t V = 0,     <sum (X Q_y - Y Q_x)> - M - R_yaw omega = 0,
+
+found by Newton's method; contact i has the velocity V + omega e_z x r_i, so that two differences of each contact give
+the derivatives in all unknowns. This is first-order averaging, error O((f_n/f)^2).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.exceptions import ConvergenceError
+from contact.plane.cycle import COLUMNS, Extra, cycle_means
+from contact.plane.heights import NormalMeans, approaches
+from contact.plane.motion import Sum, state_of, work_of
+from contact.plane.problem import PlaneProblem
+from contact.plane.scaling import FREE, Scaled, scaled
+from contact.plane.waves import SurfaceWaves
+from contact.slider import Slider
+
+# Nodes and tolerance of a segment: of the search, of the answer, and of the check that differs from it in both
+SEARCH, ANSWER, CHECK = (5, 3e-5), (6, 1e-6), (5, 1e-5)
+MAX_NEWTON = 60
+STEP = 1e-5  # of the differences, over the surface's largest speed
+HELD = 1e-9  # of the surface's largest speed, below which a slider is taken as held
+
+
+class Means(NamedTuple):
+    """Mean forces at a velocity, scaled."""
+
+    contacts: np.ndarray  # (n, COLUMNS)
+    force: np.ndarray  # (3,): F_x, F_y, moment over the arm
+    repeats: bool
+
+
+@dataclass
+class Averaged:
+    """Mean forces of a slider on given waves as a function of (V_x, V_y, arm times yaw rate), scaled."""
+
+    slider: Slider
+    scaled: Scaled
+    height: np.ndarray  # z_s of each contact
+    start: np.ndarray
+    evaluations: int = 0
+
+    @classmethod
+    def of(cls, slider: Slider, waves: SurfaceWaves, force=(0.0, 0.0)) -> "Averaged":
+        """Return the mean forces with the heights under a mean tangential force in N."""
+        units = scaled(slider, waves, heavy=True)
+        means = NormalMeans(units)
+        return cls(slider, units, approaches(slider, units, means, force), np.ascontiguousarray(means.lowest()))
+
+    def __post_init__(self):
+        problem = self.scaled.problem
+        n = problem.x.size
+        self.arm = float(np.hypot(problem.x, problem.y).max()) or 1.0
+        # velocity of contact i = rigid[i] @ (V_x, V_y, arm omega)
+        self.rigid = np.zeros((n, 2, 3))
+        self.rigid[:, 0, 0] = self.rigid[:, 1, 1] = 1.0
+        self.rigid[:, 0, 2], self.rigid[:, 1, 2] = -problem.y / self.arm, problem.x / self.arm
+        self.free = np.array(FREE[self.slider.freedom])
+        damping = problem.damping
+        self.damping = np.array([damping[1], damping[2], damping[3] / self.arm**2])
+        self.load = -np.array([problem.force[1], problem.force[2], problem.force[3] / self.arm])
+        self.friction = problem.friction * -problem.force[0]
+        self.deformation = np.zeros((n, 2))
+        self._arrays = {}
+
+    @property
+    def problem(self) -> PlaneProblem:
+        """The scaled problem."""
+        return self.scaled.problem
+
+    @property
+    def top_speed(self) -> float:
+        """Speed beyond which every contact slips all the time against its motion, scaled."""
+        amplitudes = np.hypot(self.problem.cos, self.problem.sin)
+        tangential = np.hypot(amplitudes[..., 0], amplitudes[..., 1]) + self.problem.limit_slope * amplitudes[..., 2]
+        return float((self.problem.ratio[:, None] * tangential).sum(axis=0).max())
+
+    def contact_means(self, velocities: np.ndarray, how=SEARCH, deformation=None) -> tuple[np.ndarray, bool]:
+        """Return the means of each contact at its own velocity (n, 2)."""
+        n = len(velocities)
+        if how not in self._arrays:
+            self._arrays[how] = state_of(n), work_of(n, *how)
+        state, work = self._arrays[how]
+        out = np.zeros((n, COLUMNS))
+        guess = self.deformation if deformation is None else deformation
+        fine = cycle_means(
+            self.problem, self.height, np.ascontiguousarray(velocities), self.start, self.scaled.period, state, work,
+            guess, out,
+        )  # fmt: skip
+        self.evaluations += 1
+        return out, bool(fine)
+
+    def at(self, unknown: np.ndarray, how=SEARCH, deformation=None) -> Means:
+        """Return the mean forces at (V_x, V_y, arm times yaw rate)."""
+        contacts, fine = self.contact_means(self.rigid @ unknown, how, deformation)
+        return Means(contacts, self.total(contacts), fine)
+
+    def total(self, contacts: np.ndarray) -> np.ndarray:
+        """Return the forces on the body of the contacts' means."""
+        each = contacts[:, [Sum.ALONG_X, Sum.ALONG_Y]]
+        return np.einsum("ick,ic->k", self.rigid, each)
+
+    def residual(self, means: Means, unknown: np.ndarray) -> np.ndarray:
+        """Return the forces that accelerate the body, of its free coordinates."""
+        return (means.force - self.load - self.damping * unknown)[self.free]
+
+    def derivative(self, means: Means, unknown: np.ndarray, how=SEARCH) -> np.ndarray:
+        """Return the derivative of the residual in the free unknowns."""
+        velocities, step = self.rigid @ unknown, STEP * self.top_speed
+        matrix = np.diag(-self.damping)
+        for axis in range(2):
+            moved = velocities.copy()
+            moved[:, axis] += step
+            changed, _ = self.contact_means(moved, how, self.deformation.copy())
+            columns = [Sum.ALONG_X, Sum.ALONG_Y]
+            slope = (changed - means.contacts)[:, columns] / step  # (n, 2): dQ/dV_axis
+            matrix = matrix + np.einsum("ick,ic,im->km", self.rigid, slope, self.rigid[:, axis])
+        return matrix[np.ix_(self.free, self.free)]
+
+    def guess(self) -> np.ndarray:
+        """Return the velocity of the surface weighted by the normal force: that of contacts which are viscous."""
+        phase = np.linspace(0.0, self.scaled.period, 64 * round(self.scaled.period / (2.0 * np.pi)), endpoint=False)
+        problem = self.problem
+        angle = problem.ratio * phase[:, None]
+        c, s = np.cos(angle), np.sin(angle)
+        u_z = np.einsum("pw,wi->pi", c, problem.cos[..., 2]) + np.einsum("pw,wi->pi", s, problem.sin[..., 2])
+        speed = np.einsum("pw,wik->pik", -problem.ratio * s, problem.cos[..., :2])
+        speed += np.einsum("pw,wik->pik", problem.ratio * c, problem.sin[..., :2])
+        pressing = np.maximum(problem.height - self.height + u_z, 0.0) ** 1.5
+        weight = problem.stiffness * pressing.sum(axis=0)
+        mean = (pressing[..., None] * speed).sum(axis=0) / np.maximum(pressing.sum(axis=0), 1e-300)[:, None]
+        rows = (self.rigid * np.sqrt(weight)[:, None, None]).reshape(-1, 3)[:, self.free]
+        found = np.zeros(3)
+        found[self.free] = np.linalg.lstsq(rows, (mean * np.sqrt(weight)[:, None]).ravel(), rcond=None)[0]
+        return 0.7 * found
+
+
+class Root(NamedTuple):
+    """The balance of an averaged motion, scaled."""
+
+    unknown: np.ndarray  # (V_x, V_y, arm times yaw rate)
+    means: Means
+    derivative: np.ndarray
+    error: np.ndarray  # (3,) of the unknowns
+    held: bool
+
+
+def balanced(averaged: Averaged, near: np.ndarray | None = None, close: float = 1e-12) -> Root:
+    """Return the balance of an averaged motion by Newton's method, from a guess.
+
+    Raises
+    ------
+    ConvergenceError
+        "runaway" where friction does not balance the load, "not converged".
+    """
+    _refuse_runaway(averaged)
+    top, free = averaged.top_speed, averaged.free
+    if top == 0.0:
+        return _at_rest(averaged)
+    unknown = averaged.guess() if near is None else np.array(near)
+    means = averaged.at(unknown)
+    residual = averaged.residual(means, unknown)
+    matrix = averaged.derivative(means, unknown)
+    fresh = True
+    for _ in range(MAX_NEWTON):
+        step = _newton_step(matrix, residual)
+        size = np.abs(step).max()
+        if size > 0.7 * top:
+            step *= 0.7 * top / size
+        factor, better = 1.0, False
+        for _ in range(8):
+            new = unknown.copy()
+            new[free] += factor * step
+            new_means = averaged.at(new)
+            new_residual = averaged.residual(new_means, new)
+            if np.linalg.norm(new_residual) < (1.0 - 0.1 * factor) * np.linalg.norm(residual) or size < 1e-9 * top:
+                better = True
+                break
+            if not fresh:
+                break
+            factor *= 0.4
+        if not better and not fresh:
+            matrix, fresh = averaged.derivative(means, unknown), True
+            continue
+        moved = (new - unknown)[free]
+        change = new_residual - residual
+        # Broyden's update serves while it converges fast
+        slow = np.linalg.norm(new_residual) > 0.2 * np.linalg.norm(residual)
+        unknown, means, residual = new, new_means, new_residual
+        if np.abs(unknown).max() < HELD * top:
+            return _at_rest(averaged)
+        if np.abs(moved).max() < max(close, 3e-10) * top:
+            break
+        if slow:
+            matrix, fresh = averaged.derivative(means, unknown), True
+        else:
+            matrix = matrix + np.outer(change - matrix @ moved, moved) / (moved @ moved)
+            fresh = False
+    else:
+        held = _at_rest(averaged)
+        if held.held:
+            return held
+        raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
+    return _refined(averaged, unknown, matrix, close)
+
+
+def _newton_step(matrix, residual):
+    step, *_ = np.linalg.lstsq(matrix, -residual, rcond=1e-12)
+    return step
+
+
+def _refined(averaged, unknown, matrix, close):
+    """Return the root of the finer means from that of the search, and its error against means that differ."""
+    free, top = averaged.free, averaged.top_speed
+    for _ in range(12):
+        means = averaged.at(unknown, ANSWER)
+        step = _newton_step(matrix, averaged.residual(means, unknown))
+        if np.abs(step).max() < close * top:
+            break
+        unknown = unknown.copy()
+        unknown[free] += step
+    check = averaged.at(unknown, CHECK, averaged.deformation.copy())
+    error = np.zeros(3)
+    error[free] = np.abs(_newton_step(matrix, (check.force - means.force)[free])) + np.abs(step)
+    if not means.repeats:
+        raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
+    return Root(unknown, means, matrix, error, False)
+
+
+def _refuse_runaway(averaged):
+    """Raise where even full friction of all contacts does not hold the load and no damper does."""
+    load = averaged.load[averaged.free]
+    arms = np.hypot(averaged.problem.x, averaged.problem.y) / averaged.arm
+    linear = [k for k, index in enumerate(averaged.free) if index < 2]
+    most = averaged.friction
+    force = np.linalg.norm(load[linear])
+    if force >= most and force > 0.0 and np.all(averaged.damping[averaged.free][linear] == 0.0):
+        raise ConvergenceError("runaway", "the load exceeds the friction of all contacts and no damper balances it")
+    if 2 in averaged.free and averaged.damping[2] == 0.0 and abs(averaged.load[2]) >= most * arms.max() > 0.0:
+        raise ConvergenceError("runaway", "the torque exceeds the friction of all contacts and no damper balances it")
+
+
+def rest_force(averaged: Averaged, towards: np.ndarray, how=ANSWER) -> Means:
+    """Return the mean forces on a slider at rest that came to rest from a motion towards (V_x, V_y, arm omega).
+
+    Contacts that never open are dragged to their limit against that motion, then slip back to what the least approach
+    allows; their force is the end of the band of forces that rest can carry.
+    """
+    velocities = averaged.rigid @ towards
+    speed = np.linalg.norm(velocities, axis=1, keepdims=True)
+    direction = np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
+    return averaged.at(np.zeros(3), how, -1e3 * direction)
+
+
+def _at_rest(averaged):
+    """Return the balance at rest; not `held` where no force of the band is the load.
+
+    The forces of rest are a convex set. It holds the load if in no direction its farthest point falls short of it; the
+    direction in which it does is sought along the force that is left.
+    """
+    free = averaged.free
+    towards = np.zeros(3)
+    means = rest_force(averaged, towards)
+    held = False
+    for _ in range(40):
+        left = averaged.residual(means, np.zeros(3))
+        if np.linalg.norm(left) <= 1e-9 * averaged.friction:
+            held = True
+            break
+        new = np.zeros(3)
+        new[free] = left / np.linalg.norm(left)
+        means = rest_force(averaged, new)
+        # dragged towards what is left, the contacts resist as much as they can
+        if averaged.residual(means, np.zeros(3)) @ new[free] <= 1e-10 * averaged.friction:
+            held = True
+            break
+        if np.abs(new - towards).max() < 1e-9:
+            break
+        towards = new
+    return Root(np.zeros(3), means, np.zeros((free.size, free.size)), np.zeros(3), held)

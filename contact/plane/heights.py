@@ -1,0 +1,121 @@
+r"""Mean approaches of the contacts of a heavy slider: one height, or three unknowns where statics gives the loads.
+
+The cycle mean of each contact's normal force depends on its mean approach alone. Of a body that keeps its tilts the sum
+of the means is the preload; of one that tilts freely also their moments about x and y are those of the preload at its
+point, which a load above the surface shifts.
+"""
+
+import numpy as np
+
+from contact.averaged.riding import mean_loads
+from contact.exceptions import ConvergenceError
+from contact.law import normal
+from contact.plane.scaling import Scaled
+from contact.slider import Slider
+
+SAMPLES = 128  # per cycle of the fastest wave, to find where contacts touch and open
+NODES = 48  # of Gauss and Legendre's rule per contact
+
+
+class NormalMeans:
+    """Means of p(z) and dp/dz over the period for mean approaches of n contacts."""
+
+    def __init__(self, scaled: Scaled):
+        problem = scaled.problem
+        self.shape, self.period, self.ratio = problem.shape, scaled.period, problem.ratio
+        self.cos, self.sin = problem.cos[..., 2], problem.sin[..., 2]  # (w, n)
+        self.harmonic = self.ratio.size == 1
+        cycles = round(self.period / (2.0 * np.pi))
+        self.grid = np.linspace(0.0, self.period, SAMPLES * cycles, endpoint=False)
+        self.rule = np.polynomial.legendre.leggauss(NODES)
+        self.samples = self.surface(self.grid[:, None], slice(None))[0]  # (samples, n)
+
+    def surface(self, phase, i):
+        """Return u_z of contacts and its rate at phases."""
+        angle = self.ratio * phase[..., None]
+        c, s, a, b = np.cos(angle), np.sin(angle), self.cos[:, i].T, self.sin[:, i].T
+        return (a * c + b * s).sum(-1), (self.ratio * (b * c - a * s)).sum(-1)
+
+    def lowest(self):
+        """Return the phases of the least approach of each contact."""
+        if self.harmonic:
+            return np.arctan2(self.sin[0], self.cos[0]) - np.pi
+        return self.grid[self.samples.argmin(axis=0)]
+
+    def __call__(self, z):
+        """Return the means for mean approaches (n,): arrays (2, n)."""
+        if self.harmonic:
+            return mean_loads(z, np.hypot(self.cos[0], self.sin[0]), self.shape)
+        return np.array([self._several(i, each) for i, each in enumerate(z)]).T
+
+    def _several(self, i, z):
+        """Return the means of contact i: Gauss's rule between its touches and openings."""
+        value = z + self.samples[:, i]
+        up = np.flatnonzero((value <= 0.0) & (np.roll(value, -1) > 0.0))
+        down = np.flatnonzero((value > 0.0) & (np.roll(value, -1) <= 0.0))
+        if up.size == 0:
+            means = normal.load(value, self.shape).mean(), normal.slope(value, self.shape).mean()
+            return means if value[0] > 0.0 else (0.0, 0.0)
+        down = down if down[0] > up[0] else np.append(down[1:], down[0])
+        step = self.grid[1]
+        touch, opens = (self._root(i, z, each * step, each * step + step) for each in (up, down))
+        half = 0.5 * (np.where(opens < touch, opens + self.period, opens) - touch)
+        theta = 0.5 * np.pi * (self.rule[0] + 1.0)
+        phase = touch[:, None] + half[:, None] * (1.0 - np.cos(theta))
+        weight = half[:, None] * np.sin(theta) * self.rule[1] * (0.5 * np.pi / self.period)
+        approach = z + self.surface(phase, i)[0]
+        return tuple(float((weight * each(approach, self.shape)).sum()) for each in (normal.load, normal.slope))
+
+    def _root(self, i, z, low, high):
+        phase = 0.5 * (low + high)
+        for _ in range(30):
+            value, rate = self.surface(phase, i)
+            new = phase - (z + value) / rate
+            if np.abs(new - phase).max() < 1e-14 * self.period:
+                break
+            phase = np.clip(new, low, high)
+        return phase
+
+
+def approaches(slider: Slider, scaled: Scaled, means: NormalMeans, force=(0.0, 0.0)) -> np.ndarray:
+    """Return z_s for each contact, scaled: its mean approach is its height less z_s.
+
+    `force`: tangential force (x, y) of the contacts on the slider in N, which acts below a load at `load_height`.
+    """
+    problem, rows, target = scaled.problem, np.ones((1, scaled.problem.height.size)), np.array([1.0])
+    if slider.tilt != "held":
+        places = np.array(_from_centre(slider, scaled))
+        arms = np.abs(places).max(axis=1)
+        at = np.array(slider.preload_at) - slider.load_height * np.array(force) / slider.preload
+        rows, target = np.vstack([rows, places / arms[:, None]]), np.append(target, at / (scaled.length * arms))
+    target *= -problem.force[0]
+    reach = np.hypot(means.cos, means.sin).sum(axis=0)
+    rest = normal.approach(-problem.force[0] / float(problem.stiffness.sum()), problem.shape)
+    # from an approach that is too large Newton's method falls monotonically to the height of a held body
+    unknown = np.zeros(len(rows))
+    unknown[0] = rest - problem.height.min()
+    scale = float(reach.max() + abs(unknown[0])) + 1e-300
+    for count in range(200):
+        z = problem.height + unknown @ rows
+        load, slope = means(z)
+        residual = rows @ (problem.stiffness * load) - target
+        matrix = (rows * (problem.stiffness * slope)) @ rows.T
+        try:
+            step = np.linalg.solve(matrix, residual)
+        except np.linalg.LinAlgError:
+            step = np.full(len(rows), np.nan)
+        if not np.isfinite(step).all():
+            break
+        largest = np.abs(step).max()
+        if slider.tilt != "held" and largest > 0.25 * scale:
+            step *= 0.25 * scale / largest
+        unknown = unknown - step
+        if largest < 2e-15 * scale or (count > 40 and largest < 1e-12 * scale):
+            return -(unknown @ rows)
+    raise ConvergenceError("not converged", "no mean height of the contacts carries the preload")
+
+
+def _from_centre(slider, scaled):
+    """Return the positions of the contacts from the slider's centre, scaled."""
+    about = slider.axis if slider.freedom == "axle" else (0.0, 0.0)
+    return scaled.problem.x + about[0] / scaled.length, scaled.problem.y + about[1] / scaled.length
