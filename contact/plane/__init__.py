@@ -1,0 +1,28 @@
+"""Sliders that move in the plane: two directions, several waves, yaw.
+
+A `contact.Slider` whose `freedom` is "xy", "xy yaw" or "axle" on `SurfaceWaves`, the motion of the surface under each of
+its contacts, or on a field of waves such as `PlaneWaves`. The law is the stop operator whose limit is a disc of radius
+c z (Moreau's sweeping process); with one direction it is the law of `contact.steady`.
+"""
+
+from importlib import import_module
+
+_PUBLIC = {
+    "stalling": "drift_per_degree stall stall_curve stall_torque StallCurve yaw_stability",
+    "state": "Band PlaneState Powers",
+    "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
+    "waves": "PlaneWave PlaneWaves SurfaceWaves",
+}
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str):
+    """Import a public name from its module when it is first used."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'contact.plane' has no attribute {name!r}")
+    return getattr(import_module(f"contact.plane.{_HOME[name]}"), name)
+
+
+def __dir__():
+    return __all__

@@ -24,9 +24,10 @@ from contact.plane.waves import SurfaceWaves
 from contact.slider import Slider
 
 # Nodes and tolerance of a segment: of the search, of the answer, and of the check that differs from it in both
-SEARCH, ANSWER, CHECK = (5, 3e-5), (6, 1e-6), (5, 1e-5)
+SEARCH, ANSWER, CHECK = (5, 1e-3), (7, 1e-5), (6, 1e-4)
 MAX_NEWTON = 60
-STEP = 1e-5  # of the differences, over the surface's largest speed
+STEP = 1e-4  # of the differences, over the surface's largest speed
+ROUGH = 1e-4  # of that speed: a step at which the search goes over to the means of the answer
 HELD = 1e-9  # of the surface's largest speed, below which a slider is taken as held
 
 
@@ -46,14 +47,17 @@ class Averaged:
     scaled: Scaled
     height: np.ndarray  # z_s of each contact
     start: np.ndarray
+    basis: np.ndarray  # (3, m): the free motions, orthonormal, of (V_x, V_y, arm times yaw rate)
     evaluations: int = 0
 
     @classmethod
-    def of(cls, slider: Slider, waves: SurfaceWaves, force=(0.0, 0.0)) -> "Averaged":
-        """Return the mean forces with the heights under a mean tangential force in N."""
+    def of(cls, slider: Slider, waves: SurfaceWaves) -> "Averaged":
+        """Return the mean forces with the heights under the slider's loads."""
         units = scaled(slider, waves, heavy=True)
         means = NormalMeans(units)
-        return cls(slider, units, approaches(slider, units, means, force), np.ascontiguousarray(means.lowest()))
+        force = slider.load if slider.freedom != "x" else (slider.load, 0.0)
+        height = approaches(slider, units, means, force)
+        return cls(slider, units, height, np.ascontiguousarray(means.lowest()), np.eye(3)[:, FREE[slider.freedom]])
 
     def __post_init__(self):
         problem = self.scaled.problem
@@ -63,7 +67,6 @@ class Averaged:
         self.rigid = np.zeros((n, 2, 3))
         self.rigid[:, 0, 0] = self.rigid[:, 1, 1] = 1.0
         self.rigid[:, 0, 2], self.rigid[:, 1, 2] = -problem.y / self.arm, problem.x / self.arm
-        self.free = np.array(FREE[self.slider.freedom])
         damping = problem.damping
         self.damping = np.array([damping[1], damping[2], damping[3] / self.arm**2])
         self.load = -np.array([problem.force[1], problem.force[2], problem.force[3] / self.arm])
@@ -75,6 +78,14 @@ class Averaged:
     def problem(self) -> PlaneProblem:
         """The scaled problem."""
         return self.scaled.problem
+
+    @property
+    def closed(self) -> np.ndarray:
+        """True of each contact that never opens (n,)."""
+        problem = self.problem
+        angle = problem.ratio[:, None] * self.start
+        lowest = (problem.cos[..., 2] * np.cos(angle) + problem.sin[..., 2] * np.sin(angle)).sum(axis=0)
+        return problem.height - self.height + lowest > 0.0
 
     @property
     def top_speed(self) -> float:
@@ -110,7 +121,7 @@ class Averaged:
 
     def residual(self, means: Means, unknown: np.ndarray) -> np.ndarray:
         """Return the forces that accelerate the body, of its free coordinates."""
-        return (means.force - self.load - self.damping * unknown)[self.free]
+        return self.basis.T @ (means.force - self.load - self.damping * unknown)
 
     def derivative(self, means: Means, unknown: np.ndarray, how=SEARCH) -> np.ndarray:
         """Return the derivative of the residual in the free unknowns."""
@@ -123,7 +134,7 @@ class Averaged:
             columns = [Sum.ALONG_X, Sum.ALONG_Y]
             slope = (changed - means.contacts)[:, columns] / step  # (n, 2): dQ/dV_axis
             matrix = matrix + np.einsum("ick,ic,im->km", self.rigid, slope, self.rigid[:, axis])
-        return matrix[np.ix_(self.free, self.free)]
+        return self.basis.T @ matrix @ self.basis
 
     def guess(self) -> np.ndarray:
         """Return the velocity of the surface weighted by the normal force: that of contacts which are viscous."""
@@ -137,10 +148,9 @@ class Averaged:
         pressing = np.maximum(problem.height - self.height + u_z, 0.0) ** 1.5
         weight = problem.stiffness * pressing.sum(axis=0)
         mean = (pressing[..., None] * speed).sum(axis=0) / np.maximum(pressing.sum(axis=0), 1e-300)[:, None]
-        rows = (self.rigid * np.sqrt(weight)[:, None, None]).reshape(-1, 3)[:, self.free]
-        found = np.zeros(3)
-        found[self.free] = np.linalg.lstsq(rows, (mean * np.sqrt(weight)[:, None]).ravel(), rcond=None)[0]
-        return 0.7 * found
+        rows = (self.rigid * np.sqrt(weight)[:, None, None]).reshape(-1, 3) @ self.basis
+        found = np.linalg.lstsq(rows, (mean * np.sqrt(weight)[:, None]).ravel(), rcond=None)[0]
+        return 0.85 * self.basis @ found
 
 
 class Root(NamedTuple):
@@ -162,9 +172,11 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, close: float = 
         "runaway" where friction does not balance the load, "not converged".
     """
     _refuse_runaway(averaged)
-    top, free = averaged.top_speed, averaged.free
+    top, basis = averaged.top_speed, averaged.basis
     if top == 0.0:
         return _at_rest(averaged)
+    if averaged.closed.any() and (held := _at_rest(averaged)).held:
+        return held
     unknown = averaged.guess() if near is None else np.array(near)
     means = averaged.at(unknown)
     residual = averaged.residual(means, unknown)
@@ -172,44 +184,43 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, close: float = 
     fresh = True
     for _ in range(MAX_NEWTON):
         step = _newton_step(matrix, residual)
-        size = np.abs(step).max()
+        size, factor = np.abs(step).max(), 1.0
         if size > 0.7 * top:
             step *= 0.7 * top / size
-        factor, better = 1.0, False
         for _ in range(8):
-            new = unknown.copy()
-            new[free] += factor * step
+            new = unknown + factor * basis @ step
             new_means = averaged.at(new)
             new_residual = averaged.residual(new_means, new)
-            if np.linalg.norm(new_residual) < (1.0 - 0.1 * factor) * np.linalg.norm(residual) or size < 1e-9 * top:
-                better = True
-                break
-            if not fresh:
+            better = np.linalg.norm(new_residual) < 0.9 * np.linalg.norm(residual) or size < ROUGH * top
+            if better or not fresh:
                 break
             factor *= 0.4
         if not better and not fresh:
             matrix, fresh = averaged.derivative(means, unknown), True
             continue
-        moved = (new - unknown)[free]
-        change = new_residual - residual
-        # Broyden's update serves while it converges fast
-        slow = np.linalg.norm(new_residual) > 0.2 * np.linalg.norm(residual)
-        unknown, means, residual = new, new_means, new_residual
+        moved = factor * step
+        slow = np.linalg.norm(new_residual) > 0.3 * np.linalg.norm(residual)
+        matrix = _updated(matrix, new_residual - residual, moved)
+        unknown, means, residual, fresh = new, new_means, new_residual, False
         if np.abs(unknown).max() < HELD * top:
             return _at_rest(averaged)
-        if np.abs(moved).max() < max(close, 3e-10) * top:
+        if np.abs(_newton_step(matrix, residual)).max() < ROUGH * top:
             break
         if slow:
             matrix, fresh = averaged.derivative(means, unknown), True
-        else:
-            matrix = matrix + np.outer(change - matrix @ moved, moved) / (moved @ moved)
-            fresh = False
     else:
         held = _at_rest(averaged)
         if held.held:
             return held
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
+    unknown = unknown + basis @ _newton_step(matrix, residual)
     return _refined(averaged, unknown, matrix, close)
+
+
+def _updated(matrix, change, moved):
+    """Return the derivative after Broyden's update by a change of the residual over a step."""
+    size = moved @ moved
+    return matrix + np.outer(change - matrix @ moved, moved) / size if size > 0.0 else matrix
 
 
 def _newton_step(matrix, residual):
@@ -219,17 +230,20 @@ def _newton_step(matrix, residual):
 
 def _refined(averaged, unknown, matrix, close):
     """Return the root of the finer means from that of the search, and its error against means that differ."""
-    free, top = averaged.free, averaged.top_speed
-    for _ in range(12):
-        means = averaged.at(unknown, ANSWER)
-        step = _newton_step(matrix, averaged.residual(means, unknown))
+    basis, top = averaged.basis, averaged.top_speed
+    means = averaged.at(unknown, ANSWER)
+    residual = averaged.residual(means, unknown)
+    for _ in range(30):
+        step = _newton_step(matrix, residual)
         if np.abs(step).max() < close * top:
             break
-        unknown = unknown.copy()
-        unknown[free] += step
+        new = unknown + basis @ step
+        means = averaged.at(new, ANSWER)
+        changed = averaged.residual(means, new)
+        matrix = _updated(matrix, changed - residual, step)
+        unknown, residual = new, changed
     check = averaged.at(unknown, CHECK, averaged.deformation.copy())
-    error = np.zeros(3)
-    error[free] = np.abs(_newton_step(matrix, (check.force - means.force)[free])) + np.abs(step)
+    error = np.abs(basis @ _newton_step(matrix, basis.T @ (check.force - means.force))) + np.abs(basis @ step)
     if not means.repeats:
         raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
     return Root(unknown, means, matrix, error, False)
@@ -237,14 +251,12 @@ def _refined(averaged, unknown, matrix, close):
 
 def _refuse_runaway(averaged):
     """Raise where even full friction of all contacts does not hold the load and no damper does."""
-    load = averaged.load[averaged.free]
+    projector = averaged.basis @ averaged.basis.T
+    load, most = projector @ averaged.load, averaged.friction
     arms = np.hypot(averaged.problem.x, averaged.problem.y) / averaged.arm
-    linear = [k for k, index in enumerate(averaged.free) if index < 2]
-    most = averaged.friction
-    force = np.linalg.norm(load[linear])
-    if force >= most and force > 0.0 and np.all(averaged.damping[averaged.free][linear] == 0.0):
+    if np.linalg.norm(load[:2]) >= most and load[:2].any() and averaged.damping[0] == 0.0:
         raise ConvergenceError("runaway", "the load exceeds the friction of all contacts and no damper balances it")
-    if 2 in averaged.free and averaged.damping[2] == 0.0 and abs(averaged.load[2]) >= most * arms.max() > 0.0:
+    if abs(load[2]) >= most * arms.max() and load[2] != 0.0 and averaged.damping[2] == 0.0:
         raise ConvergenceError("runaway", "the torque exceeds the friction of all contacts and no damper balances it")
 
 
@@ -266,8 +278,7 @@ def _at_rest(averaged):
     The forces of rest are a convex set. It holds the load if in no direction its farthest point falls short of it; the
     direction in which it does is sought along the force that is left.
     """
-    free = averaged.free
-    towards = np.zeros(3)
+    basis, towards = averaged.basis, np.zeros(3)
     means = rest_force(averaged, towards)
     held = False
     for _ in range(40):
@@ -275,14 +286,13 @@ def _at_rest(averaged):
         if np.linalg.norm(left) <= 1e-9 * averaged.friction:
             held = True
             break
-        new = np.zeros(3)
-        new[free] = left / np.linalg.norm(left)
+        new = basis @ left / np.linalg.norm(left)
         means = rest_force(averaged, new)
         # dragged towards what is left, the contacts resist as much as they can
-        if averaged.residual(means, np.zeros(3)) @ new[free] <= 1e-10 * averaged.friction:
+        if averaged.residual(means, np.zeros(3)) @ (basis.T @ new) <= 1e-10 * averaged.friction:
             held = True
             break
         if np.abs(new - towards).max() < 1e-9:
             break
         towards = new
-    return Root(np.zeros(3), means, np.zeros((free.size, free.size)), np.zeros(3), held)
+    return Root(np.zeros(3), means, np.zeros((basis.shape[1],) * 2), np.zeros(3), held)

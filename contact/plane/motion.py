@@ -31,6 +31,7 @@ TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
 CLOSE = 1e-13  # of an event, in phase
 MAX_STEP = 0.6  # rad of the fastest wave
+LEAST_STEP = 1e-3  # rad, of the first trial of a segment
 MAX_TRIES = 60  # trials of the length of one segment
 
 
@@ -419,7 +420,7 @@ def _first_event(problem, first, last, length, kind, state, work):
             if regime == Regime.SEPARATED and turn == 1:
                 continue
             old, phase_old = _guard(problem, i, regime, which, work.start[i]), 0.0
-            rate_old = work.start[i, Stage.Z_RATE]
+            rate_old, x_old, y_old = work.start[i, Stage.Z_RATE], work.start[i, Stage.E_X], work.start[i, Stage.E_Y]
             if state.begins[i] == 1:
                 old = 0.0
                 if which == Guard.PASS:
@@ -432,8 +433,11 @@ def _first_event(problem, first, last, length, kind, state, work):
                 if phase_old > at:
                     break
                 if which == Guard.PASS and new < -1e-13:
-                    limit = problem.limit_slope[i] * row[Stage.Z]
-                    if min(np.hypot(row[Stage.E_X], row[Stage.E_Y]), abs(old)) > NEAR * limit:
+                    x, y, limit = row[Stage.E_X], row[Stage.E_Y], problem.limit_slope[i] * row[Stage.Z]
+                    d_x, d_y = x - x_old, y - y_old
+                    # the chord between both nodes must come near zero between them; else w itself has turned
+                    between = x_old * d_x + y_old * d_y < 0.0 < x * d_x + y * d_y
+                    if not between or abs(x_old * y - y_old * x) > NEAR * limit * np.hypot(d_x, d_y):
                         break
                 if new < -1e-13:
                     share = old / (old - new) if old > 0.0 else 0.0
@@ -450,26 +454,44 @@ def _first_event(problem, first, last, length, kind, state, work):
                             found, what, at, crossing = i, Guard.NONE, place, 1
                         break
                 old, phase_old, rate_old = new, phase, row[Stage.Z_RATE]
+                x_old, y_old = row[Stage.E_X], row[Stage.E_Y]
     return found, what, at, crossing
 
 
 @compiled
-def _error(problem, first, last, work):
+def _error(problem, first, last, state, work):
     """Return the error of a segment's forces over the friction limit, by a rule without one of the nodes."""
     nodes, error = work.nodes, 0.0
     for i in range(first, last):
+        if state.regime[i] == Regime.SEPARATED:
+            continue
         p = x = y = top = angle = 0.0
         for j in range(nodes.weight.size):
             row, d = work.stage[j, i], nodes.difference[j]
             p += d * work.rate[j] * row[Stage.P]
             x += d * work.rate[j] * row[Stage.Q_X]
             y += d * work.rate[j] * row[Stage.Q_Y]
-            angle += d * row[Stage.TURNING]
+            angle += d * row[Stage.TURNING] if state.regime[i] == Regime.SLIP else 0.0
             top = max(top, row[Stage.P])
         scale = problem.stiffness[i] * load(1.0, problem.shape)
         own = (abs(p) + np.hypot(x, y) / problem.friction + abs(angle) * top) / scale
         error = max(error, own)
     return error
+
+
+@compiled
+def _rises(problem, i, which, state, work):
+    """Return True if a guard rises at the start of a segment."""
+    row = work.start[i]
+    if which == Guard.OPEN:
+        return row[Stage.Z_RATE] > 0.0
+    if which != Guard.SLIP:
+        return False
+    along = np.hypot(row[Stage.W_X], row[Stage.W_Y])
+    size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+    if size > 0.0:
+        along = (row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]) / size
+    return problem.limit_slope[i] * row[Stage.Z_RATE] - along > 0.0
 
 
 @compiled
@@ -588,7 +610,7 @@ def advance(problem, first, last, until, state, work):
         left = until - total[Total.PHASE]
         if left <= 1e-12:
             return True
-        length = min(total[Total.STEP], MAX_STEP)
+        length = min(max(total[Total.STEP], LEAST_STEP), MAX_STEP)
         if length > 0.8 * left:
             length = left
         kind = Map.LINEAR
@@ -602,7 +624,7 @@ def advance(problem, first, last, until, state, work):
                 continue
             i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
             if i < 0 and target < 0:
-                error = _error(problem, first, last, work)
+                error = _error(problem, first, last, state, work)
                 if error <= work.tolerance or length < 1e-7:
                     done = True
                     break
@@ -610,6 +632,10 @@ def advance(problem, first, last, until, state, work):
                 continue
             if i >= 0 and which == Guard.NONE:  # a gap that closes between two nodes
                 length, kind, target = at, begun, -1
+                continue
+            if i >= 0 and at < 1e-11 and _rises(problem, i, which, state, work):
+                # the guard rises from zero and falls again before the first node
+                length, kind, target = 0.2 * length, begun, -1
                 continue
             if i >= 0 and begun == Map.BEGIN and kind == Map.BEGIN and at > 1e-9:
                 # both ends of a segment are singular: two segments
@@ -625,7 +651,7 @@ def advance(problem, first, last, until, state, work):
                 low = length
             step = -value / rate if rate < 0.0 else 0.0
             if crossing != 1 and (abs(step) < CLOSE or abs(value) < 1e-15 or high - low < CLOSE) and value > -1e-9:
-                error = _error(problem, first, last, work)
+                error = _error(problem, first, last, state, work)
                 if error <= work.tolerance or length < 1e-7:
                     done = True
                     break
@@ -652,10 +678,9 @@ def advance(problem, first, last, until, state, work):
             continue
         _finish(problem, first, last, state, work)
         grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / n)
-        if target < 0 or grow < 1.0:
-            total[Total.STEP] = length * max(0.3, min(2.5, grow))
-        else:
-            total[Total.STEP] = max(total[Total.STEP], length * min(2.5, grow))
+        proposed = length * max(0.3, min(2.5, grow))
+        # a segment that an event has cut says little about the next one
+        total[Total.STEP] = max(proposed, 0.5 * total[Total.STEP] if target >= 0 else LEAST_STEP)
         if target >= 0:
             _pass_event(problem, target, guard, state, work.start[target])
             for i in range(first, last):  # events of equal contacts

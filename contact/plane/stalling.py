@@ -1,0 +1,139 @@
+r"""Loads that stop a slider in the plane.
+
+Across the wave there is no threshold: a slider that slips along x yields to any force along y. Stall along a direction
+d is therefore the load F d at which the velocity along d is zero, while the slider stays free across and in yaw: what a
+motor that pushes along d can hold. F(d) over all directions is the stall curve.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.choice import Answer
+from contact.error_estimate import averaged_stall_error
+from contact.exceptions import InputError
+from contact.plane.averaged import CHECK, Averaged, balanced, rest_force
+from contact.plane.scaling import FREE, refuse_slow_beat
+from contact.plane.steady_state import refuse, steady
+from contact.plane.waves import Surface, SurfaceWaves, places, surface_under
+from contact.slider import Slider
+
+
+def _unloaded(slider, surface):
+    refuse(slider)
+    waves = surface_under(slider, surface)
+    refuse_slow_beat(slider, waves)
+    return Averaged.of(slider, waves), waves
+
+
+def _averaging_error(slider, waves):
+    if slider.mass == math.inf:
+        return 0.0
+    return averaged_stall_error(slider.normal_resonance(waves.count) * 2.0 * math.pi / waves.omega)
+
+
+def stall(slider: Slider, surface: Surface, direction) -> Answer:
+    """Return the load in N along a direction (2,) at which the velocity along it is zero; the slider's own is left out.
+
+    Negative where the waves drive the other way.
+    """
+    towards = np.asarray(direction, float)
+    if towards.shape != (2,) or not np.linalg.norm(towards) > 0.0:
+        raise InputError("direction", "must be a vector of two numbers, not both zero", str(direction))
+    if slider.freedom not in ("xy", "xy yaw"):
+        raise InputError("slider.freedom", 'must be "xy" or "xy yaw" for a stall along a direction', slider.freedom)
+    along = np.append(towards / np.linalg.norm(towards), 0.0)
+    averaged, waves = _unloaded(replace(slider, load=(0.0, 0.0)), surface)
+    across = np.array([-along[1], along[0], 0.0])
+    averaged.basis = np.array([across] if slider.freedom == "xy" else [across, [0.0, 0.0, 1.0]]).T
+    root = balanced(averaged)
+    means = rest_force(averaged, along) if np.all(root.unknown == 0.0) else root.means
+    check = averaged.at(root.unknown, CHECK, averaged.deformation.copy()) if root.unknown.any() else means
+    value = float((means.force - averaged.damping * root.unknown) @ along) * averaged.scaled.force
+    numerical = abs(float((check.force - means.force) @ along)) * averaged.scaled.force
+    error = numerical + _averaging_error(slider, waves) * abs(value)
+    return Answer(value=value, error=error, reasons=("load along the direction at which the averaged motion stops",))
+
+
+@dataclass(frozen=True, kw_only=True)
+class StallCurve:
+    """Stall over the direction.
+
+    Attributes
+    ----------
+    angle : (k,) array
+        Directions of the load, rad from x to y.
+    load, error : (k,) array
+        N.
+    """
+
+    angle: np.ndarray
+    load: np.ndarray
+    error: np.ndarray
+
+
+def stall_curve(slider: Slider, surface: Surface, *, points: int = 24) -> StallCurve:
+    """Return the stall along evenly spaced directions."""
+    angle = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
+    answers = [stall(slider, surface, (math.cos(each), math.sin(each))) for each in angle]
+    return StallCurve(
+        angle=angle, load=np.array([each.value for each in answers]), error=np.array([each.error for each in answers])
+    )
+
+
+def stall_torque(slider: Slider, surface: Surface) -> Answer:
+    """Return the torque in N m that keeps the slider from turning, under its load; its own torque is left out."""
+    if 2 not in FREE[slider.freedom]:
+        raise InputError("slider.freedom", 'must be "xy yaw" or "axle" for a stall torque', slider.freedom)
+    averaged, waves = _unloaded(replace(slider, torque=0.0), surface)
+    averaged.basis = averaged.basis[:, :-1]
+    turning = np.array([0.0, 0.0, 1.0])
+    root = balanced(averaged) if averaged.basis.size else None
+    unknown = np.zeros(3) if root is None else root.unknown
+    means = rest_force(averaged, turning) if not unknown.any() else root.means
+    if not unknown.any() and means.force[2] < 0.0:
+        means = rest_force(averaged, -turning)
+    check = averaged.at(unknown, CHECK, averaged.deformation.copy())
+    unit = averaged.scaled.force * averaged.scaled.length * averaged.arm
+    value = float(means.force[2]) * unit
+    error = abs(float(check.force[2] - means.force[2])) * unit + _averaging_error(slider, waves) * abs(value)
+    return Answer(value=value, error=error, reasons=("torque at which the averaged yaw stops",))
+
+
+def drift_per_degree(slider: Slider, surface: Surface, direction=(0.0, 1.0), *, gravity: float = 9.81) -> float:
+    """Return the speed in m/s along a direction that one degree of tilt of the stator adds, of a slider of finite mass.
+
+    It is dV/dF times m g pi/180: the slope of the velocity in a force at the slider's own load.
+    """
+    if slider.mass == math.inf:
+        raise InputError("slider.mass", "must be finite for its weight on a tilted stator", slider.mass, "kg")
+    averaged, _ = _unloaded(slider, surface)
+    root = balanced(averaged)
+    towards = np.append(np.asarray(direction, float) / np.linalg.norm(direction), 0.0)
+    if not root.unknown.any():
+        return 0.0
+    slope = averaged.derivative(root.means, root.unknown, how=CHECK)
+    rate = -towards @ averaged.basis @ np.linalg.solve(slope, averaged.basis.T @ towards)
+    force = slider.mass * gravity * math.pi / 180.0
+    return float(rate) * averaged.scaled.speed * force / averaged.scaled.force
+
+
+def yaw_stability(slider: Slider, surface: Surface, *, step: float = 1e-3) -> float:
+    """Return d omega/d psi in 1/s: the yaw rate that a small yaw of the slider under its beam adds, per rad.
+
+    Negative: the yaw returns. The surface must be known at every place. A slider without another yaw rate than that of
+    its place turns away from psi = 0 where it is positive.
+
+    Raises
+    ------
+    InputError
+        Of a motion that is given at the contacts alone.
+    """
+    if isinstance(surface, SurfaceWaves):
+        raise InputError("surface", "must be known at every place: give an object with .at(x, y)")
+    rates = []
+    for psi in (-step, step):
+        x, y = places(slider, (0.0, 0.0, psi))
+        rates.append(steady(replace(slider, x=x, y=y), surface.at(x, y), tolerance=1e-6).yaw_rate)
+    return (rates[1] - rates[0]) / (2.0 * step)

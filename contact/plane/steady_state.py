@@ -1,0 +1,214 @@
+"""Steady motion of a slider in the plane on continuous waves, and the mean forces at a given motion."""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact import parameter_check
+from contact.choice import Answer
+from contact.error_estimate import first_order_error, speed_scale
+from contact.exceptions import ConvergenceError, InputError
+from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, rest_force
+from contact.plane.cycle import Extra
+from contact.plane.motion import Sum
+from contact.plane.scaling import refuse_slow_beat, slowest_beat
+from contact.plane.state import Band, PlaneState, Powers
+from contact.plane.waves import Surface, SurfaceWaves, surface_under
+from contact.slider import Slider
+
+METHODS = ("auto", "averaged", "exact")
+
+
+def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = "auto") -> PlaneState:
+    """Return the steady motion of a slider on continuous waves.
+
+    Parameters
+    ----------
+    slider : Slider
+        With `freedom` "xy", "xy yaw" or "axle"; with "x" the motion across the wave and the yaw are held.
+    surface : SurfaceWaves or Field
+        Motion of the surface under each contact; of a field that where the slider starts.
+    tolerance : float
+        Allowed error of the speed, relative to max(|V|, omega |u_t|/10).
+    method : str
+        "averaged" or "auto".
+
+    Raises
+    ------
+    InputError
+        If the parameters contradict each other.
+    ConvergenceError
+        With status "runaway", "not applicable" or "not converged".
+
+    Examples
+    --------
+    >>> slider = Slider(
+    ...     radius=1e-3, mass=math.inf, preload=0.87309e-3, load=(0.0, 0.0), friction_coefficient=0.08,
+    ...     effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0,
+    ...     contact_damping=0.0, normal_damping=0.0, tangential_damping=0.0, freedom="xy",
+    ... )
+    >>> both = [[-6.7e-9j, 6.7e-9, 10e-9 + 10e-9j]]  # a wave along x and one along y, a quarter of a period ahead
+    >>> state = steady(slider, SurfaceWaves(frequencies=[2.2e6], amplitudes=[both]), tolerance=1e-7)
+    >>> print(state.velocity.round(6), state.status)
+    [0.020225 0.081674] ok
+    """
+    begun = time.perf_counter()
+    parameter_check.positive("tolerance", tolerance, "")
+    parameter_check.choice("method", method, METHODS)
+    waves = surface_under(slider, surface)
+    refuse(slider)
+    refuse_slow_beat(slider, waves)
+    averaged = Averaged.of(slider, waves)
+    root = balanced(averaged)
+    return _state(averaged, waves, root, tolerance, begun)
+
+
+def mean_motion(slider: Slider, surface: Surface) -> PlaneState:
+    """Return the averaged steady motion, with the tolerance 1e-8."""
+    return steady(slider, surface, tolerance=1e-8, method="averaged")
+
+
+def refuse(slider: Slider) -> None:
+    """Raise an InputError for a law that has no two directions, and where there is no friction or no preload."""
+    if slider.law != "elastic":
+        raise InputError("slider.law", 'must change: the hysteretic law has one direction: choose "elastic"')
+    slider.refuse_other_laws(" in the plane")
+    for name, unit in (("preload", "N"), ("friction_coefficient", "")):
+        parameter_check.positive(f"slider.{name}", getattr(slider, name), unit)
+    if slider.backing != "rigid":
+        raise InputError("slider.backing", 'must be "rigid" in the plane')
+
+
+def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun) -> PlaneState:
+    slider, units = averaged.slider, averaged.scaled
+    velocity, yaw_rate = rigid_motion(averaged, root.unknown)
+    error, yaw_error = np.abs(root.error[:2]) * units.speed, abs(root.error[2]) * units.omega / averaged.arm
+    fastest = float(np.linalg.norm(averaged.rigid @ root.unknown, axis=1).max()) * units.speed
+    turns = slider.freedom == "axle"
+    speed = fastest if turns else float(np.hypot(*velocity))
+    reference = speed_scale(speed, waves.peak_speed)
+    reasons = ["averaged equilibrium in the plane"]
+    size = float(np.linalg.norm(root.error)) * units.speed
+    if slider.mass != math.inf:
+        ratio = slider.normal_resonance(waves.count) * 2.0 * math.pi / waves.omega
+        size += first_order_error(ratio) * reference
+        error = error + first_order_error(ratio) * reference
+        yaw_error += first_order_error(ratio) * abs(yaw_rate)
+    if units.period_change > 1e-9:
+        reasons.append(f"frequencies changed by {units.period_change:.1g} to have a common period")
+    band = None
+    if np.all(root.unknown == 0.0) and not root.held:
+        raise ConvergenceError(
+            "near the threshold", "friction holds the slider or nearly so, and averaging cannot tell which"
+        )
+    if root.held:
+        band = force_band(averaged)
+        stuck = "its contacts never slip" if np.all(root.means.contacts[:, Extra.STUCK] == 1.0) else "held"
+        reasons.append(f"{stuck}: they carry {band.least:.3g} to {band.largest:.3g} N along {band.direction.round(3)}")
+    answer = Answer(value=speed, error=size, reasons=tuple(reasons)).judged(tolerance, reference)
+    contacts = root.means.contacts
+    return PlaneState(
+        answer=answer, velocity=velocity, yaw_rate=yaw_rate, error=error, yaw_error=yaw_error,
+        force=root.means.force[:2] * units.force, torque=float(root.means.force[2]) * averaged.arm * units.force
+        * units.length, powers=_powers(averaged, root), regimes=tuple(map(_regime, contacts)),
+        normal_loads=contacts[:, Sum.NORMAL] * units.force,
+        heights=(averaged.problem.height - averaged.height) * units.length, held=root.held, band=band,
+        reference=reference, method="averaged", seconds=time.perf_counter() - begun,
+        statistics={
+            "evaluations": averaged.evaluations, "made": contacts[:, Extra.MADE].astype(int).tolist(),
+            "slips": contacts[:, Extra.SLIPS].astype(int).tolist(),
+            "periods": contacts[:, Extra.PERIODS].astype(int).tolist(),
+            "cycles": round(units.period / (2.0 * math.pi)), "beat": slowest_beat(waves.frequencies),
+        },
+    )  # fmt: skip
+
+
+def rigid_motion(averaged: Averaged, unknown) -> tuple[np.ndarray, float]:
+    """Return the velocity of the slider's centre in m/s and the yaw rate in rad/s."""
+    slider, units = averaged.slider, averaged.scaled
+    velocity, yaw_rate = unknown[:2] * units.speed, float(unknown[2]) * units.omega / averaged.arm
+    if slider.freedom == "axle":
+        velocity = velocity + yaw_rate * np.array([slider.axis[1], -slider.axis[0]])
+    return velocity + 0.0, yaw_rate + 0.0
+
+
+def _regime(contact):
+    if contact[Sum.CONTACT] == 0.0:
+        return "open"
+    if contact[Extra.STUCK] == 1.0:
+        return "stick"
+    return "intermittent" if contact[Extra.MADE] > 0 else "slip"
+
+
+def _powers(averaged, root):
+    contacts, u = root.means.contacts, root.unknown
+    unit = averaged.scaled.power
+    return Powers(
+        wave=float(contacts[:, Sum.WAVE_TANGENTIAL].sum()) * unit, slip=float(contacts[:, Sum.SLIP].sum()) * unit,
+        dampers=float(averaged.damping @ u**2) * unit, load=float(averaged.load @ u) * unit,
+        law=float(contacts[:, Sum.LEAK].sum()) * unit,
+    )  # fmt: skip
+
+
+def force_band(averaged: Averaged, direction=None) -> Band:
+    """Return the forces that a slider at rest can carry along a direction, by default that of its load or x."""
+    if direction is None:
+        load = averaged.load[:2]
+        direction = load / np.linalg.norm(load) if load.any() else np.array([1.0, 0.0])
+    ends = [float(rest_force(averaged, np.append(s * direction, 0.0)).force[:2] @ direction) for s in (1.0, -1.0)]
+    least, largest = (end * averaged.scaled.force for end in ends)
+    return Band(direction=np.array(direction), least=least, largest=largest)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeanPlaneForces:
+    """Mean forces of the contacts on a slider that keeps a velocity and a yaw rate.
+
+    Attributes
+    ----------
+    force : (2,) array
+        N.
+    torque : float
+        About the centre, or the axle, N m.
+    error, torque_error : float
+        Of the force and the torque, against means with other nodes and another tolerance.
+    slip_power, wave_power : float
+        W.
+    """
+
+    force: np.ndarray
+    torque: float
+    error: float
+    torque_error: float
+    slip_power: float
+    wave_power: float
+
+
+def mean_forces(slider: Slider, surface: Surface, velocity, yaw_rate: float = 0.0) -> MeanPlaneForces:
+    """Return the mean forces of the contacts on a slider with this velocity (2,) in m/s and yaw rate in rad/s.
+
+    The velocity is that of the slider's centre; with "axle" it is that of the point on the axle.
+    """
+    refuse(slider)
+    waves = surface_under(slider, surface)
+    refuse_slow_beat(slider, waves)
+    averaged = Averaged.of(slider, waves)
+    units = averaged.scaled
+    unknown = np.array([*np.asarray(velocity, float) / units.speed, yaw_rate * averaged.arm / units.omega])
+    fine, coarse = averaged.at(unknown, ANSWER), averaged.at(unknown, CHECK)
+    return forces_of(averaged, fine, coarse)
+
+
+def forces_of(averaged: Averaged, fine: Means, coarse: Means) -> MeanPlaneForces:
+    """Return mean forces with their difference from coarser ones as error."""
+    units = averaged.scaled
+    moment = averaged.arm * units.force * units.length
+    change = np.abs(fine.force - coarse.force)
+    return MeanPlaneForces(
+        force=fine.force[:2] * units.force, torque=float(fine.force[2]) * moment,
+        error=float(np.hypot(*change[:2])) * units.force, torque_error=float(change[2]) * moment,
+        slip_power=float(fine.contacts[:, Sum.SLIP].sum()) * units.power,
+        wave_power=float(fine.contacts[:, Sum.WAVE_TANGENTIAL].sum()) * units.power,
+    )  # fmt: skip
