@@ -42,7 +42,6 @@ class SliderRules(Checks):
                 f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
             )
 
-
     def check_freedom(self) -> Iterator[tuple[str, str]]:
         """Require a law and a body whose motion in the plane is known."""
         if self.freedom == "x":

@@ -251,9 +251,7 @@ class Slider(SliderRules):
         if self.tilt == "free" and self.freedom != "x" and _on_a_line(self.x, self.y):
             number = {1: "one ball does", 2: "two balls on a line do", 3: "three balls on a line do"}
             which = number.get(self.count, "balls on a line do")
-            raise InputError(
-                "slider.tilt", f'must change: {which} not fix the tilt: hold it with slider.tilt = "held"'
-            )
+            raise InputError("slider.tilt", f'must change: {which} not fix the tilt: hold it with slider.tilt = "held"')
         for name in ("x",) if self.tilt == "pitch" else ("x", "y"):
             if np.ptp(getattr(self, name)) == 0.0:
                 raise InputError("slider.tilt", f'must be "held" where all contacts have the same {name}')

@@ -1,8 +1,8 @@
 """Sliders that move in the plane: two directions, several waves, yaw.
 
-A `contact.Slider` whose `freedom` is "xy", "xy yaw" or "axle" on `SurfaceWaves`, the motion of the surface under each of
-its contacts, or on a field of waves such as `PlaneWaves`. The law is the stop operator whose limit is a disc of radius
-c z (Moreau's sweeping process); with one direction it is the law of `contact.steady`.
+A `contact.Slider` whose `freedom` is "xy", "xy yaw" or "axle" on `SurfaceWaves`, the motion of the surface under each
+of its contacts, or on a field of waves such as `PlaneWaves`. The law is the stop operator whose limit is a disc of
+radius c z (Moreau's sweeping process); with one direction it is the law of `contact.steady`.
 """
 
 from importlib import import_module

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.exceptions import ConvergenceError
-from contact.plane.cycle import COLUMNS, Extra, cycle_means
+from contact.plane.cycle import COLUMNS, cycle_means
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.motion import Sum, state_of, work_of
 from contact.plane.problem import PlaneProblem
@@ -24,7 +24,7 @@ from contact.plane.waves import SurfaceWaves
 from contact.slider import Slider
 
 # Nodes and tolerance of a segment: of the search, of the answer, and of the check that differs from it in both
-SEARCH, ANSWER, CHECK = (5, 1e-3), (7, 1e-5), (6, 1e-4)
+SEARCH, ANSWER, CHECK = (5, 1e-3), (6, 1e-6), (5, 3e-6)
 MAX_NEWTON = 60
 STEP = 1e-4  # of the differences, over the surface's largest speed
 ROUGH = 1e-4  # of that speed: a step at which the search goes over to the means of the answer
@@ -266,10 +266,14 @@ def rest_force(averaged: Averaged, towards: np.ndarray, how=ANSWER) -> Means:
     Contacts that never open are dragged to their limit against that motion, then slip back to what the least approach
     allows; their force is the end of the band of forces that rest can carry.
     """
+    return averaged.at(np.zeros(3), how, dragged(averaged, towards))
+
+
+def dragged(averaged: Averaged, towards: np.ndarray) -> np.ndarray:
+    """Return deformations beyond every limit against a motion towards (V_x, V_y, arm omega)."""
     velocities = averaged.rigid @ towards
     speed = np.linalg.norm(velocities, axis=1, keepdims=True)
-    direction = np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
-    return averaged.at(np.zeros(3), how, -1e3 * direction)
+    return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
 
 
 def _at_rest(averaged):

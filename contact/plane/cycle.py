@@ -15,6 +15,7 @@ from contact.plane.problem import Body, Surface, fill_surface
 
 MAX_PERIODS = 400  # of a contact that never opens
 CLOSE = 1e-11  # change of its deformation in a period, over c z, at which it repeats
+NOISE = 1e-7  # change below which it repeats if it no longer falls: events are located to rounding only
 
 
 class Extra(IntEnum):
@@ -82,10 +83,10 @@ def cycle_means(problem, height, velocity, start, period, state, work, deformati
             if opens:
                 break
             x, y = state.e[i, 0] - before_x, state.e[i, 1] - before_y
-            change = np.hypot(x, y) / (limit + 1e-300)
-            if change < CLOSE:
+            last, change = change, np.hypot(x, y) / (limit + 1e-300)
+            if change < CLOSE or (change < NOISE and periods > 1 and change >= last):
                 break
-            if periods % 4 == 0:
+            if periods % 4 == 0 and change > NOISE:
                 # Aitken: the changes shrink by one factor per period; without a slip they do not shrink
                 d_x, d_y = x - old_x, y - old_y
                 share = -(x * d_x + y * d_y) / (d_x * d_x + d_y * d_y + 1e-300)
@@ -105,6 +106,6 @@ def cycle_means(problem, height, velocity, start, period, state, work, deformati
         out[i, Extra.PERIODS], out[i, Extra.CHANGE] = periods, change
         slipped = out[i, Sum.SLIP] > 0.0 or opens
         out[i, Extra.STUCK] = 0.0 if slipped else 1.0
-        if lost or change > 1e3 * CLOSE:
+        if lost or change > NOISE:
             fine = 0
     return fine

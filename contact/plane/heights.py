@@ -22,7 +22,7 @@ class NormalMeans:
 
     def __init__(self, scaled: Scaled):
         problem = scaled.problem
-        self.shape, self.period, self.ratio = problem.shape, scaled.period, problem.ratio
+        self.normal, self.period, self.ratio = problem.normal, scaled.period, problem.ratio
         self.cos, self.sin = problem.cos[..., 2], problem.sin[..., 2]  # (w, n)
         self.harmonic = self.ratio.size == 1
         cycles = round(self.period / (2.0 * np.pi))
@@ -45,7 +45,7 @@ class NormalMeans:
     def __call__(self, z):
         """Return the means for mean approaches (n,): arrays (2, n)."""
         if self.harmonic:
-            return mean_loads(z, np.hypot(self.cos[0], self.sin[0]), self.shape)
+            return mean_loads(z, np.hypot(self.cos[0], self.sin[0]), self.normal)
         return np.array([self._several(i, each) for i, each in enumerate(z)]).T
 
     def _several(self, i, z):
@@ -54,7 +54,7 @@ class NormalMeans:
         up = np.flatnonzero((value <= 0.0) & (np.roll(value, -1) > 0.0))
         down = np.flatnonzero((value > 0.0) & (np.roll(value, -1) <= 0.0))
         if up.size == 0:
-            means = normal.load(value, self.shape).mean(), normal.slope(value, self.shape).mean()
+            means = normal.load(value, self.normal).mean(), normal.slope(value, self.normal).mean()
             return means if value[0] > 0.0 else (0.0, 0.0)
         down = down if down[0] > up[0] else np.append(down[1:], down[0])
         step = self.grid[1]
@@ -64,7 +64,7 @@ class NormalMeans:
         phase = touch[:, None] + half[:, None] * (1.0 - np.cos(theta))
         weight = half[:, None] * np.sin(theta) * self.rule[1] * (0.5 * np.pi / self.period)
         approach = z + self.surface(phase, i)[0]
-        return tuple(float((weight * each(approach, self.shape)).sum()) for each in (normal.load, normal.slope))
+        return tuple(float((weight * each(approach, self.normal)).sum()) for each in (normal.load, normal.slope))
 
     def _root(self, i, z, low, high):
         phase = 0.5 * (low + high)
@@ -90,7 +90,7 @@ def approaches(slider: Slider, scaled: Scaled, means: NormalMeans, force=(0.0, 0
         rows, target = np.vstack([rows, places / arms[:, None]]), np.append(target, at / (scaled.length * arms))
     target *= -problem.force[0]
     reach = np.hypot(means.cos, means.sin).sum(axis=0)
-    rest = normal.approach(-problem.force[0] / float(problem.stiffness.sum()), problem.shape)
+    rest = normal.approach(-problem.force[0] / float(problem.stiffness.sum()), problem.normal)
     # from an approach that is too large Newton's method falls monotonically to the height of a held body
     unknown = np.zeros(len(rows))
     unknown[0] = rest - problem.height.min()

@@ -252,7 +252,7 @@ def _fill_forces(problem, i, regime, row):
     row[Stage.P] = row[Stage.Q_X] = row[Stage.Q_Y] = 0.0
     if regime == Regime.SEPARATED or z <= 0.0:
         return
-    elastic = kappa * load(z, problem.shape)
+    elastic = kappa * load(z, problem.normal)
     row[Stage.P] = elastic * (1.0 + problem.contact_damping * row[Stage.Z_RATE])
     if regime == Regime.SLIP:
         q = friction * elastic
@@ -262,7 +262,7 @@ def _fill_forces(problem, i, regime, row):
             row[Stage.N_X], row[Stage.N_Y] = 1.0, 0.0
             return
         row[Stage.N_X], row[Stage.N_Y] = row[Stage.E_X] / size, row[Stage.E_Y] / size
-        q = spring_force(z, min(size, c * z), friction * kappa, c, problem.shape)
+        q = spring_force(z, min(size, c * z), friction * kappa, c, problem.normal)
     row[Stage.Q_X], row[Stage.Q_Y] = q * row[Stage.N_X], q * row[Stage.N_Y]
 
 
@@ -473,7 +473,7 @@ def _error(problem, first, last, state, work):
             y += d * work.rate[j] * row[Stage.Q_Y]
             angle += d * row[Stage.TURNING] if state.regime[i] == Regime.SLIP else 0.0
             top = max(top, row[Stage.P])
-        scale = problem.stiffness[i] * load(1.0, problem.shape)
+        scale = problem.stiffness[i] * load(1.0, problem.normal)
         own = (abs(p) + np.hypot(x, y) / problem.friction + abs(angle) * top) / scale
         error = max(error, own)
     return error
@@ -518,7 +518,7 @@ def _finish(problem, first, last, state, work):
             sums[i, Sum.MOMENT] += d * (row[Stage.ARM_X] * q_y - row[Stage.ARM_Y] * q_x)
             sums[i, Sum.WAVE_TANGENTIAL] += d * (q_x * surface[Surface.X_RATE] + q_y * surface[Surface.Y_RATE])
             sums[i, Sum.WAVE_NORMAL] += d * row[Stage.P] * surface[Surface.Z_RATE]
-            elastic = problem.stiffness[i] * load(z, problem.shape)
+            elastic = problem.stiffness[i] * load(z, problem.normal)
             sums[i, Sum.DAMPER] += d * problem.contact_damping * elastic * row[Stage.Z_RATE] ** 2
             sums[i, Sum.CONTACT] += d
             size = c * z
@@ -528,7 +528,7 @@ def _finish(problem, first, last, state, work):
                 size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
                 sums[i, Sum.STUCK] += d
             if c > 0.0:
-                back = problem.friction * problem.stiffness[i] * c * back_load(z, z - size / c, problem.shape)
+                back = problem.friction * problem.stiffness[i] * c * back_load(z, z - size / c, problem.normal)
                 sums[i, Sum.LEAK] -= d * back * row[Stage.Z_RATE]
         row = work.stage[n - 1, i]
         if regime == Regime.SLIP:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled
+from contact.law.normal import NormalLaw
 
 
 class Body(IntEnum):
@@ -44,7 +45,7 @@ class PlaneProblem(NamedTuple):
 
     friction: float  # mu
     contact_damping: float  # chi
-    shape: int
+    normal: NormalLaw
     inverse: np.ndarray  # (4,), by `Body`
     force: np.ndarray  # (4,): preload, load and torque, with the sign in which they act on the slider
     damping: np.ndarray  # (4,)

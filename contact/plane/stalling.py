@@ -48,8 +48,10 @@ def stall(slider: Slider, surface: Surface, direction) -> Answer:
     across = np.array([-along[1], along[0], 0.0])
     averaged.basis = np.array([across] if slider.freedom == "xy" else [across, [0.0, 0.0, 1.0]]).T
     root = balanced(averaged)
-    means = rest_force(averaged, along) if np.all(root.unknown == 0.0) else root.means
-    check = averaged.at(root.unknown, CHECK, averaged.deformation.copy()) if root.unknown.any() else means
+    if root.unknown.any():
+        means, check = root.means, averaged.at(root.unknown, CHECK, averaged.deformation.copy())
+    else:
+        means, check = rest_force(averaged, along), rest_force(averaged, along, CHECK)
     value = float((means.force - averaged.damping * root.unknown) @ along) * averaged.scaled.force
     numerical = abs(float((check.force - means.force) @ along)) * averaged.scaled.force
     error = numerical + _averaging_error(slider, waves) * abs(value)
@@ -91,10 +93,11 @@ def stall_torque(slider: Slider, surface: Surface) -> Answer:
     turning = np.array([0.0, 0.0, 1.0])
     root = balanced(averaged) if averaged.basis.size else None
     unknown = np.zeros(3) if root is None else root.unknown
-    means = rest_force(averaged, turning) if not unknown.any() else root.means
-    if not unknown.any() and means.force[2] < 0.0:
-        means = rest_force(averaged, -turning)
-    check = averaged.at(unknown, CHECK, averaged.deformation.copy())
+    if unknown.any():
+        means, check = root.means, averaged.at(unknown, CHECK, averaged.deformation.copy())
+    else:
+        side = turning if rest_force(averaged, turning).force[2] >= 0.0 else -turning
+        means, check = rest_force(averaged, side), rest_force(averaged, side, CHECK)
     unit = averaged.scaled.force * averaged.scaled.length * averaged.arm
     value = float(means.force[2]) * unit
     error = abs(float(check.force[2] - means.force[2])) * unit + _averaging_error(slider, waves) * abs(value)

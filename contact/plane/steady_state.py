@@ -10,7 +10,7 @@ from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import first_order_error, speed_scale
 from contact.exceptions import ConvergenceError, InputError
-from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, rest_force
+from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
 from contact.plane.cycle import Extra
 from contact.plane.motion import Sum
 from contact.plane.scaling import refuse_slow_beat, slowest_beat
@@ -197,6 +197,8 @@ def mean_forces(slider: Slider, surface: Surface, velocity, yaw_rate: float = 0.
     averaged = Averaged.of(slider, waves)
     units = averaged.scaled
     unknown = np.array([*np.asarray(velocity, float) / units.speed, yaw_rate * averaged.arm / units.omega])
+    # a contact that never opens is dragged to its limit against its motion
+    averaged.deformation = dragged(averaged, unknown)
     fine, coarse = averaged.at(unknown, ANSWER), averaged.at(unknown, CHECK)
     return forces_of(averaged, fine, coarse)
 

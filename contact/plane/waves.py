@@ -79,7 +79,7 @@ class SurfaceWaves:
 
     @classmethod
     def of_orbits(cls, orbits: Orbit | tuple[Orbit, ...]) -> "SurfaceWaves":
-        """Return the motion of orbits, one for each contact; their motion along y is `Orbit.lateral`, if they have it."""
+        """Return the motion of orbits, one for each contact."""
         listed = (orbits,) if isinstance(orbits, Orbit) else tuple(orbits)
         rows = [[each.tangential, getattr(each, "lateral", 0.0), each.normal] for each in listed]
         return cls(frequencies=[listed[0].frequency], amplitudes=[rows])

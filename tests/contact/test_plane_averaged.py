@@ -1,0 +1,225 @@
+"""Averaged motion in the plane against two independent routes of other authors, symmetries and the scalar kernels."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact import ConvergenceError, InputError, Orbit, Slider
+from contact import mean_motion as mean_along_x
+from contact.plane import (
+    PlaneWave,
+    PlaneWaves,
+    SurfaceWaves,
+    drift_per_degree,
+    mean_forces,
+    mean_motion,
+    stall,
+    stall_curve,
+    stall_torque,
+    steady,
+    yaw_stability,
+)
+
+F, MU, R_X = 0.87309e-3, 0.08, 0.67
+X, Y = np.array([6e-3, -3e-3, -3e-3]), np.array([0.0, 5.19615e-3, -5.19615e-3])
+
+
+def ball(**changes):
+    values = dict(
+        radius=1e-3, mass=math.inf, preload=F, load=(0.0, 0.0), friction_coefficient=MU, effective_modulus=64e9,
+        tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0,
+        normal_damping=0.0, tangential_damping=0.0, freedom="xy",
+    )  # fmt: skip
+    return Slider(**(values | changes))
+
+
+def beams(x_nm, y_nm, delta=0.0, frequencies=(2.2e6,)):
+    """Waves that drive towards +x and +y."""
+    a, b = x_nm * 1e-9, y_nm * 1e-9 * np.exp(1j * delta)
+    if len(frequencies) == 1:
+        return SurfaceWaves(frequencies=frequencies, amplitudes=[[[-1j * R_X * a, -1j * R_X * b, a + b]]])
+    rows = [[[-1j * R_X * a, 0.0, a]], [[0.0, -1j * R_X * b, b]]]
+    return SurfaceWaves(frequencies=frequencies, amplitudes=rows)
+
+
+# v_x, v_y in m/s and slip power in W, from an event-driven integrator with Radau's method and Gauss quadrature and from
+# fixed-step return mapping with Richardson's extrapolation; they agree to 3e-8 of v
+CASES = {
+    "P1": (ball(), beams(10, 0), (0.0683658806, 0.0, 1.69626e-7)),
+    "P1b": (ball(), beams(3, 0), (0.0121882625, 0.0, 4.056007e-7)),
+    "P2": (ball(), beams(10, 10), (0.0743296047, 0.0743296047, 1.98006e-8)),
+    "P3": (ball(), beams(10, 10, math.pi / 2), (0.0202250455, 0.0816736288, 2.583232e-6)),
+    "P3m": (ball(), beams(10, 10, -math.pi / 2), (0.0816736288, 0.0202250455, 2.583232e-6)),
+    "P5": (ball(), beams(10, 10, 0.0, (2.2e6, 2.3e6)), (0.06470998, 0.06670011, 1.264341e-6)),
+    "P7, 0.01": (ball(load=(0, 0.01 * MU * F)), beams(10, 0), (0.0683653023, -8.2248723e-5, 1.69708e-7)),
+    "P7, 0.2": (ball(load=(0, 0.2 * MU * F)), beams(10, 0), (0.0681188558, -1.7441887e-3, 2.05871e-7)),
+    "P7, 0.5": (ball(load=(0, 0.5 * MU * F)), beams(10, 0), (0.0666775340, -5.5188554e-3, 4.64264e-7)),
+    "P10": (ball(shape="punch", radius=2e-6), beams(10, 10, math.pi / 2), (0.0202966810, 0.0801294384, 2.853338e-6)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_one_ball_moves_as_two_other_integrators_say(name):
+    slider, waves, (v_x, v_y, slip) = CASES[name]
+    state = steady(slider, waves, tolerance=1e-7)
+    speed = math.hypot(v_x, v_y)
+    assert state.status == "ok"
+    assert np.abs(state.velocity - (v_x, v_y)).max() < 1e-7 * speed
+    assert state.slip_power == pytest.approx(slip, rel=2e-6)  # its digits in the table
+    assert abs(state.powers.residual) < 1e-6 * state.power
+
+
+def test_the_laws_own_loss_closes_the_balance_of_a_sphere_and_is_zero_for_a_punch():
+    sphere, punch = (steady(*CASES[name][:2], tolerance=1e-7).powers for name in ("P3", "P10"))
+    assert sphere.wave == pytest.approx(2.60069727e-6, rel=1e-7)
+    assert sphere.law == pytest.approx(1.746506e-8, rel=1e-5)
+    assert abs(punch.law) < 1e-15
+    assert punch.slip == pytest.approx(2.85333774e-6, rel=1e-7)
+
+
+@pytest.mark.parametrize("nm", [0.5, 0.8, 3.0, 10.0])
+def test_along_one_line_it_is_the_scalar_motion(nm):
+    along = Orbit(frequency=2.2e6, normal=nm * 1e-9, tangential=-1j * R_X * nm * 1e-9)
+    scalar = mean_along_x(replace(ball(), freedom="x", load=0.0), along)
+    plane = mean_motion(ball(), beams(nm, 0))
+    assert plane.velocity[0] == pytest.approx(float(scalar.velocity), rel=1e-9, abs=1e-15)
+    assert abs(plane.velocity[1]) < 1e-12
+    assert plane.held == bool(scalar.held)
+
+
+@pytest.mark.parametrize("angle", [0.3, 2.0, -1.1])
+def test_a_turned_scene_has_the_turned_answer(angle):
+    slider, waves, _ = CASES["P3"]
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    here, there = (mean_motion(slider, each).velocity for each in (waves, waves.turned(angle)))
+    assert np.abs(there - turn @ here).max() < 1e-10
+
+
+# v_x, v_y in m/s, yaw rate in rad/s, v_x with locked yaw
+@pytest.mark.parametrize(
+    ("slope", "expected"),
+    [(0.2, (0.0642683813, -2.9628059e-4, -1.05647983, 0.0626530920)),
+     (0.05, (0.0678147810, -7.9159e-6, -0.23243536, 0.0675120305))],
+)  # fmt: skip
+def test_three_balls_on_an_uneven_beam_turn(slope, expected):
+    amplitudes = 10e-9 * (1.0 + slope * Y / 5.19615e-3)
+    waves = SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-1j * R_X * a, 0.0, a] for a in amplitudes]])
+    body = ball(x=X, y=Y, preload=3 * F, tilt="free", freedom="xy yaw")
+    state, locked = (mean_motion(replace(body, freedom=each), waves) for each in ("xy yaw", "xy"))
+    assert np.abs(state.velocity - expected[:2]).max() < 1e-7 * expected[0]
+    assert state.yaw_rate == pytest.approx(expected[2], rel=3e-7)  # the positions have six digits
+    assert locked.velocity[0] == pytest.approx(expected[3], rel=1e-7)
+    assert locked.yaw_rate == 0.0
+    assert state.normal_loads == pytest.approx([F] * 3, rel=1e-10)
+
+
+def ring(nm, **changes):
+    """A dense ring of balls on two half-plane beams, towards -x for y > 0 and +x for y < 0.
+
+    A quarter stands for all four; Gauss's rule in the angle gives positions and weights.
+    """
+    node, weight = np.polynomial.legendre.leggauss(96)
+    angle, a = 0.25 * np.pi * (node + 1.0), nm * 1e-9
+    x, y = 5.3e-3 * np.cos(angle), 5.3e-3 * np.sin(angle)
+    rows = [[1j * R_X * a, 0.0, a]] * angle.size
+    rotor = ball(x=x, y=y, weights=0.5 * weight, preload=F, freedom="axle", **changes)
+    return rotor, SurfaceWaves(frequencies=[2.2e6], amplitudes=[rows])
+
+
+@pytest.mark.parametrize(
+    ("nm", "speed", "at_half", "force", "close"),
+    [(3, 0.00409413550, 0.00197395, 3.12542911e-5, 3e-8), (10, 0.046385, 0.024705, 6.91668571e-5, 2e-5)],
+)  # fmt: skip
+def test_a_rotor_on_two_half_plane_beams(nm, speed, at_half, force, close):
+    rotor, waves = ring(nm)
+    torque = 5.3e-3 * 2 / math.pi * force
+    assert steady(rotor, waves, tolerance=1e-6).yaw_rate * 5.3e-3 == pytest.approx(speed, rel=close)
+    assert stall_torque(rotor, waves).value == pytest.approx(torque, rel=1e-6)
+    half = steady(replace(rotor, torque=0.5 * torque), waves, tolerance=1e-6)
+    assert half.yaw_rate * 5.3e-3 == pytest.approx(at_half, rel=2e-5)  # its digits in the table
+
+
+def test_two_balls_each_on_its_own_beam_run_as_on_a_line():
+    rotor = ball(x=[0.0, 0.0], y=[5.3e-3, -5.3e-3], preload=2 * F, freedom="axle")
+    rows = [[[1j * R_X * 1e-8, 0.0, 1e-8], [-1j * R_X * 1e-8, 0.0, 1e-8]]]
+    state = mean_motion(rotor, SurfaceWaves(frequencies=[2.2e6], amplitudes=rows))
+    assert -state.yaw_rate * 5.3e-3 == pytest.approx(-0.0683658806, rel=1e-8)
+
+
+def test_stall_is_a_curve_and_across_the_wave_there_is_no_threshold():
+    waves = beams(10, 0)
+    assert stall(ball(), waves, (1, 0)).value == pytest.approx(6.91668571e-5, rel=1e-7)
+    assert abs(stall(ball(), waves, (0, 1)).value) < 1e-16
+    curve = stall_curve(ball(), waves, points=8)
+    assert curve.load == pytest.approx(-np.roll(curve.load, 4), abs=1e-12)  # the mirror image about y
+    force = 1e-3 * MU * F
+    across = -steady(ball(load=(0.0, force)), waves, tolerance=1e-7).velocity[1] / force
+    assert across == pytest.approx(1.0 / 8.4940e-3, rel=1e-4)
+    heavy = replace(ball(), mass=0.089e-3)
+    assert drift_per_degree(heavy, waves, (0, 1)) == pytest.approx(across * 0.089e-3 * 9.81 * math.pi / 180, rel=1e-4)
+
+
+def test_a_contact_that_never_slips_is_held_within_a_band():
+    state = steady(ball(), beams(0.5, 0), tolerance=1e-6)
+    assert state.held
+    assert state.regimes == ("stick",)
+    assert not state.velocity.any()
+    assert state.band.least == pytest.approx(-state.band.largest, rel=1e-6)
+    for share, held in ((0.99, True), (1.01, False)):
+        pushed = steady(ball(load=(share * state.band.largest, 0.0)), beams(0.5, 0), tolerance=1)
+        assert pushed.held == held
+
+
+def test_coasting_without_a_wave_is_coulombs_friction():
+    none = SurfaceWaves(frequencies=[2.2e6], amplitudes=np.zeros((1, 1, 3)))
+    means = mean_forces(ball(), none, (0.03, -0.04))
+    assert means.force == pytest.approx(MU * F * np.array([-0.6, 0.8]), rel=1e-12)
+
+
+def test_yaw_is_stable_where_it_returns():
+    beam = PlaneWave(frequency=2.2e6, wavelength=1.8e-3, direction=math.pi, normal=10e-9, ratio=R_X)
+
+    class Narrow:  # a beam whose amplitude falls off beside its middle, y = 0
+        def at(self, x, y):
+            even = PlaneWaves(waves=(beam,)).at(x, y)
+            return replace(even, amplitudes=even.amplitudes * (1.0 - 0.2 * (y / 5e-3) ** 2)[None, :, None])
+
+    body = ball(x=X, y=Y, preload=3 * F, tilt="free", freedom="xy yaw")
+    slope = yaw_stability(body, Narrow(), step=1e-3)
+    rates = [
+        mean_motion(replace(body, x=x, y=y), Narrow().at(x, y)).yaw_rate
+        for x, y in ((X - psi * Y, Y + psi * X) for psi in (-1e-3, 1e-3))
+    ]
+    assert slope == pytest.approx((rates[1] - rates[0]) / 2e-3, rel=1e-4)
+    assert slope != 0.0
+
+
+@pytest.mark.parametrize(("changes", "sentence"), [
+    ({"freedom": "xy yaw"}, "slider.axis needs two contacts apart: one ball has no yaw stiffness"),
+    ({"freedom": "xy yaw", "x": [0.0, 1e-3, 2e-3], "y": [0.0, 1e-3, 2e-3], "tilt": "free"},
+     'three balls on a line do not fix the tilt: hold it with slider.tilt = "held"'),
+    ({"law": "hysteretic"}, 'the hysteretic law has one direction: choose "elastic"'),
+    ({"freedom": "xyz"}, "slider.freedom must be one of"),
+    ({"load": 1e-6}, "slider.load must be a vector of two numbers in N"),
+    ({"inertia": -1.0}, "slider.inertia must be positive and finite, got -1.0 kg m"),
+    ({"reciprocal": True}, "slider.reciprocal must be false"),
+])  # fmt: skip
+def test_bad_input_gets_its_sentence(changes, sentence):
+    with pytest.raises(InputError) as refused:
+        ball(**changes)
+    assert sentence in str(refused.value)
+
+
+def test_a_slow_beat_is_not_averaged():
+    heavy = replace(ball(), mass=0.089e-3)
+    with pytest.raises(ConvergenceError, match=r"the beat of 5 kHz is slower than twice the contact resonance of 8.9"):
+        steady(heavy, beams(10, 10, 0.0, (2.2e6, 2.205e6)), tolerance=1e-3)
+
+
+def test_a_load_beyond_friction_runs_away_and_the_scalar_questions_refuse_the_plane():
+    with pytest.raises(ConvergenceError, match="runaway"):
+        steady(ball(load=(0.0, 1.1 * MU * F)), beams(10, 0), tolerance=1e-3)
+    with pytest.raises(InputError, match=r"slider.freedom must be \"x\""):
+        mean_along_x(ball(), Orbit(frequency=2.2e6, normal=1e-8, tangential=-6.7e-9j))
