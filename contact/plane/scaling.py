@@ -78,7 +78,7 @@ def scaled(
     if not heavy:
         inverse[0] = 1.0
         for k in FREE[slider.freedom]:
-            inverse[1 + k] = 1.0 if k < 2 else slider.unit_mass * length**2 / slider.inertia
+            inverse[1 + k] = 1.0 if k < 2 else slider.unit_mass * length**2 / _inertia(slider)
     damping = np.array([slider.normal_damping, *[slider.tangential_damping] * 2, slider.yaw_damping / length**2])
     problem = PlaneProblem(
         friction=float(slider.friction_coefficient), contact_damping=slider.contact_damping * omega * length,
@@ -90,6 +90,12 @@ def scaled(
         sin=np.ascontiguousarray(-waves.amplitudes.imag / length), rise=rise * omega, stop=stop * omega,
     )  # fmt: skip
     return Scaled(problem, length, omega, force, period, change)
+
+
+def _inertia(slider):
+    if slider.inertia is None:
+        raise InputError("slider.inertia", "is required where the yaw is followed in time, kg m^2")
+    return slider.inertia
 
 
 def refuse_slow_beat(slider: Slider, waves: SurfaceWaves) -> None:

@@ -92,9 +92,8 @@ def stall_torque(slider: Slider, surface: Surface) -> Answer:
     averaged.basis = averaged.basis[:, :-1]
     turning = np.array([0.0, 0.0, 1.0])
     root = balanced(averaged) if averaged.basis.size else None
-    unknown = np.zeros(3) if root is None else root.unknown
-    if unknown.any():
-        means, check = root.means, averaged.at(unknown, CHECK, averaged.deformation.copy())
+    if root is not None and root.unknown.any():
+        means, check = root.means, averaged.at(root.unknown, CHECK, averaged.deformation.copy())
     else:
         side = turning if rest_force(averaged, turning).force[2] >= 0.0 else -turning
         means, check = rest_force(averaged, side), rest_force(averaged, side, CHECK)

@@ -82,7 +82,7 @@ class SurfaceWaves:
         """Return the motion of orbits, one for each contact."""
         listed = (orbits,) if isinstance(orbits, Orbit) else tuple(orbits)
         rows = [[each.tangential, getattr(each, "lateral", 0.0), each.normal] for each in listed]
-        return cls(frequencies=[listed[0].frequency], amplitudes=[rows])
+        return cls(frequencies=np.array([listed[0].frequency]), amplitudes=np.array([rows]))
 
 
 class Field(Protocol):
