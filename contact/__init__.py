@@ -15,7 +15,7 @@ _PUBLIC = {
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
-    "averaged.asperity_motion": "asperity_motion",
+    "averaged.asperity_motion": "asperity_motion RoughBalls",
     "averaged.sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (
         "release release_amplitude release_factor releases threshold threshold_amplitude threshold_factor"
@@ -31,7 +31,8 @@ _PUBLIC = {
     "jit": "kernels",
     "law.adhesion": "AdhesiveSphere meniscus_force tabor_number",
     "law.falling": "FallingFriction",
-    "law.rough": "Asperities johnson_number MeanField Roughness",
+    "law.asperities": "Asperities",
+    "law.rough": "johnson_number MeanField Roughness",
     "law.user": "UserLaw",
     "orbit": "Orbit Orbits as_orbits",
     "rules": "FrictionRules SliderRules",

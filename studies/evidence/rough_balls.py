@@ -3,9 +3,7 @@
 ``python -m studies.evidence.rough_balls`` computes it: samples of asperities, each with its own stop
 (`contact.asperity_motion`), on a ball of 1 mm with c = 0.107 under an orbit of u_x/u_z = 0.67, for Johnson's number
 alpha = sigma/z_0 and the amplitude over z_0, the approach at rest.  Values are ratios to the smooth ball with the
-elastic law: median, lowest and highest of eight balls.  alpha = 0 is the smooth ball with the hysteretic law, the limit
-of many fine asperities.  Where asperities merge (small alpha, large amplitude) the table repeats the next smaller
-amplitude.
+elastic law: median, lowest and highest of eight balls.  alpha = 0 is the smooth ball with the hysteretic law.
 """
 
 import csv
@@ -40,17 +38,12 @@ def orbit(amplitude: float) -> contact.Orbit:
 
 def velocities(alpha: float, rest: float) -> np.ndarray:
     """Return the velocities in m/s of the samples at all amplitudes, shape (samples, amplitudes)."""
-    rough, found = contact.Roughness(rms=alpha * rest), []
+    rough = contact.Roughness(rms=alpha * rest)
     reach = float(np.sqrt(2e-3 * (2.0 * AMPLITUDES[-1] * rest + 4.0 * rough.rms)))
-    for seed in range(SAMPLES):
-        sample, row = rough.drawn(seed, reach), []
-        for share in AMPLITUDES:
-            try:
-                row.append(contact.asperity_motion(ball(), sample, orbit(share * rest), tolerance=3e-3).value)
-            except contact.ConvergenceError:
-                row.append(np.nan)
-        found.append(row)
-    return np.array(found)
+    balls = [contact.RoughBalls(ball(), [rough.drawn(seed, reach)]) for seed in range(SAMPLES)]
+    return np.array(
+        [[each.velocity(orbit(share * rest), tolerance=3e-3).value for share in AMPLITUDES] for each in balls]
+    )
 
 
 def threshold(speeds: np.ndarray) -> float:
@@ -71,9 +64,6 @@ def rows() -> list[list[float]]:
     curves = {0.0: limit[None]} | {alpha: velocities(alpha, rest) for alpha in ALPHAS}
     table = []
     for alpha, found in curves.items():
-        for k in range(1, found.shape[1]):
-            lost = np.isnan(found[:, k])
-            found[lost, k] = found[lost, k - 1] * smooth[k] / smooth[k - 1]
         starts = [threshold(each) / threshold(smooth) for each in found]
         table.append([alpha, 0.0, *(float(f(starts)) for f in (np.median, np.min, np.max))])
         for k, share in enumerate(AMPLITUDES):
@@ -86,10 +76,11 @@ def rows() -> list[list[float]]:
 
 def main() -> None:
     """Write the table."""
+    table = rows()
     with TABLE.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["alpha", "amplitude_over_approach", "median", "lowest", "highest"])
-        writer.writerows([[f"{each:.4g}" for each in row] for row in rows()])
+        writer.writerows([[f"{each:.4g}" for each in row] for row in table])
 
 
 if __name__ == "__main__":

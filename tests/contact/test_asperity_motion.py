@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact import Asperities, ConvergenceError, Orbit, Roughness, asperity_motion, mean_motion
+from contact import Asperities, InputError, Orbit, RoughBalls, Roughness, asperity_motion, mean_motion
 from tests.contact.motors import slider
 
 FREQUENCY, RATIO = 2.2e6, 0.67
@@ -64,7 +64,7 @@ def test_samples_of_three_nanometres_as_in_the_table_of_an_independent_program()
 
 def test_load_slows_and_too_much_of_it_is_refused():
     sample = apart(HEIGHTS)
-    free, loaded = (asperity_motion(body(), sample, orbit(8e-9), load=each).value for each in (0.0, 2e-5))
+    free, loaded = (asperity_motion(body(load=each), sample, orbit(8e-9)).value for each in (0.0, 2e-5))
     assert 0.0 < loaded < free
     # 20 uN of mu F = 70 uN, by the smooth equal balls
     balls = [
@@ -72,5 +72,32 @@ def test_load_slows_and_too_much_of_it_is_refused():
         for each in (0.0, 2e-5)
     ]
     assert loaded / free == pytest.approx(balls[1] / balls[0], rel=1e-3)
-    with pytest.raises(ConvergenceError, match="friction of the asperities cannot balance the load"):
-        asperity_motion(body(), sample, orbit(8e-9), load=1e-3)
+    # the load opposes the motion: also that of a wave from the other side
+    other = asperity_motion(body(load=2e-5), sample, orbit(8e-9).mirrored()).value
+    assert other == pytest.approx(-loaded, rel=1e-9)
+    assert asperity_motion(body(load=1e-3), sample, orbit(8e-9)).value == 0.0
+
+
+def test_balls_with_samples_of_their_own_share_the_preload():
+    """Equal balls are as one with its part of the preload; unequal ones lie between their own velocities."""
+    one, other = (Roughness(rms=3e-9).drawn(seed, 5e-6) for seed in (1, 2))
+    twice = body(preload=2 * 0.87309e-3)
+    alone = [asperity_motion(body(), each, orbit(3e-9), tolerance=1e-4).value for each in (one, other)]
+    equal = RoughBalls(twice, (one, one)).velocity(orbit(3e-9), tolerance=1e-4).value
+    assert equal == pytest.approx(alone[0], rel=1e-6)
+    mixed = RoughBalls(twice, (one, other)).velocity(orbit(3e-9), tolerance=1e-4).value
+    assert min(alone) < mixed < max(alone)
+    with pytest.raises(InputError, match="orbits must be one for each ball, 2, got 1"):
+        RoughBalls(twice, (one, other)).velocity((orbit(3e-9),), tolerance=1e-4)
+
+
+def test_an_answer_does_not_depend_on_the_amplitudes_before():
+    rough = RoughBalls(body(), [Roughness(rms=3e-9).drawn(3, 6e-6)])
+    first, _, again = (rough.velocity(orbit(each), tolerance=1e-3) for each in (3e-9, 7e-9, 3e-9))
+    assert abs(first.value - again.value) <= first.error + again.error
+
+
+def test_threshold_is_where_the_velocity_passes_the_speed():
+    rough = RoughBalls(body(), [Roughness(rms=3e-9).drawn(4, 5e-6)])
+    factor = rough.threshold(orbit(1e-9), 0.2e-3, tolerance=1e-2)
+    assert rough.velocity(orbit(factor * 1e-9), tolerance=1e-3).value == pytest.approx(0.2e-3, rel=0.02)

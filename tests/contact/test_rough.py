@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.stats import norm
 
 from contact import InputError
-from contact.law.rough import Asperities, MeanField, Roughness, disc_displacement, johnson_number, tail
+from contact.law.asperities import Asperities, RoughBall
+from contact.law.rough import MeanField, Roughness, disc_displacement, johnson_number, tail
 
 R, E, PRELOAD = 1e-3, 64e9, 0.87309e-3  # m, Pa, N: the ball of Feenstra and Breedveld
 HERTZ = {"approach": 4.71296e-9, "stiffness": 2.7788e5, "pressure": 88.452e6}
@@ -111,10 +113,57 @@ def test_forces_of_a_sample_follow_from_its_approaches_in_any_order():
     u = z + sample.heights - (sample.x**2 + sample.y**2) / (2 * R) - (1 / distance) @ P / (np.pi * E)
     assert P == pytest.approx(4 / 3 * E * np.sqrt(10e-6) * np.maximum(u, 0) ** 1.5, rel=1e-9, abs=1e-18)
     assert (P > 0).sum() > 5
-    assert sample.approaches(R, E, z) == pytest.approx(u, abs=1e-20)
+    ball = RoughBall(sample, R, E, z)
+    state = ball.at(z)
+    assert state.approaches == pytest.approx(u[ball.near], abs=1e-20)
+    # rates against a difference of two approaches between which none begins to touch
+    step = 1e-15
+    rates = (ball.at(z + step).approaches - ball.at(z - step).approaches) / (2 * step)
+    assert state.rates == pytest.approx(rates, rel=1e-4, abs=1e-4)
     order = np.random.default_rng(1).permutation(P.size)
     turned = Asperities(x=-sample.y[order], y=sample.x[order], heights=sample.heights[order], radius=10e-6)
     assert turned.forces(R, E, z) == pytest.approx(P[order], rel=1e-9, abs=1e-18)
+
+
+def merged_force(u, beta, d):
+    """Force of an asperity that becomes a punch at a radius of pi/4 of the distance of its neighbour."""
+    a = np.sqrt(beta * u)
+    b = np.pi / 4 * d
+    if a <= b:
+        return 4 / 3 * E * a**3 / beta
+    return 4 / 3 * E * b**3 / beta + 2 * E * b * (u - b**2 / beta)
+
+
+def test_asperities_that_meet_carry_on_as_punches():
+    """Two equal ones 0.2 um apart: u + P/(pi E d) = z, with P(u) written by hand."""
+    beta, d, z = 10e-6, 0.2e-6, 20e-9
+    pair = Asperities(x=[-d / 2, d / 2], y=[0, 0], heights=[0, 0], radius=beta)
+    free = z - (d / 2) ** 2 / (2 * R)
+    u = brentq(lambda u: u + merged_force(u, beta, d) / (np.pi * E * d) - free, 0, free, xtol=1e-22)
+    assert np.sqrt(beta * u) > np.pi / 4 * d  # they have met
+    assert pair.forces(R, E, z) == pytest.approx(merged_force(u, beta, d), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_asperities_that_all_merge_have_one_solution_and_act_as_the_smooth_ball(seed):
+    """Far deeper than the heights, the sum over the grid of asperities is the compliance of a half-space: Hertz."""
+    sample, z = Roughness(rms=0.3e-9).drawn(seed, 7e-6), 30e-9
+    P = sample.forces(R, E, z)
+    u = z + sample.heights - (sample.x**2 + sample.y**2) / (2 * R)
+    distance = np.hypot(sample.x[:, None] - sample.x, sample.y[:, None] - sample.y)
+    np.fill_diagonal(distance, np.inf)
+    u -= (1 / distance) @ P / (np.pi * E)
+    expected = [merged_force(each, 10e-6, d) if each > 0 else 0.0 for each, d in zip(u, distance.min(1), strict=True)]
+    assert P == pytest.approx(np.array(expected), rel=1e-7, abs=1e-16)
+    assert np.mean(P > 0) > 0.5
+    assert P.sum() == pytest.approx(4 / 3 * E * np.sqrt(R) * z**1.5, rel=0.02)
+
+
+def test_a_radius_for_each_asperity():
+    """Far apart, each is Hertz with its own radius."""
+    x, radius, z = np.array([0.0, 1e-3]), np.array([2e-6, 8e-6]), 3e-9
+    sample = Asperities(x=x, y=0 * x, heights=x**2 / (2 * R), radius=radius)
+    assert sample.forces(R, E, z) == pytest.approx(4 / 3 * E * np.sqrt(radius) * z**1.5, rel=1e-3)
 
 
 def test_number_of_asperities_in_contact():
@@ -140,3 +189,32 @@ def test_refusals(given, sentence):
 def test_a_sample_with_unequal_lists_is_refused():
     with pytest.raises(InputError, match=r"asperities\.heights must be a list with one value for each asperity"):
         Asperities(x=[0.0, 1e-6], y=[0.0, 0.0], heights=[0.0], radius=1e-6)
+
+
+def test_two_asperities_at_one_place_are_refused():
+    with pytest.raises(
+        InputError, match=r"asperities\.x must not hold two asperities at one place, as that of number 1"
+    ):
+        Asperities(x=[0.0, 0.0], y=[0.0, 0.0], heights=[0.0, 1e-9], radius=1e-6)
+
+
+def test_a_larger_sample_begins_with_the_smaller_one():
+    rough = Roughness(rms=3e-9)
+    small, large = (rough.drawn(3, reach) for reach in (4e-6, 8e-6))
+    n = len(small)
+    assert large.x[:n] == pytest.approx(small.x, abs=0)
+    assert large.heights[:n] == pytest.approx(small.heights, abs=0)
+    # a Poisson number of mean eta pi r^2 = 335, and the heights' standard deviation
+    assert len(large) == pytest.approx(rough.density * np.pi * 64e-12, rel=0.15)
+    assert large.heights.std() == pytest.approx(3e-9, rel=0.15)
+    assert np.hypot(large.x, large.y)[n:].min() > np.hypot(small.x, small.y).max()
+    # no direction is preferred
+    assert abs(np.mean(large.x)) < 4 * 4e-6 / np.sqrt(len(large))
+
+
+def test_dense_asperities_find_random_places():
+    rough = Roughness(rms=3e-9, density=1e13)  # eta beta sigma = 0.3: discs of the usual spacing would not fit
+    sample = rough.drawn(1, 3e-6)
+    assert len(sample) > 200
+    assert sample.nearest.min() == pytest.approx(rough.spacing, rel=0.05)
+    assert sample.nearest.min() >= rough.spacing

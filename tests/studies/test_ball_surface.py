@@ -73,7 +73,7 @@ def test_level_at_which_each_size_is_stated(record):
 
 def test_warning_and_where_there_is_nothing_to_say(record):
     warning = next(each for each in record.warnings if each.startswith("the balls are computed smooth"))
-    assert "with a roughness of 3 nm they start at about 1.3 times the threshold" in warning
+    assert "with a roughness of 3 nm they start at about 1.2 times the threshold" in warning
     assert "a meniscus of water would pull with 1 times the preload" in warning
     for changed in ({"shape": "punch", "radius": "2 um"}, {"preload": 0.0}):
         other = run(Scene.load("twente-contact").replace(slider=changed), tolerance=1e-2)

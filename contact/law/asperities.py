@@ -1,0 +1,189 @@
+r"""A sample of the asperities of a rough sphere on a flat half-space: their forces and contacts.
+
+Asperity j is a spherical cap of the radius beta_j. It stands at (x_j, y_j) with the height s_j - r_j^2/2R above the
+plane of the sphere's lowest point. Its approach is
+
+    u_j = z + s_j - r_j^2/2R - sum_{l != j} P_l/(pi E r_jl),        P_j = (4/3) E sqrt(beta_j) max(u_j, 0)^(3/2):  (1)
+
+the sphere's own compliance is the sum over the other asperities. Equation (1) holds while the contacts are small
+against their distances. Where a contact has grown to the radius
+
+    b_j = (pi/4) d_j,    d_j the distance of the nearest other asperity,
+
+it has met its neighbours, and carries on as a flat punch of that radius, dP_j/du_j = 2 E b_j. Then (1) has one
+solution for every z: it makes the elastic energy smallest, and the energy is convex. For the compliance of a contact of
+radius a, 1/(2 E a), is that of a charged sphere of the radius 2 a/pi for itself, and spheres of the radii
+2 b_j/pi <= d_j/2 do not overlap, so that the matrix of all compliances is positive definite (Newton's shell theorem).
+At pi/4 the caps already overlap by geometry; a smaller share would change contacts that (1) still describes.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from contact import parameter_check
+from contact.codes import Shape
+from contact.exceptions import ConvergenceError, InputError
+from contact.law.normal import stiffness
+
+CLOSE = 1e-12  # residual of (1) over the largest approach at which Newton's method ends
+MERGED = 0.25 * math.pi  # radius over the distance of the nearest asperity from which a contact is a punch
+
+
+class State(NamedTuple):
+    """Asperities at one approach of the sphere."""
+
+    approaches: np.ndarray  # u_j, m; negative where one does not touch
+    rates: np.ndarray  # du_j/dz
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asperities:
+    """A sample of asperities.
+
+    Attributes
+    ----------
+    x, y, heights : ndarray, shape (n,)
+        Positions from the sphere's lowest point and heights above its mean surface, m; no two at one place.
+    radius : float or ndarray, shape (n,)
+        Of the asperities, m, positive.
+
+    Examples
+    --------
+    Two asperities 1 um apart at an approach of 5 nm; the lower one carries less than it would alone:
+
+    >>> pair = Asperities(x=[0.0, 1e-6], y=[0.0, 0.0], heights=[0.0, 0.0], radius=10e-6)
+    >>> print(pair.forces(1e-3, 64e9, 5e-9))  # N
+    [8.55920413e-05 7.01775551e-05]
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    heights: np.ndarray
+    radius: float | np.ndarray
+
+    def __post_init__(self):
+        size = np.shape(np.atleast_1d(self.x))
+        for name in ("x", "y", "heights", "radius"):
+            values = np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
+            if name == "radius" and values.shape == (1,):
+                values = np.full(size, values[0])
+            if values.ndim != 1 or values.shape != size:
+                raise InputError(f"asperities.{name}", "must be a list with one value for each asperity")
+            for each in values[~np.isfinite(values)][:1]:
+                parameter_check.finite(f"asperities.{name}", each, "m")
+            object.__setattr__(self, name, values)
+        for each in self.radius[self.radius <= 0.0][:1]:
+            parameter_check.positive("asperities.radius", float(each), "m")
+        for j in np.flatnonzero(self.nearest == 0.0)[:1]:
+            raise InputError("asperities.x", f"must not hold two asperities at one place, as that of number {j + 1}")
+
+    def __len__(self) -> int:
+        return self.x.size
+
+    @cached_property
+    def nearest(self) -> np.ndarray:
+        """Distance of the nearest other asperity of each, m, shape (n,); infinite for one alone."""
+        from scipy.spatial import KDTree  # of samples alone: scipy is not imported where there is none
+
+        if len(self) < 2:
+            return np.full(len(self), np.inf)
+        return KDTree(np.column_stack([self.x, self.y])).query(np.column_stack([self.x, self.y]), k=2)[0][:, 1]
+
+    def forces(self, sphere_radius: float, effective_modulus: float, z: float) -> np.ndarray:
+        """Return P_j of each asperity in N at an approach z in m of the sphere.
+
+        Raises
+        ------
+        ConvergenceError
+            If Newton's method does not find the forces.
+        """
+        ball = RoughBall(self, sphere_radius, effective_modulus, z)
+        forces = np.zeros(len(self))
+        forces[ball.near] = ball.forces(ball.at(z).approaches)
+        return forces
+
+
+class RoughBall:
+    """The equations (1) of one sphere, for those asperities that may touch up to a largest approach.
+
+    Parameters
+    ----------
+    sample : Asperities
+    sphere_radius, effective_modulus : float
+        R in m, E in Pa.
+    deepest : float
+        Largest approach z, m.
+
+    Attributes
+    ----------
+    near : ndarray
+        Numbers of these asperities in the sample: those that an undeformed sphere brings to touch; shape (n,).
+    free : ndarray, shape (n,)
+        u_j - z where nothing is carried, m.
+    stiffness, merged : ndarray, shape (n,)
+        (4/3) E sqrt(beta_j), N/m^1.5, and the approach b_j^2/beta_j from which on a contact is a punch, m.
+    """
+
+    def __init__(self, sample: Asperities, sphere_radius: float, effective_modulus: float, deepest: float):
+        free = sample.heights - (sample.x**2 + sample.y**2) / (2.0 * sphere_radius)
+        near = self.near = np.flatnonzero(free + deepest > 0.0)
+        x, y, self.free, radius = sample.x[near], sample.y[near], free[near], sample.radius[near]
+        self.stiffness = np.asarray(stiffness(radius, effective_modulus, Shape.SPHERE), dtype=float)
+        self.merged = (MERGED * sample.nearest[near]) ** 2 / radius
+        distance = np.hypot(x[:, None] - x, y[:, None] - y)
+        np.fill_diagonal(distance, np.inf)
+        self._compliance = 1.0 / (math.pi * effective_modulus * distance)
+
+    def forces(self, u: np.ndarray) -> np.ndarray:
+        """Return P_j of approaches u_j, N."""
+        cap = np.minimum(np.maximum(u, 0.0), self.merged)
+        return self.stiffness * np.sqrt(cap) * (cap + 1.5 * np.maximum(u - self.merged, 0.0))
+
+    def at(self, z: float, near: np.ndarray | None = None) -> State:
+        """Return the state at an approach z in m; `near` are approaches u_j from which the search starts.
+
+        (1) has continuous derivatives and its matrix is never singular, so that Newton's step always shortens the
+        residual; it is halved until it does.
+
+        Raises
+        ------
+        ConvergenceError
+            If a hundred steps do not suffice.
+        """
+        free = self.free + z
+        u = free.copy() if near is None else near
+        bound = CLOSE * max(float(np.max(free, initial=0.0)), 1e-300)
+        residual = u - free + self._compliance @ self.forces(u)
+        for _ in range(100):
+            if np.max(np.abs(residual), initial=0.0) <= bound:
+                return State(u, self._solved(u, np.ones(u.size)))
+            step = self._solved(u, -residual)
+            for _ in range(40):
+                trial = u + step
+                left = trial - free + self._compliance @ self.forces(trial)
+                if left @ left < residual @ residual:
+                    break
+                step = 0.5 * step
+            else:
+                if np.max(np.abs(residual)) <= 1e3 * bound:  # rounding
+                    return State(u, self._solved(u, np.ones(u.size)))
+                break
+            u, residual = trial, left
+        raise ConvergenceError("not converged", f"forces of {u.size} asperities at an approach of {z:.4g} m")
+
+    def _solved(self, u: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Return s with s + C dP/du s = `right`: a system of the asperities that touch, and the others by it."""
+        touching = np.flatnonzero(u > 0.0)
+        rates = 1.5 * self.stiffness[touching] * np.sqrt(np.minimum(u[touching], self.merged[touching]))
+        columns = self._compliance[:, touching]
+        # symmetric and positive definite in the forces: (1/P' + C) P' s = right
+        matrix = columns[touching]
+        matrix[np.diag_indices(touching.size)] = 1.0 / rates
+        forces = np.linalg.solve(matrix, right[touching])
+        solution = right - columns @ forces
+        solution[touching] = forces / rates
+        return solution
