@@ -25,9 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contact import parameter_check
-from contact.codes import Shape
 from contact.exceptions import ConvergenceError, InputError
-from contact.law.normal import stiffness
+from contact.law.normal import SPHERE, stiffness
 
 CLOSE = 1e-12  # residual of (1) over the largest approach at which Newton's method ends
 MERGED = 0.25 * math.pi  # radius over the distance of the nearest asperity from which a contact is a punch
@@ -132,7 +131,7 @@ class RoughBall:
         free = sample.heights - (sample.x**2 + sample.y**2) / (2.0 * sphere_radius)
         near = self.near = np.flatnonzero(free + deepest > 0.0)
         x, y, self.free, radius = sample.x[near], sample.y[near], free[near], sample.radius[near]
-        self.stiffness = np.asarray(stiffness(radius, effective_modulus, Shape.SPHERE), dtype=float)
+        self.stiffness = np.asarray(stiffness(radius, effective_modulus, SPHERE.shape), dtype=float)
         self.merged = (MERGED * sample.nearest[near]) ** 2 / radius
         distance = np.hypot(x[:, None] - x, y[:, None] - y)
         np.fill_diagonal(distance, np.inf)

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact import parameter_check
-from contact.codes import Shape
 from contact.exceptions import ConvergenceError
 from contact.law.asperities import Asperities
 from contact.law.normal import SPHERE, approach, stiffness
@@ -147,99 +146,7 @@ class Roughness:
                 if not np.any(np.hypot(x[rim] - new[0], y[rim] - new[1]) < self.spacing):
                     x, y = np.append(x, new[0]), np.append(y, new[1])
                     break
-<<<<<<< HEAD
-            places = np.vstack([places, place])
-        heights = rng.normal(scale=self.rms, size=number)
-        return Asperities(x=places[:, 0], y=places[:, 1], heights=heights, radius=self.asperity_radius)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Asperities:
-    """A sample of asperities of one radius.
-
-    Attributes
-    ----------
-    x, y, heights : ndarray, shape (n,)
-        Positions from the sphere's lowest point and heights above its mean surface, m.
-    radius : float
-        Of each asperity, m, positive.
-    """
-
-    x: np.ndarray
-    y: np.ndarray
-    heights: np.ndarray
-    radius: float
-
-    def __post_init__(self):
-        parameter_check.positive("asperities.radius", self.radius, "m")
-        for name in ("x", "y", "heights"):
-            values = np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
-            if values.ndim != 1 or values.shape != np.shape(np.atleast_1d(self.x)):
-                raise InputError(f"asperities.{name}", "must be a list with one value for each asperity")
-            for each in values[~np.isfinite(values)][:1]:
-                parameter_check.finite(f"asperities.{name}", each, "m")
-            object.__setattr__(self, name, values)
-
-    def stiffness(self, effective_modulus: float) -> float:
-        """Return K of P = K u^(3/2) of each asperity, N/m^1.5."""
-        return float(stiffness(self.radius, effective_modulus, SPHERE.shape))
-
-    def approaches(self, sphere_radius: float, effective_modulus: float, z: float) -> np.ndarray:
-        """Return u_j of each asperity in m at an approach z in m of the sphere; negative where one does not touch.
-
-        Raises
-        ------
-        ConvergenceError
-            If Newton's method does not find the forces.
-        """
-        free = z + self.heights - (self.x**2 + self.y**2) / (2.0 * sphere_radius)
-        near = np.flatnonzero(free > 0.0)  # the others push these away, none towards the surface
-        x, y, u = self.x[near], self.y[near], free[near].copy()
-        stiffness = self.stiffness(effective_modulus)
-        distance = np.hypot(x[:, None] - x, y[:, None] - y)
-        np.fill_diagonal(distance, np.inf)
-        coupling = stiffness / (math.pi * effective_modulus * distance)
-
-        def left(u):
-            return u - free[near] + coupling @ np.maximum(u, 0.0) ** 1.5
-
-        residual = left(u)
-        for _ in range(100):
-            rates = np.eye(near.size) + 1.5 * coupling * np.sqrt(np.maximum(u, 0.0))
-            step = np.linalg.solve(rates, -residual)
-            for _ in range(30):  # shorter where asperities that come into contact have bent the equations
-                there = left(u + step)
-                if there @ there <= residual @ residual:
-                    break
-                step = 0.5 * step
-            u, residual = u + step, there
-            if np.max(np.abs(residual), initial=0.0) <= CLOSE * np.max(free, initial=0.0):
-                break
-        else:
-            raise ConvergenceError("not converged", f"forces of {near.size} asperities at an approach of {z:.4g} m")
-        pushed = self.x[:, None] - x, self.y[:, None] - y
-        apart = np.hypot(*pushed)
-        apart[near, np.arange(near.size)] = np.inf
-        approaches = free - stiffness / (math.pi * effective_modulus) * (1.0 / apart @ np.maximum(u, 0.0) ** 1.5)
-        approaches[near] = u
-        return approaches
-
-    def forces(self, sphere_radius: float, effective_modulus: float, z: float) -> np.ndarray:
-        """Return P_j of each asperity in N at an approach z in m of the sphere.
-
-        Examples
-        --------
-        Two asperities 1 um apart at an approach of 5 nm carry less than without each other:
-
-        >>> pair = Asperities(x=[0.0, 1e-6], y=[0.0, 0.0], heights=[0.0, 0.0], radius=10e-6)
-        >>> print(pair.forces(1e-3, 64e9, 5e-9))  # N
-        [8.55920413e-05 7.01775551e-05]
-        """
-        u = np.maximum(self.approaches(sphere_radius, effective_modulus, z), 0.0)
-        return self.stiffness(effective_modulus) * u**1.5
-=======
         return Asperities(x=x, y=y, heights=heights.normal(scale=self.rms, size=x.size), radius=self.asperity_radius)
->>>>>>> e0acb80c (Samples of asperities: contacts that meet carry on as punches, so that one solution exists; cycles compiled, 30 times faster; samples grow from the middle outwards)
 
 
 class MeanField:
