@@ -130,7 +130,7 @@ class RoughBall:
     def __init__(self, sample: Asperities, sphere_radius: float, effective_modulus: float, deepest: float):
         free = sample.heights - (sample.x**2 + sample.y**2) / (2.0 * sphere_radius)
         near = self.near = np.flatnonzero(free + deepest > 0.0)
-        x, y, self.free, radius = sample.x[near], sample.y[near], free[near], sample.radius[near]
+        x, y, self.free, radius = sample.x[near], sample.y[near], free[near], np.asarray(sample.radius)[near]
         self.stiffness = np.asarray(stiffness(radius, effective_modulus, SPHERE.shape), dtype=float)
         self.merged = (MERGED * sample.nearest[near]) ** 2 / radius
         distance = np.hypot(x[:, None] - x, y[:, None] - y)

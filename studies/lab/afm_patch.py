@@ -85,9 +85,9 @@ class AfmPatch:
         determinant = xx * yy - xy**2
         summit = (determinant > 0.0) & (xx < 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            across = -(yy * slope_x - xy * slope_y) / determinant, -(xx * slope_y - xy * slope_x) / determinant
-        # the summit of a flat top may lie far off: its pixel is then the place
-        across = [np.where(summit, np.clip(each, -0.5, 0.5), 0.0) for each in across]
+            offset = -(yy * slope_x - xy * slope_y) / determinant, -(xx * slope_y - xy * slope_x) / determinant
+        # the summit of a flat top may lie far off: it is held within its pixel
+        across = [np.where(summit, np.clip(each, -0.5, 0.5), 0.0) for each in offset]
         height = base + 0.5 * (slope_x * across[0] + slope_y * across[1])
         keep = summit & np.isfinite(height)
         radius = dx * dy / np.sqrt(determinant[keep])
@@ -152,12 +152,7 @@ def read_patch(path: str | Path, step: float | None = None, *, key: str = "slide
     heights = np.asarray(heights, dtype=float)
     if heights.ndim != 2 or min(heights.shape) < SMALLEST:
         raise SceneError(key, f"must hold at least {SMALLEST} x {SMALLEST} heights, got the shape {heights.shape}")
-    if own_step is None and step is None:
-        raise SceneError(key, f"{path.name} does not state the size of its pixels: give slider.roughness.step")
-    if own_step is not None and step is not None:
-        own = " x ".join(f"{each:.4g}" for each in own_step)
-        raise SceneError(key, f"{path.name} states the size of its pixels, {own} m: leave slider.roughness.step out")
-    pixel = own_step or (step, step)
+    pixel = _pixel(path.name, own_step, step, key)
     missing = int(np.count_nonzero(~np.isfinite(heights)))
     if missing > MISSING * heights.size:
         raise SceneError(key, f"{missing} of {heights.size} pixels of {path.name} have no value, more than 10 %")
@@ -168,6 +163,18 @@ def read_patch(path: str | Path, step: float | None = None, *, key: str = "slide
     if not patch.rms > 0.0:
         raise SceneError(key, f"{path.name} is flat: its levelled heights do not differ")
     return patch
+
+
+def _pixel(name: str, own: tuple[float, float] | None, step: float | None, key: str) -> tuple[float, float]:
+    """Return the size of a pixel along x and y from a file or from a scene, never both, m."""
+    if own is not None and step is not None:
+        size = " x ".join(f"{each:.4g}" for each in own)
+        raise SceneError(key, f"{name} states the size of its pixels, {size} m: leave slider.roughness.step out")
+    if own is not None:
+        return own
+    if step is None:
+        raise SceneError(key, f"{name} does not state the size of its pixels: give slider.roughness.step")
+    return step, step
 
 
 Reading = tuple[Any, tuple[float, float] | None, tuple[str, ...]]
@@ -189,15 +196,15 @@ def _of_gwyddion(path: Path, key: str) -> Reading:
         raise SceneError(key, f"{path.name} holds no channel")
     units = []
     for name, each in sorted(fields.items()):
-        scales = [LENGTHS.get(_unit(getattr(each, axis))) for axis in ("si_unit_xy", "si_unit_z")]
+        across, up = (LENGTHS.get(_unit(getattr(each, axis))) for axis in ("si_unit_xy", "si_unit_z"))
         units.append(f"{name} in {_unit(each.si_unit_z) or 'no unit'}")
-        if None in scales:
+        if across is None or up is None:
             continue
-        across, up = scales
         rows, columns = each.data.shape  # yres and xres
         step = float(each.xreal) * across / columns, float(each.yreal) * across / rows
         heights = np.asarray(each.data, dtype=float)[::-1] * up  # images begin at the top
-        mask, remarks = content.get(name.removesuffix("data") + "mask"), ()
+        mask = content.get(name.removesuffix("data") + "mask")
+        remarks: tuple[str, ...] = ()
         if mask is not None:
             number = int(np.count_nonzero(np.asarray(mask.data)))
             remarks = (f"a mask of {number} pixels is a selection and not a gap: these pixels count",)
