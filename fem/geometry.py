@@ -18,7 +18,6 @@ import numpy as np
 from fem.materials import Solid, fields, isotropic_about_normal
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
-from fem.mesh.piece_warnings import arc_warnings, corner_warnings
 from fem.mesh.placement import Placement, placement
 from fem.parameters import ComplexNumber, Count, InputError, Number, Parameters, Signs, Words, shown
 
@@ -153,6 +152,8 @@ class Stator(Parameters):
 
     def piece_warnings(self, frequency: float, transducers: tuple["Transducer", ...] = ()) -> tuple[str, ...]:
         """Warnings about the meshed pieces at a frequency in Hz, one sentence each."""
+        from fem.mesh.piece_warnings import arc_warnings, corner_warnings  # that of a plain stator imports no mesh
+
         warnings = []
         wavelength = self.slowest_wavelength(frequency)
         for piece in self.pieces:

@@ -7,7 +7,6 @@ stator's condition), ``clamped``, ``grounded``, ``electrode:NAME`` and ``surface
 traction, D_n = 0.
 """
 
-import hashlib
 import itertools
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -190,6 +189,8 @@ def _read(path: Path, unit: float) -> SectionMesh:
     number[used] = np.arange(len(used))
     points = points[used, :2] * unit
     cells = tuple(_anticlockwise(each, number, points) for each in surfaces)
+    import hashlib  # 3 ms, which a stator without meshes does not spend
+
     mesh = SectionMesh(
         name=path.stem,
         digest=hashlib.sha256(content + repr(unit).encode()).hexdigest(),

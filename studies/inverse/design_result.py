@@ -6,9 +6,9 @@ from pathlib import Path
 from studies.inverse.goals import LEAST
 from studies.inverse.parameters import Parameter
 from studies.record.plots import COLOURS, finished, saved
+from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
-from studies.report.intermediate import key_axis
 from studies.results.content import write_json
 from studies.scene.keys import coordinate
 from studies.scene.toml import document

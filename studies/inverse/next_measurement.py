@@ -14,8 +14,8 @@ from studies.inverse.least_squares import Problem, standard_deviations
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.lab.measurement import FIELD, Measurement
 from studies.progress import counted
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
-from studies.report.intermediate import si
 
 LOGGER = logging.getLogger(__name__)
 

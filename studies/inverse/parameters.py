@@ -18,8 +18,8 @@ import numpy as np
 
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_network, read_measured
+from studies.record.prefixes import scaled_unit
 from studies.refusal import SceneError, all_answers, nearest, shown, suggestion
-from studies.report.intermediate import scaled_unit
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.keys import LEVELS, rule_at, unit_of

@@ -15,9 +15,9 @@ from studies.inverse.next_measurement import Candidate
 from studies.inverse.parameters import Parameter
 from studies.inverse.profile import AT_END, End
 from studies.lab.measurement import Measurement
+from studies.record.prefixes import scaled_unit
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
-from studies.report.intermediate import scaled_unit
 from studies.results.content import write_json
 from studies.scene import Scene
 from studies.scene.keys import coordinate

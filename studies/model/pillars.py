@@ -42,8 +42,6 @@ SILICON = "silicon"  # default material of the pillars
 def resolved_pillars(slider: Slider) -> Slider:
     """Return a slider whose pillars have their seed and their own moduli as numbers."""
     block = slider.pillars
-    if block is None:
-        return slider
     own: dict[str, Any] = {}
     if block.height_scatter > 0.0 and block.seed is None:
         own["seed"] = SEED

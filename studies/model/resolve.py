@@ -108,9 +108,10 @@ def _built(model: Model, spread: bool | None) -> Model:
 def resolved_slider(slider: Slider, block: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
-    from studies.model.pillars import resolved_pillars
+    if slider.pillars is not None:
+        from studies.model.pillars import resolved_pillars
 
-    slider = resolved_pillars(slider)
+        slider = resolved_pillars(slider)
     if slider.ball is None:
         return slider
     from studies.model.contact_moduli import pair_moduli

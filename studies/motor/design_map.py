@@ -21,10 +21,10 @@ from matplotlib.ticker import MaxNLocator
 from studies.model.resolve import resolved
 from studies.motor.regime_map import finite_lists, refuse_frictionless
 from studies.record.plots import finished, logarithmic, own
+from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
 from studies.record.values import Columns
 from studies.refusal import RunError, SceneError
-from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at

@@ -19,9 +19,9 @@ from studies.model.materials import crystal, knows_temperature
 from studies.model.model import model_of
 from studies.record import Record
 from studies.record.plots import COLOURS, curve, family, finished, lines
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
-from studies.report.intermediate import si
 from studies.runs import run as run_chain
 from studies.scene import Scene
 from studies.solve import passband

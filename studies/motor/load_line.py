@@ -13,8 +13,8 @@ import numpy as np
 
 import contact
 from studies.record.plots import curve, family, finished
+from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
-from studies.report.intermediate import key_axis, si
 from studies.scene import Scene
 from studies.study import Answered, Panel, driven_contact, judged, of_record, study
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from studies.model.contact_moduli import direction_dependence
 from studies.model.model import model_of
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
-from studies.report.intermediate import si
 from studies.scene import Scene
 from studies.scene.blocks import Stator
 

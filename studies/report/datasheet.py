@@ -23,10 +23,10 @@ from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.record.point import Point
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.record.text import leaving, sentences
 from studies.refusal import RunError
-from studies.report.intermediate import si
 from studies.runs import run
 from studies.scene import Scene
 from studies.solve.burst_steps import Steps

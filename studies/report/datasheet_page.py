@@ -3,11 +3,11 @@
 from functools import partial
 
 from studies.record.plots import COLOURS, as_uri, curve, family, finished
+from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity
 from studies.record.run_pictures import velocity
 from studies.record.text import sentences
 from studies.report.datasheet import GROUPS, SETTLED, Datasheet
-from studies.report.intermediate import key_axis
 from studies.report.page import rendered
 from studies.results.content import provenance
 

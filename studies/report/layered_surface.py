@@ -5,12 +5,12 @@ import math
 import fem
 from studies.model.materials import named_solid
 from studies.model.scene_errors import as_run_errors
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.record.values import Columns
 from studies.refusal import SceneError
 from studies.report.free_surface import DEPTHS
-from studies.report.intermediate import si
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 from studies.scene.quantity import si_value

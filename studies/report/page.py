@@ -11,9 +11,10 @@ from functools import partial
 from pathlib import Path
 
 from studies.record import Record, plots, run_pictures
+from studies.record.prefixes import si
 from studies.record.text import percent, points_table
 from studies.report import energies, run_drawings
-from studies.report.intermediate import intermediate_numbers, si
+from studies.report.intermediate import intermediate_numbers
 from studies.report.scene_text import scene_text
 from studies.results.content import provenance
 

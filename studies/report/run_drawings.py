@@ -10,8 +10,8 @@ import fem
 from studies.model.model import model_of
 from studies.record import Record
 from studies.record.plots import COLOURS, curve, finished, shaded
+from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity
-from studies.report.intermediate import key_axis
 from studies.report.surface_map import draw_surface_map
 from studies.solve.solved_stator import contact_of_run
 

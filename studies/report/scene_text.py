@@ -1,6 +1,6 @@
 """A scene as text, with each number's size in a unit of its order beside it."""
 
-from studies.report.intermediate import si
+from studies.record.prefixes import si
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.toml import document

@@ -7,7 +7,6 @@ new one, such as a table that was edited, is renamed (``velocity.former.csv``); 
 ``study.json`` is removed first and moved last: the files of a directory that has one belong together.
 """
 
-import hashlib
 import json
 import os
 import shutil
@@ -205,5 +204,7 @@ def _free_name(path: Path) -> Path:
 
 
 def _digest(path: Path) -> str:
+    import hashlib  # 3 ms, and a check writes no directory
+
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

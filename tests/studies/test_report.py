@@ -9,9 +9,10 @@ import pytest
 
 import fem
 from studies.__main__ import main
+from studies.record.prefixes import si
 from studies.record.text import percent
 from studies.report.energies import balances
-from studies.report.intermediate import intermediate_numbers, si
+from studies.report.intermediate import intermediate_numbers
 from studies.report.page import report
 from studies.runs import run
 from studies.scene import Scene
