@@ -16,8 +16,7 @@ import numpy as np
 from contact import parameter_check
 from contact.exceptions import InputError
 
-# The amplitudes of an orbit and the axes that they belong to
-AMPLITUDES = {"normal": "u_z", "tangential": "u_x", "lateral": "u_y"}
+AMPLITUDES = "normal", "tangential", "lateral"  # of an orbit
 
 
 @dataclass(frozen=True, kw_only=True)

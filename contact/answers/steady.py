@@ -181,7 +181,8 @@ def _on_rows(slider, wave, tolerance, near, begun):
     reference = reference_speed(motion.velocity, wave) or 1.0
     how = "averaged equilibrium of the rows" + (" on the wave that they load" if rows.loading else "")
     answer = Answer(value=motion.velocity, error=error * reference, reasons=(how,)).judged(tolerance, reference)
-    powers = (*rows.work, rows.friction_power, 0.0, 0.0, rows.damping_power, rows.thrust_power, *[0.0] * 4)
+    losses = rows.friction_power, 0.0, 0.0, rows.damping_power, rows.thrust_power, rows.leak_power
+    powers = (*rows.work, *losses, 0.0, 0.0, 0.0)
     return SteadyState(
         slider=slider, orbits=wave, answer=answer, regime=motion.regime, height=motion.height, method="averaged",
         ledger=Ledger(*(cycle * each for each in powers)), tilt=motion.tilt, loaded=rows,

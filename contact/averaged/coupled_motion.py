@@ -73,8 +73,9 @@ class WaveRows:
         Fraction of the contacts that touch at some time of the cycle, and the mean fraction of the cycle during which
         these contacts touch.
     friction_power, thrust_power, damping_power : float
-        Mean power of the friction, of the load and of the viscous damper, W. The elastic law's spring of a ball is not
-        conservative; its loss or gain counts as friction.
+        Mean power of the friction in slip, of the load and of the viscous damper, W.
+    leak_power : float
+        Mean power lost in the elastic law's spring of a ball, which is not conservative, W; negative for a gain.
     wave_power_in, wave_power_out : float
         Power of both waves within the strip, W; 0 if Gamma is not known.
     loading_number : float
@@ -115,6 +116,7 @@ class WaveRows:
     friction_power: float
     thrust_power: float
     damping_power: float
+    leak_power: float
     wave_power_in: float
     wave_power_out: float
     loading_number: float
@@ -131,12 +133,12 @@ class WaveRows:
 
     @property
     def ledger_residual(self) -> float:
-        """Residual of the energy balance: power taken from the wave less friction, load and damper powers.
+        """Residual of the energy balance: power taken from the wave less friction, load, damper and leak powers.
 
         It is relative to the incident power. Without loading, the work of the surface on the contacts replaces the
         power taken from the wave, and the residual is relative to the apparent power.
         """
-        spent = self.friction_power + self.thrust_power + self.damping_power
+        spent = self.friction_power + self.thrust_power + self.damping_power + self.leak_power
         if self.loading:
             return float((self.wave_power_in - self.wave_power_out - spent) / self.wave_power_in)
         return float((sum(self.work) - spent) / max(self.apparent_power, 1e-300))
@@ -333,7 +335,7 @@ class CoupledSearch:
         entry, other = (wave.forward, wave.backward) if forward_drives else (wave.backward, wave.forward)
         gone, back = (passed[0, -1], passed[1, 0]) if forward_drives else (passed[1, 0], passed[0, -1])
         entry = entry if entry != 0 else 1.0
-        friction = cycle.k_t * wave.omega * forces.cycles[Each.FRICTION]
+        friction, leak = cycle.k_t * wave.omega * forces.cycles[[Each.FRICTION, Each.LEAK]]
         share, work = forces.cycles[Each.SHARE], wave.omega * cycle.work(forces)
         touching = float(np.sum(weight[share > 0.0]))
         each = MeanForces(*(values[..., classes] for values in forces))
@@ -343,7 +345,7 @@ class CoupledSearch:
             reflected_over_entry=complex((back[0] - other) / entry), share_in_contact=touching / slider.number,
             duty=float(np.sum(weight * share)) / max(touching, 1.0), friction_power=float(np.sum(weight * friction)),
             thrust_power=load * velocity + 0.0,  # not -0.0
-            damping_power=slider.tangential_damping * velocity**2,
+            damping_power=slider.tangential_damping * velocity**2, leak_power=float(np.sum(weight * leak)),
             wave_power_in=wave.power(wave.forward) + wave.power(wave.backward),
             wave_power_out=sum(n * (wave.power(a) + wave.power(b)) for n, a, b in zip(order, gone, back, strict=True)),
             loading_number=wave.loading_number(slider.preload), harmonics=order.size,

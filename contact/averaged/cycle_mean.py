@@ -62,8 +62,9 @@ class Each(IntEnum):
     NORMAL_SIN = 3
     TANGENTIAL_COS = 4
     TANGENTIAL_SIN = 5
-    FRICTION = 6  # mean power lost to friction, per radian
+    FRICTION = 6  # mean power lost in slip, per radian
     SHARE = 7  # fraction of the cycle in contact
+    LEAK = 8  # mean power lost in a law that is not conservative, per radian; negative for a gain
 
 
 class MeanForces(NamedTuple):
@@ -437,7 +438,7 @@ def cycle(problem, h, v, before, rule, work):
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.factors.stiffness": "n",
         "problem.factors.limit_slope": "n", "v": "n", "rule.node": "q", "rule.weight": "q",
         "work.path.normal_cos": "1", "work.force.normal_cos": "1", "work.means": "3", "work.counts": "3",
-        "work.nodes.cos": "1 q | 1 1", "out": "8 n",
+        "work.nodes.cos": "1 q | 1 1", "out": "9 n",
     },
 )  # fmt: skip
 def contact_cycles(problem, h, v, before, rule, work, out):
@@ -445,8 +446,7 @@ def contact_cycles(problem, h, v, before, rule, work, out):
 
     `v`: mean velocity for each contact, so that contacts with another limit X = c z can have units of their own;
     `before`: as in `cycle`; `rule`: as there, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction;
-    `work`: a `Cycle` of one harmonic. With quadrature the friction is what a contact takes from the wave and does not
-    give to the slider.
+    `work`: a `Cycle` of one harmonic.
     """
     force, means, paths, wave = work.force, work.means, problem.paths, work.path
     for i in range(paths.height.size):
@@ -464,9 +464,9 @@ def contact_cycles(problem, h, v, before, rule, work, out):
         cos, sin = force.tangential_cos[0] / np.pi, force.tangential_sin[0] / np.pi
         out[Each.TANGENTIAL_COS, i], out[Each.TANGENTIAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
         out[Each.SHARE, i] = half / np.pi
-        out[Each.FRICTION, i] = means[Mean.FRICTION] / TURN
+        out[Each.FRICTION, i], out[Each.LEAK, i] = means[Mean.FRICTION] / TURN, 0.0
         if rule.weight.size > 0:
-            out[Each.FRICTION, i] = 0.5 * (cos * e - sin * d) - out[Each.TANGENTIAL, i] * v[i]
+            out[Each.LEAK, i] = 0.5 * (cos * e - sin * d) - out[Each.TANGENTIAL, i] * v[i] - out[Each.FRICTION, i]
     return 0
 
 

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.riding import Rule, punch_means
-from contact.body import circle
+from contact.body import circle, slip_speed
 from contact.jit.compiled import compiled, formula, summed
 from contact.law.normal import load
 
@@ -226,6 +226,8 @@ def _add_piece(problem, path, rule, work, start, width, slip, offset):
     else:
         _motion_at_nodes(path, rule, work.nodes, start, width, offset)
         normal_sum, tangential_sum = _forces_at_nodes(problem, path, rule, work.nodes, slip)
+        if slip != 0.0 and path.wave.normal_cos.size == 1:
+            work.means[Mean.FRICTION] += kappa * width * _loss_at_nodes(problem, path, rule, work.nodes, slip)
         _add_harmonics(problem, path, rule, work, kappa * width)
     work.means[Mean.NORMAL] += kappa * width * normal_sum
     work.means[Mean.TANGENTIAL] += kappa * width * tangential_sum
@@ -280,6 +282,18 @@ def _forces_at_nodes(problem, path, rule, nodes, slip):
         normal_sum += z[j]
         tangential_sum += x[j]
     return normal_sum, tangential_sum
+
+
+@summed
+def _loss_at_nodes(problem, path, rule, nodes, slip):
+    """Return the integral of the friction power over kappa of a slip, from the weighted forces at the nodes."""
+    a, b, d, e = first_harmonic(path)
+    cos, sin, loss = nodes.cos, nodes.sin, 0.0
+    for j in range(rule.weight.size):
+        co, si = cos[0, j], sin[0, j]
+        slope = problem.law.limit_rate(problem, path.h + a * co + b * si)
+        loss += slip * nodes.tangential[j] * slip_speed(slip, b * co - a * si, e * co - d * si - path.v, slope)
+    return loss
 
 
 @summed

@@ -242,7 +242,7 @@ def _improved(classes, waves, spectrum, before, out, j, step):
      "classes.tangential_stiffness": "n", "classes.limit_slope": "n", "waves.turn": "m", "waves.orbit": "1",
      "waves.incident": "h", "approach": "n", "spectrum.along": "m h", "spectrum.against": "m 1",
      "spectrum.force": "m 2 h", "cycle.table": "h 1+s", "cycle.scale": "h", "cycle.before": "h",
-     "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "8 n"},
+     "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "9 n"},
 )  # fmt: skip
 def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
     """Follow the wave through all rows; fill its amplitudes, the forces and the rows of `cycle_mean.Each`.

@@ -4,8 +4,8 @@ Contacts at the same x form a row. Contacts of a row with equal height and stiff
 about x) form a class, which is computed once with the sum of their weights. The cycle means are those of
 `cycle_mean.contact_cycles`: closed for flat contacts, by quadrature for balls. In both P = k_n p(z), and Q is k_t times
 a function of approach and deformation. The tangential spring of a ball does not act back on its normal motion, so that
-it is not conservative. The friction power of a ball is defined as the power that it takes from the wave and does not
-give to the slider.
+it is not conservative: what a ball takes from the wave and gives neither to the slider nor to friction is the leak of
+its law (`answers.ledger`), which may be negative.
 
 `contact_cycles` solves contacts of one stiffness and one slip limit c. All classes are brought to that form by scaling:
 with normal lengths over a unit ell and tangential lengths over c ell,
@@ -144,7 +144,7 @@ class RowCycle:
         velocities, before = float(w) / (c * ell), BACKWARD if side < 0.0 else FORWARD
         out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.normal))  # p(ell)
         contact_cycles(self.problem, 0.0, velocities, before, self._rule, self._work, out)
-        out[Each.FRICTION] *= force * ell * c**2  # over k_t, m^2
+        out[[Each.FRICTION, Each.LEAK]] *= force * ell * c**2  # over k_t, m^2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 
     @property

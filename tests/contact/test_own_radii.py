@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from contact import InputError, PassingWave, balls_of, mean_motion, pillar_motion
+from contact import InputError, PassingWave, balls_of, mean_motion, pillar_motion, steady
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.contact.test_each_contact import brute
 
@@ -79,3 +79,42 @@ def test_balls_of_a_law_that_the_equilibrium_does_not_know_are_refused():
         replace(balls_of(slider(), [0.0]), shape="cone")
     with pytest.raises(InputError, match="harmonics"):
         pillar_motion(balls_of(slider(), [0.0]), WAVE, loading="harmonics")
+
+
+def losses(ball, under, h, velocity):
+    """Return the mean powers in W of slip and of the surface on a ball, by 2e5 steps of the stop operator."""
+    steps, turns = 100_000, 2
+    phases = 2.0 * np.pi * np.arange(turns * steps + 1) / steps
+    z = np.maximum(h + (under.normal * np.exp(1j * phases)).real, 0.0)
+    u_x = (under.tangential * np.exp(1j * phases)).real
+    way, x, xs, slid = u_x - velocity / under.omega * phases, 0.0, np.empty(phases.size), np.empty(phases.size)
+    for k, (most, move) in enumerate(zip(ball.limit_slope * z, np.diff(way, prepend=way[0]), strict=True)):
+        free, x = x + move, min(max(x + move, -most), most)
+        xs[k], slid[k] = x, free - x
+    inside = np.maximum(z - np.abs(xs) / ball.limit_slope, 0.0)
+    pull = np.sign(xs) * ball.friction_coefficient * ball.normal_stiffness * (z**1.5 - inside**1.5)
+    last = slice((turns - 1) * steps, None)
+    push = ball.normal_stiffness * z**1.5
+    u_z = (under.normal * np.exp(1j * phases)).real
+    surface = sum(0.5 * (f[last][1:] + f[last][:-1]) @ np.diff(u[last]) for f, u in ((pull, u_x), (push, u_z)))
+    return under.frequency * float(pull[last][1:] @ slid[last][1:]), under.frequency * float(surface)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_the_friction_power_of_a_ball_is_what_it_loses_in_slip(held):
+    """Oracle: small steps. The elastic law's spring is not conservative: its gain is no friction."""
+    ball, turned = (
+        slider(),
+        replace(WAVE, ratio=0.7 * np.exp(0.0j if held else 0.2j), forward=0.55e-9 if held else 3e-9),
+    )
+    found = steady(replace(balls_of(ball, [0.0]), tangential_damping=0.0), turned, tolerance=1.0)
+    assert (found.regime == "stick") == held
+    rows, (under,) = found.loaded, turned.orbits_at(0.0)
+    slip, surface = losses(ball, under, found.height, found.velocity)
+    assert surface == pytest.approx(sum(rows.work), rel=2e-3, abs=1e-5 * rows.apparent_power)
+    assert rows.friction_power == pytest.approx(slip, rel=2e-3, abs=1e-6 * rows.apparent_power)
+    assert rows.leak_power == pytest.approx(surface - slip, rel=2e-3, abs=1e-5 * rows.apparent_power)
+    assert abs(rows.ledger_residual) < 1e-12
+    assert rows.friction_power >= 0.0
+    if held:
+        assert rows.leak_power < 0.0
