@@ -82,12 +82,16 @@ def test_balls_of_a_law_that_the_equilibrium_does_not_know_are_refused():
 
 
 def losses(ball, under, h, velocity):
-    """Return the mean powers in W of slip and of the surface on a ball, by 2e5 steps of the stop operator."""
+    """Return the mean powers in W of slip and of the surface on a ball, by 2e5 steps of the stop operator.
+
+    It begins at its limit, as after a motion towards -x.
+    """
     steps, turns = 100_000, 2
     phases = 2.0 * np.pi * np.arange(turns * steps + 1) / steps
     z = np.maximum(h + (under.normal * np.exp(1j * phases)).real, 0.0)
     u_x = (under.tangential * np.exp(1j * phases)).real
-    way, x, xs, slid = u_x - velocity / under.omega * phases, 0.0, np.empty(phases.size), np.empty(phases.size)
+    way, xs, slid = u_x - velocity / under.omega * phases, np.empty(phases.size), np.empty(phases.size)
+    x = ball.limit_slope * z[0]
     for k, (most, move) in enumerate(zip(ball.limit_slope * z, np.diff(way, prepend=way[0]), strict=True)):
         free, x = x + move, min(max(x + move, -most), most)
         xs[k], slid[k] = x, free - x
