@@ -44,7 +44,7 @@ class SliderRules(Checks):
 
     def check_freedom(self) -> Iterator[tuple[str, str]]:
         """Require a law and a body whose motion in the plane is known."""
-        if self.freedom == "x":
+        if getattr(self, "freedom", "x") == "x":  # a scene without this key moves along x
             return
         where = f'with slider.freedom = "{self.freedom}"'
         if self.law == "hysteretic":
