@@ -29,7 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     measured = "measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan"
     parser.add_argument("--measured", metavar="FILE", help=measured)
     parser.add_argument(
-        "--report", action="store_true", help="also write report.html: the whole run on one self-contained page"
+        "--report",
+        nargs="?",
+        const="html",
+        choices=("html", "pdf"),
+        help="also write report.html, the whole run on one self-contained page; pdf: report.pdf, one page A4",
     )
     parser.add_argument(
         "--explain", action="store_true", help="print what would be computed, with its size, time and memory, and stop"
@@ -88,7 +92,11 @@ def call(arguments: argparse.Namespace) -> int:
                     write_netcdf(record.to_xarray(), result.folder / "run.nc")
                 result.commit()
                 with committed_pictures(result):
-                    if arguments.report:
+                    if arguments.report == "pdf":
+                        from studies.report.printed import FILE, write_pdf
+
+                        write_pdf(record, result.folder / FILE)
+                    elif arguments.report:
                         from studies.report.page import TEMPLATE, report
 
                         (result.folder / TEMPLATE).write_text(report(record), encoding="utf-8")
