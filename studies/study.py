@@ -220,7 +220,8 @@ def question(name: str) -> str:
 def expected_seconds(name: str, scene: str | None, options: dict) -> float:
     """Return the run time of a study in s: that on its default scene, times the ratio of the stators' run times.
 
-    A study whose number of solutions depends on its ``options``, such as ``band``, has its own ``expected_seconds``.
+    A study whose number of solutions depends on its ``options``, such as ``band``, has its own ``expected_seconds``,
+    which returns None where this ratio holds.
     """
     default = signature(module(name).run).parameters.get("scene")
     _, seconds = STUDIES[ALIASES.get(name, name)]
@@ -228,7 +229,9 @@ def expected_seconds(name: str, scene: str | None, options: dict) -> float:
     if own is not None and default is not None:
         options = {key: value for key, value in options.items() if key in signature(own).parameters}
         if scene is not None or options:
-            return own(Scene.load(scene or default.default), **options)
+            known = own(Scene.load(scene or default.default), **options)
+            if known is not None:
+                return known
     if scene is None or default is None:
         return seconds
     from studies.report.explanation import plan
