@@ -36,6 +36,7 @@ _PUBLIC = {
     "analytic.layered_wave": (
         "bound_period bound_wave layered_waves LayeredWave principal_wave shorted_velocities shorted_velocity"
     ),
+    "analytic.leaky_wave": "leaky_waves LeakyWave",
     "analytic.wave_branches": "wave_branches WaveBranch",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",

@@ -92,7 +92,7 @@ class LayeredImpedance:
         self.electric = "phi" in self.fields
         self.gap = VACUUM_PERMITTIVITY * self.scales[1] ** 2 / self.scales[0]
         self._substrate = SurfaceImpedance(self.bodies[0], "open")
-        self._matrices = [_stroh_parts(body) for body in self.bodies[1:]]
+        self._matrices = [_stroh_parts(body) for body in self.bodies]
 
     def slowest(self) -> float:
         """Velocity in m/s below which no mode exists: half of the slowest bulk wave of all solids."""
@@ -115,14 +115,11 @@ class LayeredImpedance:
         layer, n = self.layers[number], len(self.fields)
         p, vectors = np.linalg.eig(self._stroh(number, velocity))
         u, t = vectors[:, :n, :], -1j * vectors[:, n:, :]
-        real = abs(p.imag) < REAL * abs(p).max(axis=1, keepdims=True)
-        power = np.einsum("vik,vik->vk", u.conj(), vectors[:, n:, :]).real
-        rank = np.where(real, -np.sign(power) * 1e-300, p.imag)  # power upwards counts as decay upwards
-        order = np.argsort(rank, axis=1)
+        order = _downwards(p, vectors)
         rows = np.arange(len(velocity))[:, None, None]
         fields, up, down = np.arange(n)[:, None], order[:, None, :n], order[:, None, n:]
         if layer.wavelengths is not None:
-            k_h = np.full(len(velocity), 2.0 * np.pi * layer.wavelengths)
+            k_h = 2.0 * np.pi * layer.wavelengths * (velocity.conj() / velocity.real)  # k / Re k: 1 of a bound wave
         else:
             k_h = self.wavenumber(velocity) * (layer.thickness or 0.0)
         return PartialWaves(
@@ -134,7 +131,7 @@ class LayeredImpedance:
 
     def _stroh(self, number: int, velocity: np.ndarray) -> np.ndarray:
         """Stroh's matrix of a layer, (v, 2 fields, 2 fields)."""
-        still, inertia = self._matrices[number]
+        still, inertia = self._matrices[number + 1]
         return still + velocity[:, None, None] ** 2 * inertia
 
     def joined(self, below: np.ndarray, number: int, velocity: np.ndarray) -> np.ndarray:
@@ -161,20 +158,24 @@ class LayeredImpedance:
         """
         below, parts = self.half_space(velocity), []
         for number in range(len(self.layers)):
-            waves = self.partial_waves(number, velocity)
-            joined = self.joined(below, number, velocity)
-            up, down = waves.up_traction - joined @ waves.up, waves.down_traction - joined @ waves.down
-            if self.electric:
-                held = np.broadcast_to(self.grounded_below(number, shorted), len(velocity))
-                up[held, -1], down[held, -1] = waves.up[held, -1], waves.down[held, -1]
-            reflection = -np.linalg.solve(up, down * waves.factor_down)
-            returned = waves.factor_up.swapaxes(1, 2) * reflection
-            displacement = waves.down + waves.up @ returned
-            traction = waves.down_traction + waves.up_traction @ returned
+            waves, reflection, displacement, below = self._through(below, number, velocity, shorted)
             parts.append((waves, reflection, displacement))
-            below = _divided(traction, displacement)
             below = 0.5 * (below + below.conj().swapaxes(1, 2))
         return Stack(impedance=below, parts=tuple(parts))
+
+    def _through(self, below: np.ndarray, number: int, velocity: np.ndarray, shorted: int | np.ndarray | None):
+        """Partial waves of a layer, R of (1), u at its top and the impedance there, from the impedance below it."""
+        waves = self.partial_waves(number, velocity)
+        joined = self.joined(below, number, velocity)
+        up, down = waves.up_traction - joined @ waves.up, waves.down_traction - joined @ waves.down
+        if self.electric:
+            held = np.broadcast_to(self.grounded_below(number, shorted), len(velocity))
+            up[held, -1], down[held, -1] = waves.up[held, -1], waves.down[held, -1]
+        reflection = -np.linalg.solve(up, down * waves.factor_down)
+        returned = waves.factor_up.swapaxes(1, 2) * reflection
+        displacement = waves.down + waves.up @ returned
+        traction = waves.down_traction + waves.up_traction @ returned
+        return waves, reflection, displacement, _divided(traction, displacement)
 
     def grounded_below(self, number: int, shorted: int | np.ndarray | None) -> np.ndarray:
         """True if phi = 0 on the lower side of a layer: at a shorted electrode, or where one of the solids conducts."""
@@ -192,8 +193,31 @@ class LayeredImpedance:
         if not self.electric or self.on_metal(surface):
             return stiff
         gap = self.gap if surface == "vacuum" else 0.0
-        across = impedance[:, m][:, :, ~m]
-        return stiff - across @ across.conj().swapaxes(1, 2) / (impedance[:, -1:, -1:] - gap)
+        across, back = impedance[:, m][:, :, ~m], impedance[:, ~m][:, :, m]
+        return stiff - across @ back / (impedance[:, -1:, -1:] - gap)
+
+    def outgoing(self, velocity: complex, steps: int, *, surface: str) -> np.ndarray:
+        """Impedance of the displacements at the top, (m, m), above the slowest bulk wave of the half-space.
+
+        The partial waves of the half-space are those that decay, or carry power, downwards at the real velocity, each
+        followed to the complex one in so many steps (0 for a real velocity); see `fem.analytic.leaky_wave`.
+        """
+        still, inertia = self._matrices[0]
+        n, real = len(self.fields), complex(velocity).real
+        p, vectors = np.linalg.eig(still + real**2 * inertia)
+        chosen = _downwards(p[None], vectors[None])[0, n:]
+        wanted = p[chosen]
+        for share in np.arange(1, steps + 1) / steps if steps else ():
+            at = real + share * (velocity - real)
+            p, vectors = np.linalg.eig(still + at**2 * inertia)
+            distance = abs(p[None, :] - wanted[:, None])
+            chosen = distance.argmin(axis=1)
+            wanted = p[chosen]
+        below = _divided(-1j * vectors[None, n:, chosen], vectors[None, :n, chosen])
+        at_velocity = np.array([velocity])
+        for number in range(len(self.layers)):
+            *_, below = self._through(below, number, at_velocity, None)
+        return self.mechanical(below, surface=surface)[0]
 
     def mode(self, impedance: np.ndarray, index: int, *, surface: str) -> np.ndarray:
         """Amplitudes of all fields at the top, (fields,), where an eigenvalue of `mechanical` is zero."""
@@ -232,6 +256,15 @@ class Stack:
 def _divided(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return left right^-1 of stacks of matrices."""
     return np.linalg.solve(right.swapaxes(1, 2), left.swapaxes(1, 2)).swapaxes(1, 2)
+
+
+def _downwards(p: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Order of partial waves (v, 2 fields) by their decay downwards, the last half downwards; or by their power."""
+    u, t = np.split(vectors, 2, axis=1)
+    real = abs(p.imag) < REAL * abs(p).max(axis=1, keepdims=True)
+    power = np.einsum("vik,vik->vk", u.conj(), t).real
+    rank = np.where(real, -np.sign(power) * 1e-300, p.imag)  # power upwards counts as decay upwards
+    return np.argsort(rank, axis=1)
 
 
 def _stroh_parts(body: Medium) -> tuple[np.ndarray, np.ndarray]:

@@ -78,14 +78,19 @@ def layered_surface_wave(
         The keys of ``free_surface.half_space_wave``, of the first wave with sagittal motion, without ``crystal``;
         ``layers``: name, orientation and thickness of each; ``waves``: all bound waves; ``shorted_velocity_m_per_s``:
         the velocity with an electrode at "surface" or below so many layers, and ``coupling_K2`` that of each plane.
+        Where no wave is bound, the leaky waves without these and without ``depth_profile``: ``waves`` have the key
+        ``attenuation_dB_per_wavelength``.
     """
     orientation = ORIENTATION.read("--orientation", orientation)
     stack = [read_layer(text) for text in layers]
     try:
         solid = fem.rotated(named_solid(material)[1], orientation)
         with as_run_errors():
-            waves = fem.layered_waves(solid, stack, surface=surface, frequency=frequency)
-            wave = fem.principal_wave(waves)
+            try:
+                waves = fem.layered_waves(solid, stack, surface=surface, frequency=frequency)
+                wave = fem.principal_wave(waves)
+            except fem.ConvergenceError as refusal:
+                return _leaky(solid, stack, surface, frequency, refusal)
     except fem.InputError as error:
         key = "--frequency" if error.key == "frequency" else error.key
         raise SceneError(key, error.rule) from None
@@ -108,11 +113,7 @@ def layered_surface_wave(
         profile["potential_V_per_m"] = potential
     answer = dict(
         material={"name": solid.name, "orientation": solid.frame, "source": solid.source},
-        layers=[
-            {"name": each.solid.name, "orientation": each.solid.frame, "thickness_wavelengths": float(thick),
-             "thickness_m": each.thickness if frequency is None else float(thick) * wave.velocity / frequency}
-            for each, thick in zip(stack, thicknesses, strict=True)
-        ],
+        layers=_layers(stack, wave.velocity, frequency),
         surface=wave.surface,
         velocity_m_per_s=wave.velocity,
         limiting_velocity_m_per_s=wave.limiting_velocity,
@@ -125,6 +126,45 @@ def layered_surface_wave(
             for each in waves
         ],
         depth_profile=profile,
+    )  # fmt: skip
+    return Columns((key, plain(key, value)) for key, value in answer.items())
+
+
+def _layers(stack: list[fem.Layer], velocity: float, frequency: float | None) -> list[dict]:
+    """Return name, orientation and thickness of layers, in wavelengths of a wave in m/s and in m."""
+    rows = []
+    for each in stack:
+        thickness, share = each.thickness, each.wavelengths
+        if share is None and frequency is not None and thickness is not None:
+            share = thickness * frequency / velocity
+        elif thickness is None and frequency is not None and share is not None:
+            thickness = share * velocity / frequency
+        rows.append({"name": each.solid.name, "orientation": each.solid.frame, "thickness_wavelengths": share,
+                     "thickness_m": thickness})  # fmt: skip
+    return rows
+
+
+def _leaky(solid, stack: list[fem.Layer], surface: str, frequency: float | None, refusal: Exception) -> Columns:
+    """Return the leaky waves where none is bound; with none of these either, raise the refusal of the bound ones."""
+    try:
+        waves = fem.leaky_waves(solid, stack, surface=surface, frequency=frequency)
+    except fem.ConvergenceError as error:
+        raise fem.ConvergenceError(f"{refusal}. There is {error}") from None
+    wave = next((each for each in waves if not each.transverse), waves[0])
+    answer = dict(
+        material={"name": solid.name, "orientation": solid.frame, "source": solid.source},
+        layers=_layers(stack, wave.velocity, frequency),
+        surface=fem.surface_named(surface),
+        velocity_m_per_s=wave.velocity,
+        attenuation_dB_per_wavelength=wave.decibels,
+        limiting_velocity_m_per_s=wave.limiting_velocity,
+        surface_ratio=wave.surface_ratio,
+        retrograde=bool(wave.displacement[0].imag * wave.displacement[2].real > 0),
+        waves=[
+            dict(name="leaky, transverse" if each.transverse else "leaky", velocity_m_per_s=each.velocity,
+                 surface_ratio=each.surface_ratio, attenuation_dB_per_wavelength=each.decibels)
+            for each in waves
+        ],
     )  # fmt: skip
     return Columns((key, plain(key, value)) for key, value in answer.items())
 
@@ -143,12 +183,19 @@ def layered_answer(answer: Columns) -> str:
         ("surface ratio", f"{answer.surface_ratio:.6g} (|u_x/u_z|, {sense})"),
         ("limit", f"{answer['limiting_velocity_m_per_s']:.6g} m/s: the half-space's slowest bulk wave"),
     ]
-    for plane, velocity in answer["shorted_velocity_m_per_s"].items():
+    leaks = "attenuation_dB_per_wavelength" in answer
+    if leaks:
+        attenuation = f"{answer.attenuation_dB_per_wavelength:.4g} dB in a wavelength"
+        lines.append(("attenuation", f"{attenuation}: it is faster than that bulk wave, and leaks into it"))
+    for plane, velocity in answer.get("shorted_velocity_m_per_s", {}).items():
         where = "at the surface" if plane == "surface" else f"below {plane} layer{'s' * (plane != '1')}"
         coupling = 100.0 * answer["coupling_K2"][plane]
         lines.append(("electrode", f"{where}: {velocity:.8g} m/s, K2 {coupling:.4g} %"))
     for each in map(Columns, answer["waves"]):
-        lines.append((each["name"], f"{each.velocity_m_per_s:.8g} m/s, |u_x/u_z| {each.surface_ratio:.4g}"))
+        loss = f", {each.attenuation_dB_per_wavelength:.4g} dB in a wavelength" if leaks else ""
+        lines.append((each["name"], f"{each.velocity_m_per_s:.8g} m/s, |u_x/u_z| {each.surface_ratio:.4g}{loss}"))
+    if leaks:
+        return "\n".join([title, *table(rows), "", *labelled(lines, 18)])
     profile = answer["depth_profile"]
     depths = [[quantity.depth_wavelengths.axis, "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):

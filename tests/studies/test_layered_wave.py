@@ -91,3 +91,17 @@ def test_a_stack_that_cannot_be_is_refused(arguments, words, capsys):
 def test_a_wave_that_leaks_is_no_answer(capsys):
     assert main(["wave", "PZT-8", "--layer", "silicon, 1 lambda"]) == 3
     assert "it leaks" in capsys.readouterr().err
+
+
+def test_a_wave_that_leaks_little_has_its_attenuation(capsys):
+    """The issue's coating: 2.4 um of AlN on 128YX at 9.6 MHz is faster than the slow shear, 4030.8 m/s."""
+    film = ("--layer", "AlN (Tsubouchi), 2.4 um", "--frequency", "9.6 MHz")
+    leaky = answer(capsys, "LiNbO3 (Kovacs)", "--orientation", "128YX", *film)
+    assert leaky["limiting_velocity_m_per_s"] == pytest.approx(4030.8, abs=0.05)
+    assert leaky["limiting_velocity_m_per_s"] < leaky["velocity_m_per_s"] < 4035.0
+    assert 0.0 < leaky["attenuation_dB_per_wavelength"] < 0.01
+    assert "depth_profile" not in leaky
+    thin = answer(capsys, "LiNbO3 (Kovacs)", "--orientation", "128YX", "--layer", "AlN (Tsubouchi), 0.0056 lambda")
+    assert thin["velocity_m_per_s"] < thin["limiting_velocity_m_per_s"]
+    assert main(["wave", "LiNbO3 (Kovacs)", "--orientation", "128YX", *film]) == 0
+    assert "leaks into it" in capsys.readouterr().out
