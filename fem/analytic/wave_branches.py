@@ -78,7 +78,7 @@ def wave_branches(
     >>> silicon = fem.material("silicon (cubic)")
     >>> branches = fem.wave_branches(silicon, [film], [0.1, 0.2, 0.3])
     >>> [(each.name, len(each.waves)) for each in branches]
-    [('Rayleigh', 3), ('Sezawa', 2)]
+    [('Rayleigh', 3), ('Sezawa', 3), ('sagittal 3', 1)]
     """
     factors = np.array(factors, dtype=float)
     if len(factors) < 2 or np.any(np.diff(factors, prepend=0.0) <= 0.0):
