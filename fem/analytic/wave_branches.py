@@ -80,8 +80,8 @@ def wave_branches(
     >>> [(each.name, len(each.waves)) for each in branches]
     [('Rayleigh', 3), ('Sezawa', 3), ('sagittal 3', 1)]
     """
-    factors = np.array(factors, dtype=float)
-    if len(factors) < 2 or np.any(np.diff(factors, prepend=0.0) <= 0.0):
+    rising = np.array(factors, dtype=float)
+    if len(rising) < 2 or np.any(np.diff(rising, prepend=0.0) <= 0.0):
         raise InputError("factors", "must be at least two that are positive and rise", list(factors))
 
     def waves_at(factor: float) -> tuple[LayeredWave, ...]:
@@ -96,12 +96,12 @@ def wave_branches(
     ended: list[float | None] = []
     before: list[int] = []  # branches at the last factor, in the order of its waves
     waves_before: tuple[LayeredWave, ...] = ()
-    for number, factor in enumerate(factors):
+    for number, factor in enumerate(rising):
         waves = waves_at(float(factor))
         pairs = _pairs(waves_before, waves)
         new = [k for k in range(len(waves)) if k not in pairs]
         now = [before[pairs[k]] if k in pairs else len(rows) + new.index(k) for k in range(len(waves))]
-        last = float(factors[number - 1]) if number else None
+        last = float(rising[number - 1]) if number else None
         for k in new:
             rows.append([])
             begun.append(None if last is None else _end(waves_at, waves[k], last, float(factor)))
@@ -112,7 +112,7 @@ def wave_branches(
             rows[branch].append((float(factor), wave))
         before, waves_before = now, waves
     if not rows:
-        thinnest = [_scaled(each, float(factors[0])) for each in layers]
+        thinnest = [_scaled(each, float(rising[0])) for each in layers]
         layered_waves(substrate, thinnest, surface=surface, frequency=frequency)  # raises, and says why
     names = _distinct([row[0][1].name for row in rows])
     return tuple(
@@ -125,8 +125,9 @@ def wave_branches(
 
 
 def _scaled(layer: Layer, factor: float) -> Layer:
-    sizes = {"thickness": layer.thickness, "wavelengths": layer.wavelengths}
-    return replace(layer, **{name: factor * size for name, size in sizes.items() if size is not None})
+    if layer.wavelengths is not None:
+        return replace(layer, wavelengths=factor * layer.wavelengths)
+    return replace(layer, thickness=factor * (layer.thickness or 0.0))
 
 
 def _overlaps(before: Sequence[LayeredWave], after: Sequence[LayeredWave]) -> np.ndarray:
