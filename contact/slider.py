@@ -48,6 +48,12 @@ class DerivedArray(np.ndarray):
     """Numbers that follow from other fields, so that `dataclasses.replace` computes them anew."""
 
 
+class DerivedName(str):
+    """A choice that follows from other fields, so that `dataclasses.replace` makes it anew."""
+
+    __slots__ = ()
+
+
 class Contacts(NamedTuple):
     """The n contacts of a slider, SI units; arrays (n,)."""
 
@@ -102,7 +108,7 @@ class Slider(SliderRules):
     normal_damping, tangential_damping : float
         Viscous dampers R_n2 and R_t on the slider's normal and tangential velocity, N s/m.
     shape : str
-        "sphere" (default), or "punch": a flat cylindrical projection, such as a pillar.
+        "sphere" (default of contacts with a radius), or "punch": a flat cylindrical projection, such as a pillar.
     friction : FallingFriction or UserLaw, optional
         Friction law that depends on more than the normal force; None means Coulomb's law.
     tilt : str
@@ -149,7 +155,7 @@ class Slider(SliderRules):
     y: Any = 0.0
     heights: Any = ()
     weights: Any = 1.0
-    shape: str = "sphere"
+    shape: Any = None
     friction: FallingFriction | UserLaw | None = None
     tilt: str = "held"
     preload_at: tuple[float, float] = (0.0, 0.0)
@@ -166,6 +172,11 @@ class Slider(SliderRules):
         if not isinstance(self.law, str) or (self.law not in LAWS and self.law.endswith(".py")):
             self._set("friction", UserLaw.of(self.law))
             self._set("law", "elastic")
+        if self.shape is None or isinstance(self.shape, DerivedName):
+            if not isinstance(self.normal_stiffness, Derived | DerivedArray | None):
+                rule = 'is required with slider.normal_stiffness, in N/m^1.5 of a "sphere" and N/m of a "punch"'
+                raise InputError("slider.shape", rule)
+            self._set("shape", DerivedName("sphere"))
         if self.mass != math.inf:
             self._set("mass", parameter_check.positive("slider.mass", self.mass, "kg"))
         self._set_freedom()

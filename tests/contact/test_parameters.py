@@ -2,6 +2,8 @@
 
 import math
 import re
+from dataclasses import replace
+from functools import partial
 
 import pytest
 
@@ -88,3 +90,15 @@ def test_a_refusal_names_key_rule_and_value():
     assert (error.key, error.value) == ("slider.mass", -2e-3)
     assert error.rule == "must be positive and finite, got -0.002 kg"
     assert str(error) == f"slider.mass {error.rule}"
+
+
+def test_stiffnesses_need_the_shape_that_their_unit_depends_on():
+    sentence = 'slider.shape is required with slider.normal_stiffness, in N/m^1.5 of a "sphere" and N/m of a "punch"'
+    own = {"normal_stiffness": 1.8e6, "tangential_stiffness": 1.52e6, "radius": None}
+    for make in (slider, partial(replace, slider())):
+        with pytest.raises(ValueError, match=re.escape(sentence)):
+            make(**own)
+        assert make(**own, shape="sphere").stiffness_unit == 1.8e6
+    assert replace(slider(), preload=1e-3).shape == "sphere"
+    with pytest.raises(ValueError, match="shape is required"):
+        replace(replace(slider(), preload=1e-3), **own)
