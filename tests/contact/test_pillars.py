@@ -48,7 +48,8 @@ def cycles(h, a, b, c, w):
         parts = h, a.real, -a.imag, b.real, -b.imag
         problem = Problem(
             stiffness=1.0, contact_damping=0.0, normal_damping=0.0, preload=1.0, tangential_damping=0.0, load=0.0,
-            friction=float(c[i]), limit_slope=float(c[i]), stick_band=0.0, longest=1.0, normal=PUNCH, length=1.0, omega=1.0,
+            friction=float(c[i]), limit_slope=float(c[i]), stick_band=0.0, longest=1.0, normal=PUNCH, length=1.0,
+            omega=1.0,
             paths=Paths(*(np.array([float(each[i])]) for each in parts)), law=coulomb(0),
             factors=ContactFactors(*np.ones((2, 1))),
         )  # fmt: skip
