@@ -105,7 +105,8 @@ class Total(IntEnum):
     STEP = 1  # proposed length of the next segment
     STEPS = 2
     SOLVES = 3
-    LOST = 4  # by the body's dampers, energy
+    LOST_NORMAL = 4  # energy lost in the body's damper of the height, and in the others
+    LOST_TANGENTIAL = 5
 
 
 class State(NamedTuple):
@@ -198,12 +199,16 @@ def _fill_kinematics(problem, i, surface, q, p, row):
 
 
 @compiled
-def _slip_angles(problem, i, alpha, work):
-    """Solve eq. (1) for contact i at the nodes of a segment by Newton's method; return True where it converges."""
+def _slip_angles(problem, i, alpha, first, work):
+    """Solve eq. (1) for contact i at the nodes of a segment by Newton's method; return True where it converges.
+
+    `first`: True where no angles of this segment are known yet.
+    """
     nodes, stage, matrix, c = work.nodes, work.stage, work.matrix, problem.limit_slope[i]
     n = nodes.weight.size
-    for j in range(n):
-        stage[j, i, Stage.TURNING] = 0.0
+    if first:
+        for j in range(n):
+            stage[j, i, Stage.TURNING] = 0.0
     for _ in range(25):
         change = 0.0
         for j in range(n):
@@ -303,7 +308,7 @@ def _guard_rate(problem, i, which, length, kind, work):
 
 
 @compiled
-def _fill_contact(problem, i, state, work):
+def _fill_contact(problem, i, first, state, work):
     """Fill contact i at all nodes of a segment; return True where its equations are solved."""
     stage, regime, c = work.stage, state.regime[i], problem.limit_slope[i]
     n = stage.shape[0]
@@ -319,7 +324,7 @@ def _fill_contact(problem, i, state, work):
             for k in range(n):
                 stage[k, i, Stage.LAMBDA] = 1.0
             return True
-        if not _slip_angles(problem, i, state.alpha[i], work):
+        if not _slip_angles(problem, i, state.alpha[i], first, work):
             return False
     start = work.start[i]
     for j in range(n):
@@ -368,7 +373,7 @@ def _solve(problem, first, last, length, kind, state, work):
                     place += length * nodes.phase[kind, j] * state.p[k]
                 work.q[j, k] = place
         for i in range(first, last):
-            if not _fill_contact(problem, i, state, work):
+            if not _fill_contact(problem, i, count == 0, state, work):
                 return False
         if not moves:
             return True
@@ -386,7 +391,7 @@ def _solve(problem, first, last, length, kind, state, work):
                 new = problem.inverse[k] * (total + problem.force[k] - problem.damping[k] * work.p[j, k])
                 change = max(change, abs(new - work.a[j, k]) * (1.0 if k < 3 else _reach(problem)))
                 work.a[j, k] = new
-        if change * length < 1e-15 * (1.0 + count):
+        if change * length < 1e-13:
             return True
     return False
 
@@ -545,7 +550,8 @@ def _finish(problem, first, last, state, work):
         state.q[k], state.p[k] = work.q[n - 1, k], work.p[n - 1, k]
         for j in range(n):
             lost = problem.damping[k] * work.p[j, k] ** 2
-            state.total[Total.LOST] += nodes.weight[j] * work.rate[j] * lost
+            which = Total.LOST_NORMAL if k == 0 else Total.LOST_TANGENTIAL
+            state.total[which] += nodes.weight[j] * work.rate[j] * lost
             work.a[j, k] = work.a[n - 1, k]
     state.total[Total.PHASE] = work.phase[n - 1]
     state.total[Total.STEPS] += 1.0

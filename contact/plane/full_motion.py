@@ -1,0 +1,108 @@
+r"""The full motion of a slider in the plane, event by event: height, velocity, yaw and the deformation of each contact.
+
+A slider whose tilt is free keeps the tilts at which the mean loads of the continuous wave have their moments; their
+motion within a cycle is left out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.answers.ledger import Ledger
+from contact.exceptions import ConvergenceError
+from contact.law import normal
+from contact.law.elastic import spring_work
+from contact.plane.averaged import Averaged
+from contact.plane.motion import Regime, State, Sum, Total, Work, follow, state_of, work_of
+from contact.plane.problem import Body, Surface, fill_surface
+from contact.plane.scaling import Scaled, scaled
+from contact.plane.waves import SurfaceWaves
+from contact.roots import bracketed
+from contact.slider import Slider
+
+
+def with_heights(slider: Slider, waves: SurfaceWaves, units: Scaled) -> Scaled:
+    """Return the problem with the heights of contacts on a body that is tilted by the mean loads."""
+    if slider.tilt == "held":
+        return units
+    averaged = Averaged.of(slider, waves)
+    tilted = averaged.problem.height - averaged.height
+    height = tilted - tilted.mean()
+    return units._replace(problem=units.problem._replace(height=np.ascontiguousarray(height)))
+
+
+def rest_position(problem) -> float:
+    """Return z_s at which the contacts carry the preload without a wave, scaled."""
+    most = float(normal.approach(-problem.force[0] / problem.stiffness.min(), problem.normal))
+
+    def left(z_s):
+        return float((problem.stiffness * normal.load(problem.height - z_s, problem.normal)).sum()) + problem.force[0]
+
+    return float(bracketed(left, float(problem.height.min()) - most, float(problem.height.max())))
+
+
+@dataclass
+class FullMotion:
+    """A motion in time: the scaled problem, the state, and work arrays of one accuracy."""
+
+    units: Scaled
+    state: State
+    work: Work
+    begun: float  # energy of contacts, preload and slider at the start, scaled
+    from_place: np.ndarray  # q at the start
+
+    @classmethod
+    def at_rest(cls, units: Scaled, how: tuple[int, float]) -> "FullMotion":
+        """Return the motion of a slider that stands on the surface when the waves begin."""
+        problem = units.problem
+        n = problem.x.size
+        state, work = state_of(n), work_of(n, *how)
+        state.q[Body.HEIGHT] = rest_position(problem)
+        surface = np.zeros((n, 6))
+        fill_surface(problem, 0, n, 0.0, surface)
+        approach = problem.height + surface[:, Surface.Z] - state.q[Body.HEIGHT]
+        state.regime[:] = np.where(approach > 0.0, Regime.STICK, Regime.SEPARATED)
+        motion = cls(units, state, work, 0.0, state.q.copy())
+        motion.begun = motion.energy()
+        return motion
+
+    def follow(self, phase: float) -> None:
+        """Move up to a phase; raise a ConvergenceError where a segment does not converge."""
+        if not follow(self.units.problem, 0, self.units.problem.x.size, phase, self.state, self.work):
+            raise ConvergenceError("not converged", "a segment of the motion in the plane was not solved")
+
+    def energy(self) -> float:
+        """Return the energy of springs, preload and slider, scaled, with the work of load and torque left out."""
+        problem, state = self.units.problem, self.state
+        surface = np.zeros((problem.x.size, 6))
+        fill_surface(problem, 0, problem.x.size, state.total[Total.PHASE], surface)
+        z = np.maximum(problem.height + surface[:, Surface.Z] - state.q[Body.HEIGHT], 0.0)
+        touching = (state.regime != Regime.SEPARATED) & (z > 0.0)
+        stored = problem.stiffness * normal.energy(z, problem.normal)
+        size, c = np.hypot(*state.e.T), problem.limit_slope
+        for i in np.flatnonzero(touching & (c > 0.0)):
+            friction = problem.friction * problem.stiffness[i]
+            stored[i] += spring_work(z[i], min(size[i], c[i] * z[i]), friction, c[i], problem.normal)
+        moving = problem.inverse > 0.0
+        kinetic = 0.5 * float((state.p[moving] ** 2 / problem.inverse[moving]).sum())
+        return float(stored[touching].sum()) - problem.force[0] * state.q[Body.HEIGHT] + kinetic
+
+    def ledger(self) -> Ledger:
+        """Return the energies since the start, J; the increase of all stored energies is in `stored`."""
+        problem, state = self.units.problem, self.state
+        unit = self.units.force * self.units.length
+        sums = state.sums.sum(axis=0)
+        load = -float(problem.force[1:] @ (state.q - self.from_place)[1:])
+        parts = dict.fromkeys(Ledger._fields, 0.0) | {
+            "wave_normal": sums[Sum.WAVE_NORMAL], "wave_tangential": sums[Sum.WAVE_TANGENTIAL],
+            "slip": sums[Sum.SLIP], "contact_damper": sums[Sum.DAMPER],
+            "normal_damper": state.total[Total.LOST_NORMAL], "tangential_damper": state.total[Total.LOST_TANGENTIAL],
+            "load": load, "leak": sums[Sum.LEAK], "stored": self.energy() - self.begun,
+        }  # fmt: skip
+        return Ledger(**{name: float(unit * value) for name, value in parts.items()})
+
+
+def motion_at_rest(slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float) -> FullMotion:
+    """Return the full motion of a slider at rest on waves that begin at time 0; rise time and stop in s."""
+    units = scaled(slider, waves, heavy=False, rise=rise, stop=stop, commensurable=False)
+    return FullMotion.at_rest(with_heights(slider, waves, units), how)
