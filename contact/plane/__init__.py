@@ -8,9 +8,11 @@ radius c z (Moreau's sweeping process); with one direction it is the law of `con
 from importlib import import_module
 
 _PUBLIC = {
+    "bursts": "burst",
     "stalling": "drift_per_degree stall stall_curve stall_torque StallCurve yaw_stability",
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
+    "trajectory": "PlaneTrajectory",
     "waves": "PlaneWave PlaneWaves SurfaceWaves",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

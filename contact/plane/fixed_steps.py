@@ -1,0 +1,116 @@
+r"""Fixed steps: the Verlet method, and the projection of each deformation onto the disc of radius c z.
+
+In a step e moves with the surface, e* = e + u_t(new) - u_t(old) - (the slider's way), and is cut back to c z e*/|e*|
+where it is longer (Moreau's catching-up algorithm). In the step in which a contact touches only the fraction after
+z = 0 counts, else the order drops. First order in the step.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.exceptions import ConvergenceError
+from contact.jit.compiled import native
+from contact.law.elastic import spring_force
+from contact.law.normal import load
+from contact.plane.full_motion import rest_position
+from contact.plane.problem import Body, Surface, fill_surface
+from contact.plane.scaling import Scaled
+
+
+class StepState(NamedTuple):
+    """State and work arrays."""
+
+    q: np.ndarray  # (4,)
+    p: np.ndarray  # (4,)
+    force: np.ndarray  # (4,): of the contacts
+    e: np.ndarray  # (n, 2)
+    before: np.ndarray  # (n, 6): surface
+    after: np.ndarray  # (n, 6)
+    arm: np.ndarray  # (n, 2)
+    z: np.ndarray  # (n,)
+    total: np.ndarray  # (1,): phase
+
+
+@native("t f i t")
+def take_steps(problem, length, steps, state):
+    """Take so many steps of a length in phase; return 1 where the motion stays finite."""
+    q, p, force, e, n = state.q, state.p, state.force, state.e, problem.x.size
+    for _ in range(steps):
+        phase = state.total[0] + length
+        fill_surface(problem, 0, n, phase, state.after)
+        for k in range(4):
+            push = problem.inverse[k] * (force[k] + problem.force[k] - problem.damping[k] * p[k])
+            p[k] += 0.5 * length * push
+        way_x, way_y = length * p[Body.X], length * p[Body.Y]
+        for k in range(4):
+            q[k] += length * p[k]
+            force[k] = 0.0
+        c, s = np.cos(q[Body.YAW]), np.sin(q[Body.YAW])
+        for i in range(n):
+            new = state.after[i]
+            x, y = c * problem.x[i] - s * problem.y[i], s * problem.x[i] + c * problem.y[i]
+            d_x = new[Surface.X] - state.before[i, Surface.X] - way_x - (x - state.arm[i, 0])
+            d_y = new[Surface.Y] - state.before[i, Surface.Y] - way_y - (y - state.arm[i, 1])
+            z_old, z = state.z[i], problem.height[i] + new[Surface.Z] - q[Body.HEIGHT]
+            state.arm[i, 0], state.arm[i, 1], state.z[i] = x, y, z
+            for k in range(6):
+                state.before[i, k] = new[k]
+            if z <= 0.0:
+                e[i, 0] = e[i, 1] = 0.0
+                continue
+            share = z / (z - z_old) if z_old < 0.0 else 1.0
+            e[i, 0] += share * d_x
+            e[i, 1] += share * d_y
+            size, limit = np.hypot(e[i, 0], e[i, 1]), problem.limit_slope[i] * z
+            if size > limit:
+                e[i, 0] *= limit / size
+                e[i, 1] *= limit / size
+                size = limit
+            elastic = problem.stiffness[i] * load(z, problem.normal)
+            rate = new[Surface.Z_RATE] - p[Body.HEIGHT]
+            force[Body.HEIGHT] += elastic * (1.0 + problem.contact_damping * rate)
+            if size > 0.0:
+                friction = problem.friction * problem.stiffness[i]
+                q_size = spring_force(z, size, friction, problem.limit_slope[i], problem.normal) / size
+                force[Body.X] += q_size * e[i, 0]
+                force[Body.Y] += q_size * e[i, 1]
+                force[Body.YAW] += q_size * (x * e[i, 1] - y * e[i, 0])
+        for k in range(4):
+            push = problem.inverse[k] * (force[k] + problem.force[k])
+            half = 0.5 * length * problem.inverse[k] * problem.damping[k]
+            p[k] = (p[k] + 0.5 * length * push) / (1.0 + half)
+        state.total[0] = phase
+    return 1 if np.isfinite(p[0] + p[1] + p[2] + p[3]) else 0
+
+
+@dataclass
+class FixedSteps:
+    """A motion in fixed steps."""
+
+    units: Scaled
+    state: StepState
+    per_cycle: int
+
+    @classmethod
+    def at_rest(cls, units: Scaled, per_cycle: int) -> "FixedSteps":
+        """Return the motion of a slider that stands on the surface when the waves begin."""
+        problem, n = units.problem, units.problem.x.size
+        state = StepState(
+            np.zeros(4), np.zeros(4), np.zeros(4), np.zeros((n, 2)), np.zeros((n, 6)), np.zeros((n, 6)),
+            np.stack([problem.x, problem.y], axis=1).copy(), np.zeros(n), np.zeros(1),
+        )  # fmt: skip
+        state.q[Body.HEIGHT] = rest_position(problem)
+        fill_surface(problem, 0, n, 0.0, state.before)
+        state.z[:] = problem.height + state.before[:, Surface.Z] - state.q[Body.HEIGHT]
+        state.force[0] = float((problem.stiffness * load(state.z, problem.normal)).sum())
+        return cls(units, state, per_cycle)
+
+    def follow(self, phase: float) -> None:
+        """Move up to a phase, in steps as long as `per_cycle` allows."""
+        left = phase - self.state.total[0]
+        steps = max(1, int(np.ceil(left * self.per_cycle / (2.0 * np.pi) * (1.0 - 1e-12))))
+        if not take_steps(self.units.problem, left / steps, steps, self.state):
+            raise ConvergenceError("not converged", "the motion in fixed steps is not finite: take method exact")
+        self.state.total[0] = phase
