@@ -151,8 +151,8 @@ def _stepped(question):
     """Fixed steps of two sizes."""
     fine, coarse = _levels(STEPS, question.tolerance)
     units = scaled(
-        question.slider, question.waves, heavy=False, rise=question.rise_time, stop=question.duration,
-        commensurable=False,
+        question.slider, question.waves, heavy=False, rise=question.rise_time,
+        stop=question.duration if question.rise_time > 0.0 else math.inf, commensurable=False,
     )  # fmt: skip
     units = with_heights(question.slider, question.waves, units)
     (pose, rates, height, _), (rough_pose, rough, _, _) = (
@@ -171,7 +171,7 @@ def _followed(question, motion: FullMotion):
     units, k = motion.units, len(question.at)
     pose, rates, height = np.zeros((k, 3)), np.zeros((k, 3)), np.zeros(k)
     place, cycle = np.zeros(3), 2.0 * math.pi
-    stop = question.duration * units.omega
+    stop, silent = question.duration * units.omega, question.rise_time > 0.0
     for j, t in enumerate(question.at):
         until = t * units.omega
         while motion.state.total[0] < until - 1e-12:
@@ -182,7 +182,9 @@ def _followed(question, motion: FullMotion):
                 speed = max(np.abs(motion.state.p[1:3]).max(), abs(motion.state.p[3]) * question.arm / units.length)
                 to = min(to, here + max(cycle, MOVED / units.length / max(speed, 1e-300)))
             motion.follow(to)
-            if question.follows:
+            if not silent and motion.state.total[0] >= stop - 1e-12:
+                motion, silent = motion.silenced(), True
+            if question.follows and not (silent and question.rise_time == 0.0):
                 now = _pose(motion)
                 if np.abs(now - place)[:2].max() > MOVED or abs(now[2] - place[2]) * question.arm > MOVED:
                     motion, place = _on_waves_at(question, motion, now), now
@@ -216,6 +218,9 @@ def _averaged(question):
     )
     ratio = slider.normal_resonance(question.waves.count) * 2.0 * math.pi / question.waves.omega
     error = np.abs(rates - rough).max(axis=0) + first_order_error(ratio) * np.abs(rates).max(axis=0)
+    # the height comes to its mean within a bounce, through which the force differs by up to its size
+    start = np.abs(np.diff(rates, axis=0, prepend=0.0) / np.diff(question.at, prepend=0.0)[:, None]).max(axis=0)
+    error += start / (ratio * question.waves.omega)
     statistics = {"evaluations": calls}
     return question.at, pose, rates, height, error, None, "averaged motion in the plane", statistics
 
@@ -261,8 +266,26 @@ def _averaged_run(question, how, relative):
     )
     y, t, rows = np.zeros(6), 0.0, []
     height = []
+    slow = np.maximum(smallest[3:], 1e-6 * scale * np.array([1.0, 1.0, 1.0 / max(question.arm, 1e-12)]))
+
+    def stops(t, y):
+        return float(np.abs(y[3:] / slow).max()) - 1.0
+
+    stops.terminal, stops.direction = True, -1
     for end in question.at:
-        found = solve_ivp(acceleration, (t, end), y, method="RK45", rtol=max(relative, 1e-9), atol=smallest)
+        coasts = t >= question.duration * (1.0 - 1e-12) and question.level(end) == 0.0
+        if coasts and stops(t, y) <= 0.0:
+            y, found = np.append(y[:3], np.zeros(3)), None
+        else:
+            found = solve_ivp(
+                acceleration, (t, end), y, method="RK45", rtol=max(relative, 1e-9), atol=smallest,
+                events=stops if coasts else None,
+            )  # fmt: skip
+        if found is None:
+            t = end
+            rows.append(y)
+            height.append(height[-1])
+            continue
         if not found.success or not np.isfinite(found.y).all():
             raise ConvergenceError("not converged", "the averaged motion in the plane was not followed; method exact")
         y, t = found.y[:, -1], end

@@ -5,7 +5,7 @@ where it is longer (Moreau's catching-up algorithm). In the step in which a cont
 z = 0 counts, else the order drops. First order in the step.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from contact.exceptions import ConvergenceError
 from contact.jit.compiled import native
 from contact.law.elastic import spring_force
 from contact.law.normal import load
-from contact.plane.full_motion import rest_position
+from contact.plane.full_motion import clipped, rest_deformations, rest_position, without_waves
 from contact.plane.problem import Body, Surface, fill_surface
 from contact.plane.scaling import Scaled
 
@@ -104,8 +104,18 @@ class FixedSteps:
         state.q[Body.HEIGHT] = rest_position(problem)
         fill_surface(problem, 0, n, 0.0, state.before)
         state.z[:] = problem.height + state.before[:, Surface.Z] - state.q[Body.HEIGHT]
+        deformations = rest_deformations(problem, state.q[Body.HEIGHT])
+        state.e[:] = clipped(deformations, problem.limit_slope * np.maximum(state.z, 0.0))
+        state.force[1:3] = -problem.force[1:3] if deformations.any() else 0.0
         state.force[0] = float((problem.stiffness * load(state.z, problem.normal)).sum())
         return cls(units, state, per_cycle)
+
+    def silenced(self) -> "FixedSteps":
+        """Return the motion on a surface that is at rest at once; contacts that touch keep their deformation."""
+        problem, state = without_waves(self.units.problem), self.state
+        state.before[:] = 0.0
+        state.z[:] = problem.height - state.q[Body.HEIGHT]
+        return replace(self, units=self.units._replace(problem=problem))
 
     def follow(self, phase: float) -> None:
         """Move up to a phase, in steps as long as `per_cycle` allows."""

@@ -4,7 +4,8 @@ A slider whose tilt is free keeps the tilts at which the mean loads of the conti
 motion within a cycle is left out.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from contact.law import normal
 from contact.law.elastic import spring_work
 from contact.plane.averaged import Averaged
 from contact.plane.motion import Regime, State, Sum, Total, Work, follow, state_of, work_of
-from contact.plane.problem import Body, Surface, fill_surface
+from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface
 from contact.plane.scaling import Scaled, scaled
 from contact.plane.waves import SurfaceWaves
 from contact.roots import bracketed
@@ -31,14 +32,42 @@ def with_heights(slider: Slider, waves: SurfaceWaves, units: Scaled) -> Scaled:
     return units._replace(problem=units.problem._replace(height=np.ascontiguousarray(height)))
 
 
-def rest_position(problem) -> float:
-    """Return z_s at which the contacts carry the preload without a wave, scaled."""
-    most = float(normal.approach(-problem.force[0] / problem.stiffness.min(), problem.normal))
+def rest_position(problem, force: float | None = None) -> float:
+    """Return z_s at which the contacts carry the preload, or another force, without a wave, scaled."""
+    target = -problem.force[0] if force is None else force
+    most = float(normal.approach(target / problem.stiffness.min(), problem.normal))
 
     def left(z_s):
-        return float((problem.stiffness * normal.load(problem.height - z_s, problem.normal)).sum()) + problem.force[0]
+        return float((problem.stiffness * normal.load(problem.height - z_s, problem.normal)).sum()) - target
 
     return float(bracketed(left, float(problem.height.min()) - most, float(problem.height.max())))
+
+
+def rest_deformations(problem, z_s: float) -> np.ndarray:
+    """Return the deformations (n, 2) with which contacts of a slider at rest carry its load, or their limits.
+
+    Contacts that are sheared together carry Q = mu (P - P'), P' at an approach that is smaller by |e|/c (Ciavarella
+    1998); those of different c are sheared in proportion. A torque is left to the first cycles.
+    """
+    load = -problem.force[1:3]
+    size = float(np.hypot(*load))
+    if size == 0.0:
+        return np.zeros((problem.x.size, 2))
+    reduced = max(-problem.force[0] - size / problem.friction, 0.0)
+    shift = rest_position(problem, reduced) - z_s
+    z = np.maximum(problem.height - z_s, 0.0)
+    return (problem.limit_slope * np.minimum(z, shift))[:, None] * (load / size)
+
+
+def clipped(deformations: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """Return deformations (n, 2) within limits (n,)."""
+    size = np.hypot(*deformations.T)
+    return deformations * np.minimum(1.0, np.divide(limits, size, out=np.ones_like(size), where=size > 0.0))[:, None]
+
+
+def without_waves(problem: PlaneProblem) -> PlaneProblem:
+    """Return the problem on a surface at rest."""
+    return problem._replace(cos=np.zeros_like(problem.cos), sin=np.zeros_like(problem.sin))
 
 
 @dataclass
@@ -62,6 +91,8 @@ class FullMotion:
         fill_surface(problem, 0, n, 0.0, surface)
         approach = problem.height + surface[:, Surface.Z] - state.q[Body.HEIGHT]
         state.regime[:] = np.where(approach > 0.0, Regime.STICK, Regime.SEPARATED)
+        deformations = rest_deformations(problem, state.q[Body.HEIGHT])
+        state.e[:] = clipped(deformations, problem.limit_slope * np.maximum(approach, 0.0))
         motion = cls(units, state, work, 0.0, state.q.copy())
         motion.begun = motion.energy()
         return motion
@@ -70,6 +101,18 @@ class FullMotion:
         """Move up to a phase; raise a ConvergenceError where a segment does not converge."""
         if not follow(self.units.problem, 0, self.units.problem.x.size, phase, self.state, self.work):
             raise ConvergenceError("not converged", "a segment of the motion in the plane was not solved")
+
+    def silenced(self) -> "FullMotion":
+        """Return the motion on a surface that is at rest at once; contacts that touch keep their deformation."""
+        problem = without_waves(self.units.problem)
+        approach, state = problem.height - self.state.q[Body.HEIGHT], self.state
+        before = self.energy()
+        state.regime[:] = np.where(approach > 0.0, Regime.STICK, Regime.SEPARATED)
+        state.begins[:] = 0
+        state.e[:] = clipped(state.e, problem.limit_slope * np.maximum(approach, 0.0))
+        silent = replace(self, units=self.units._replace(problem=problem))
+        silent.begun += silent.energy() - before  # what the jump of the surface gives
+        return silent
 
     def energy(self) -> float:
         """Return the energy of springs, preload and slider, scaled, with the work of load and torque left out."""
@@ -103,6 +146,9 @@ class FullMotion:
 
 
 def motion_at_rest(slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float) -> FullMotion:
-    """Return the full motion of a slider at rest on waves that begin at time 0; rise time and stop in s."""
-    units = scaled(slider, waves, heavy=False, rise=rise, stop=stop, commensurable=False)
+    """Return the full motion of a slider at rest on waves that begin at time 0; rise time and stop in s.
+
+    Without a rise time the waves go on: `FullMotion.silenced` ends them.
+    """
+    units = scaled(slider, waves, heavy=False, rise=rise, stop=stop if rise > 0.0 else math.inf, commensurable=False)
     return FullMotion.at_rest(with_heights(slider, waves, units), how)

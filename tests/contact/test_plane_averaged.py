@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact import ConvergenceError, InputError, Orbit, Slider
+from contact import ConvergenceError, InputError, Orbit
 from contact import mean_motion as mean_along_x
 from contact.plane import (
     PlaneWave,
@@ -21,27 +21,9 @@ from contact.plane import (
     steady,
     yaw_stability,
 )
+from tests.contact.plane_motors import MU, R_X, F, ball, beams
 
-F, MU, R_X = 0.87309e-3, 0.08, 0.67
 X, Y = np.array([6e-3, -3e-3, -3e-3]), np.array([0.0, 5.19615e-3, -5.19615e-3])
-
-
-def ball(**changes):
-    values = dict(
-        radius=1e-3, mass=math.inf, preload=F, load=(0.0, 0.0), friction_coefficient=MU, effective_modulus=64e9,
-        tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0,
-        normal_damping=0.0, tangential_damping=0.0, freedom="xy",
-    )  # fmt: skip
-    return Slider(**(values | changes))
-
-
-def beams(x_nm, y_nm, delta=0.0, frequencies=(2.2e6,)):
-    """Waves that drive towards +x and +y."""
-    a, b = x_nm * 1e-9, y_nm * 1e-9 * np.exp(1j * delta)
-    if len(frequencies) == 1:
-        return SurfaceWaves(frequencies=frequencies, amplitudes=[[[-1j * R_X * a, -1j * R_X * b, a + b]]])
-    rows = [[[-1j * R_X * a, 0.0, a]], [[0.0, -1j * R_X * b, b]]]
-    return SurfaceWaves(frequencies=frequencies, amplitudes=rows)
 
 
 # v_x, v_y in m/s and slip power in W, from an event-driven integrator with Radau's method and Gauss quadrature and from

@@ -1,0 +1,110 @@
+"""Full motion in the plane: against numbers of two other integrators, the scalar solver, energy, and an oracle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact import Orbit
+from contact import burst as burst_along_x
+from contact.plane import SurfaceWaves, burst
+from tests.contact.plane_motors import R_X, ball, beams
+
+T = 1 / 2.2e6
+LIGHT = ball(mass=1e-7, normal_damping=0.05)
+# A of the x-wave and the y-wave in nm, delta in degrees; v_x, v_y, x, y after 60 cycles from rest, by Verlet's method
+# with projections and by Dormand and Prince's between 121 events, which agree to 1e-7
+FROM_REST = [
+    ((2.5, 1.25, 60.0), (2.0997619e-3, 5.7591325e-3, 2.698101e-8, 8.347229e-8)),
+    ((2.0, 2.0, 90.0), (9.3559630e-5, 7.03410258e-3, 3.1756748e-9, 9.40402205e-8)),
+]
+
+
+def after_sixty(waves, tolerance, method):
+    return burst(
+        LIGHT, waves, duration=60 * T, after=0.0, tolerance=tolerance, samples=6, method=method, rise_time=5 * T
+    )
+
+
+@pytest.mark.parametrize(("waves", "expected"), FROM_REST)
+def test_sixty_cycles_from_rest(waves, expected):
+    surface, expected = beams(waves[0], waves[1], np.radians(waves[2])), np.array(expected)
+    exact = after_sixty(surface, 1e-6, "exact")
+    speed, way = np.hypot(*expected[:2]), np.hypot(*expected[2:])
+    assert exact.status == "ok"
+    assert np.abs(exact.velocity[-1] - expected[:2]).max() < 1e-7 * speed
+    assert np.abs(exact.pose[-1, :2] - expected[2:]).max() < 1e-7 * way
+    assert exact.ledger.relative_residual < 1e-8
+    stepped = after_sixty(surface, 1e-2, "stepped")
+    miss = np.abs(stepped.velocity[-1] - expected[:2])
+    assert np.all(miss < 2 * stepped.error[:2])
+    assert 1e-6 * speed < miss.max() < 1e-3 * speed  # another computation
+
+
+def test_along_one_line_it_is_the_scalar_burst():
+    slider = ball(mass=0.089e-3, normal_damping=0.5, tangential_damping=1e-4, load=(2e-6, 0.0))
+    surface = beams(4, 0).scaled(-1j)  # u_z crosses zero upwards at the start, as there
+    line = replace(slider, freedom="x", load=2e-6)
+    orbit = Orbit(frequency=2.2e6, normal=4e-9, tangential=-1j * R_X * 4e-9)
+    given = dict(duration=50 * T, after=20 * T, tolerance=1e-8, samples=7, method="exact")
+    plane, scalar = burst(slider, surface, **given), burst_along_x(line, orbit, **given)
+    at_end = np.interp(70 * T, scalar.time, scalar.velocity)
+    assert plane.velocity[-1, 0] == pytest.approx(at_end, rel=1e-8)
+    assert abs(plane.velocity[-1, 1]) < 1e-15
+
+
+def three_balls(**changes):
+    x, y = np.array([3e-3, -2e-3, -1.5e-3]), np.array([0.5e-3, 2.5e-3, -2e-3])
+    values = dict(
+        x=x, y=y, heights=[0.0, 0.3e-9, -0.2e-9], radius=[1e-3, 0.8e-3, 1.2e-3], preload=2.2e-3, mass=2e-7,
+        freedom="xy yaw", inertia=1.5e-12, normal_damping=0.1, contact_damping=0.02, load=(3e-6, -2e-6), torque=2e-9,
+        yaw_damping=1e-9,
+    )  # fmt: skip
+    rows = [[-1j * R_X * a, 0.1 * a, a * np.exp(1j * p)] for a, p in ((3e-9, 0.0), (2.5e-9, 0.4), (3.5e-9, -0.3))]
+    return ball(**(values | changes)), SurfaceWaves(frequencies=[2.2e6], amplitudes=[rows])
+
+
+@pytest.mark.parametrize("shape", ["sphere", "punch"])
+def test_the_energy_of_a_turning_slider_closes(shape):
+    changes = {"shape": shape, "radius": 2e-6 if shape == "punch" else [1e-3, 0.8e-3, 1.2e-3]}
+    run = burst(*three_balls(**changes), duration=30 * T, after=5 * T, tolerance=1e-6, samples=3, method="exact")
+    ledger = run.ledger
+    assert ledger.relative_residual < 1e-7
+    assert min(ledger.slip, ledger.normal_damper, ledger.contact_damper, ledger.tangential_damper) > 0.0
+    assert abs(run.rates[-1, 2]) > 0.01
+
+
+def test_a_turned_scene_moves_turned():
+    slider, waves = three_balls()
+    angle = 0.7
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    there = replace(
+        slider, x=turn[0] @ [slider.x, slider.y], y=turn[1] @ [slider.x, slider.y], load=tuple(turn @ slider.load)
+    )
+    given = dict(duration=20 * T, after=0.0, tolerance=1e-6, samples=1, method="exact")
+    here, moved = burst(slider, waves, **given), burst(there, waves.turned(angle), **given)
+    assert np.abs(moved.velocity[-1] - turn @ here.velocity[-1]).max() < 1e-10
+    assert moved.rates[-1, 2] == pytest.approx(here.rates[-1, 2], rel=1e-8)
+
+
+def test_a_ring_of_balls_is_a_linear_motor_of_the_mass_of_its_inertia():
+    """Two balls on an axle, each on its own beam, against one slider that moves along a line."""
+    arm, mass = 5.3e-3, 1e-7
+    rows = [[[1j * R_X * 3e-9, 0.0, 3e-9], [-1j * R_X * 3e-9, 0.0, 3e-9]]]
+    preload = 2 * 0.87309e-3
+    rotor = ball(
+        x=[0, 0], y=[arm, -arm], preload=preload, freedom="axle", inertia=mass * arm**2, mass=mass, normal_damping=0.05
+    )
+    line = ball(x=[0, 0], y=[arm, -arm], preload=preload, freedom="x", load=0.0, mass=mass, normal_damping=0.05)
+    given = dict(duration=40 * T, after=0.0, tolerance=1e-6, samples=4, method="exact")
+    turning = burst(rotor, SurfaceWaves(frequencies=[2.2e6], amplitudes=rows), **given)
+    along = burst(line, beams(3, 0, contacts=2), **given)
+    assert arm * turning.rates[:, 2] == pytest.approx(along.velocity[:, 0], rel=1e-8)
+
+
+def test_an_averaged_burst_follows_the_exact_one_of_a_heavy_slider():
+    slider, waves = ball(mass=5e-6, normal_damping=2.0, freedom="xy"), beams(4, 2, 0.5)
+    given = dict(duration=400 * T, after=0.0, tolerance=1e-2, samples=4)
+    exact, mean = (burst(slider, waves, **given, method=each) for each in ("exact", "averaged"))
+    assert np.all(np.abs(exact.velocity[-1] - mean.velocity[-1]) < 2 * (exact.error + mean.error)[:2])
+    assert np.hypot(*exact.velocity[-1]) > 1e-3
