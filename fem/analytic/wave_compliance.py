@@ -83,6 +83,45 @@ def bound_compliance(stator: Stator, frequency: float) -> float:
     return float(-(abs(vectors[-1, index]) ** 2) / slope / impedance.scales[0])
 
 
+def travelling_compliance(solid: Solid, velocity: float) -> np.ndarray:
+    """Return Z^-1 of a half-space, 1/Pa: u = Z^-1 t/k under a traction t exp(i k (v t - x)).
+
+    Parameters
+    ----------
+    solid : Solid
+        In the frame x along the propagation, z out of the surface; its losses are ignored.
+    velocity : float
+        v, m/s.
+
+    Returns
+    -------
+    ndarray, shape (2, 2), complex
+        Of u_x and u_z under t_x and t_z.
+
+    Raises
+    ------
+    InputError
+        If v is not below the limiting velocity of the bulk waves.
+
+    Examples
+    --------
+    At rest it is 2 (1 - nu^2)/E for a normal traction:
+
+    >>> import fem
+    >>> steel = fem.isotropic(name="steel", youngs_modulus=200e9, poisson_ratio=0.3, density=7850.0)
+    >>> print(f"{fem.travelling_compliance(steel, 1.0)[1, 1].real:.4e} {2 * (1 - 0.3**2) / 200e9:.4e}")
+    9.1000e-12 9.1000e-12
+    """
+    positive("velocity", velocity, "m/s")
+    impedance, limit = surface_impedance(solid, "vacuum")
+    if velocity >= limit * impedance.velocity_unit:
+        rule = f"must be below that of the bulk waves, {limit * impedance.velocity_unit:.6g} m/s"
+        raise InputError("velocity", rule, velocity, "m/s")
+    stiff = impedance.stiff(velocity / impedance.velocity_unit)
+    compliance = np.linalg.inv(stiff) / impedance.stress_unit
+    return compliance[np.ix_((0, -1), (0, -1))]
+
+
 def spring_shift(
     solid: Solid, normal: float, tangential: float, frequency: float, surface: str = "vacuum"
 ) -> float | None:

@@ -209,7 +209,11 @@ def _of_gwyddion(path: Path, key: str) -> Reading:
             number = int(np.count_nonzero(np.asarray(mask.data)))
             remarks = (f"a mask of {number} pixels is a selection and not a gap: these pixels count",)
         return heights, step, remarks
-    raise SceneError(key, f"must hold heights with a unit of length, got {', '.join(units)}")
+    raise _no_length(key, ", ".join(units))
+
+
+def _no_length(key: str, units: str) -> SceneError:
+    return SceneError(key, f"must hold heights with a unit of length, got {units}")
 
 
 def _unit(unit) -> str:
@@ -253,7 +257,7 @@ def _of_surface_topography(path: Path, key: str) -> Reading:
         raise SceneError(key, f"{path.name} has no format that the package SurfaceTopography knows") from None
     scale = LENGTHS.get(topography.unit or "")
     if scale is None:
-        raise SceneError(key, f"must hold heights with a unit of length, got {topography.unit or 'no unit'}")
+        raise _no_length(key, topography.unit or "no unit")
     heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T * scale
     rows, columns = heights.shape
     step = topography.physical_sizes[0] * scale / columns, topography.physical_sizes[1] * scale / rows

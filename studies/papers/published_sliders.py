@@ -2,16 +2,20 @@
 
 No source gives the number of pillars, the scatter of their heights or the slider's mass: every combination of usual
 values is computed and makes the band. Sources as their authors name them: M. K. Kurosawa and K. Asai's 10 MHz motor;
-the reports of KAKEN 22360101 and 15H03943; T. Shigematsu, M. K. Kurosawa and K. Asai, IEEE Trans. UFFC 50 (2003) 376.
+the reports of KAKEN 22360101 and 15H03943; T. Shigematsu, M. K. Kurosawa and K. Asai, IEEE Trans. UFFC 50 (2003) 376;
+T. Shigematsu and M. K. Kurosawa, *Friction drive of an SAW motor, Part I*, IEEE Trans. UFFC (2008), abstract, who saw
+the slider's own face move; R. Takasaki's thrust is predicted with the texture that this motion fits.
 """
 
 import math
 from functools import cache
 
 import numpy as np
+from scipy.optimize import brentq
 
 import contact
 import fem
+from studies.solve.face_motion import face_motion, foot_compliances
 
 SURFACE, MATERIAL = "open", "LiNbO3 (Kovacs)"
 STIFFNESS = 1.8e6, 1.52e6  # N/m, normal and tangential: a silicon pillar of 20 um x 2 um on 128YX
@@ -19,6 +23,9 @@ LENGTH = 4e-3  # m, of Kurosawa's slider, along and across
 FRICTION, STEP_FREQUENCY, STEP_PRELOAD = 0.18, 9.6e6, 30.0  # of the silicon slider that makes a step; Hz, N
 CLASSES = 32  # of the normal distribution of the heights, equally likely
 ROWS = 50  # of pillars, along the slider
+PILLAR_RADIUS = 10e-6  # m
+TEXTURE, REACH = 64, 3.5  # classes of a rough texture, and standard deviations up to which they reach
+SCATTERS = 5e-9, 150e-9  # m, between which a texture is sought
 
 
 def wave(*, frequency: float, amplitude: float, width: float):
@@ -64,8 +71,12 @@ def kurosawa_stall(case: dict) -> float:
 
     ``case`` is that of `kurosawa_speed`.
     """
+    return _stall(*_kurosawa(case))
+
+
+def _stall(body, passing) -> float:
     try:
-        return contact.pillar_load_line(*_kurosawa(case), points=2).stall
+        return contact.pillar_load_line(body, passing, points=2).stall
     except contact.ConvergenceError as error:
         if error.status != "not applicable":
             raise
@@ -77,6 +88,79 @@ def _kurosawa(case: dict) -> tuple:
     passing = wave(frequency=10e6, amplitude=case["amplitude"], width=LENGTH)
     names = ("friction", "scatter", "number", "preload")
     return slider(**{name: case[name] for name in names}), passing
+
+
+def textured(*, friction: float, scatter: float, number: float, preload: float):
+    """Return `contact.Pillars` of silicon whose heights scatter far beyond the wave's amplitude.
+
+    Classes at equal distances resolve the few highest pillars, which carry all; those of `slider` are equally likely.
+    """
+    steps = np.linspace(-REACH, REACH, TEXTURE)
+    share = np.exp(-0.5 * steps**2)
+    positions = ((np.arange(ROWS) + 0.5) / ROWS - 0.5) * LENGTH
+    return contact.Pillars(
+        x=np.repeat(positions, TEXTURE), y=np.zeros(ROWS * TEXTURE), heights=np.tile(scatter * steps, ROWS),
+        weights=np.tile(number / ROWS * share / share.sum(), ROWS), normal_stiffness=STIFFNESS[0],
+        tangential_stiffness=STIFFNESS[1], friction_coefficient=friction, preload=preload,
+    )  # fmt: skip
+
+
+@cache
+def _face(friction: float, scatter: float, number: float) -> tuple[float, float, float]:
+    """Return the motion of the face at 15 N on a wave of 20 nm and 9.61 MHz: amplitudes in m, delay in degrees."""
+    body = textured(friction=friction, scatter=scatter, number=number, preload=15.0)
+    state = contact.pillar_motion(body, wave(frequency=9.61e6, amplitude=20e-9, width=LENGTH))
+    feet = foot_compliances(fem.material("silicon"), PILLAR_RADIUS)[:, None]
+    return face_motion(state.forces, np.asarray(body.weights), math.inf, feet)
+
+
+def face_normal(case: dict) -> float:
+    """Return the normal amplitude of the face in m; ``case``: ``friction``, ``scatter`` (m) and ``number``."""
+    return _face(case["friction"], case["scatter"], case["number"])[0]
+
+
+def face_tangential(case: dict) -> float:
+    """Return the tangential amplitude of the face in m; ``case`` as for `face_normal`."""
+    return _face(case["friction"], case["scatter"], case["number"])[1]
+
+
+def face_delay(case: dict) -> float:
+    """Return the size of the delay of the tangential motion in degrees, up to 90; ``case`` as for `face_normal`.
+
+    The abstract has no convention of signs: a motion that lags by 120 degrees leads by 60 where its axis is turned.
+    """
+    delay = abs(_face(case["friction"], case["scatter"], case["number"])[2])
+    return min(delay, 180.0 - delay)
+
+
+@cache
+def fitted_scatter(face: float, friction: float, number: float) -> float:
+    """Return the scatter of the heights in m with which the face moves normally by ``face`` in m; see `face_normal`."""
+
+    def left(scatter):
+        return _face(friction, float(scatter), number)[0] - face
+
+    low, high = SCATTERS
+    return float(brentq(left, low, high, xtol=1e-10)) if left(low) * left(high) < 0.0 else high
+
+
+def _of_texture(case: dict) -> tuple:
+    scatter = fitted_scatter(case["face"], case["friction"], case["number"])
+    body = textured(**{name: case[name] for name in ("friction", "number", "preload")}, scatter=scatter)
+    return body, wave(frequency=10e6, amplitude=case["amplitude"], width=LENGTH)
+
+
+def textured_speed(case: dict) -> float:
+    """Return the speed in m/s of a slider whose texture is fitted to the motion of its face.
+
+    ``case``: ``face`` (m), ``friction``, ``number``, ``preload`` (N) and the ``amplitude`` of the wave (m).
+    """
+    return abs(contact.pillar_motion(*_of_texture(case)).velocity)
+
+
+def textured_stall(case: dict) -> float:
+    """Return the stall force of that slider in N; 0 if it stays at rest."""
+    return _stall(*_of_texture(case))
 
 
 def rear_amplitude(length: float) -> float:

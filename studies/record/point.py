@@ -49,6 +49,11 @@ class Point(Values):
     thrust_power_W: Number = None
     wave_power_in_W: Number = None
     wave_power_out_W: Number = None
+    face_normal_m: Number = None
+    face_tangential_m: Number = None
+    face_delay_deg: Number = None
+    face_wave_normal_m: Number = None
+    face_wave_tangential_m: Number = None
     loading_number: Number = None
     overtone_ratio: Number = None
     harmonics: Count = None

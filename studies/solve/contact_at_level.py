@@ -13,6 +13,7 @@ from studies.record.status import Status
 from studies.record.values import Columns
 from studies.solve.bursts import STEADY_METHODS, followed_burst, method_of
 from studies.solve.event_counts import burst_events, burst_values, steady_events
+from studies.solve.face_motion import face_point
 from studies.solve.loaded_wave import wave_point, wave_tables
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 from studies.solve.refinement import SHARE
@@ -44,6 +45,8 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
         point = Point(voltage_V=None if scene.wave is not None else level) | driven.amplitudes_at(level) | answer.point
         if not driven.passing:
             point |= contact_load(driven.slider, driven.at(level), threshold / level if level else math.inf)
+        if answer.motion is not None:
+            point |= face_point(driven, answer.motion, level)
         answers.append(replace(answer, point=point))
         last = answer.motion if answer.motion is not None and level > 0.0 else last
     tables = wave_tables(last)

@@ -84,3 +84,28 @@ def test_wavelengths_and_tolerances_without_a_number_are_refused():
             call()
     with pytest.raises(fem.InputError, match="tolerance must be positive, got nan"):
         fem.cell_parameters(cut, period=1e-3, metallisation=0.5, tolerance=np.nan)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.6, 0.9, 0.97])
+def test_a_travelling_pressure_dents_as_rayleighs_function_says(share):
+    """u_z = -k_T^2 q_L/(mu R) t_z with R = (2 k^2 - k_T^2)^2 - 4 k^2 q_L q_T, which is 0 at c_R."""
+    E, nu, density = 1e11, 0.17, 2200.0
+    solid = fem.isotropic(name="nu = 0.17", youngs_modulus=E, poisson_ratio=nu, density=density)
+    mu = E / (2 * (1 + nu))
+    shear, pressure = np.sqrt(mu / density), np.sqrt(2 * mu * (1 - nu) / (1 - 2 * nu) / density)
+    v, k = share * shear, 1.0
+    k_t, q_l, q_t = v / shear, np.sqrt(1 - (v / pressure) ** 2), np.sqrt(1 - (v / shear) ** 2)
+    R = (2 * k**2 - k_t**2) ** 2 - 4 * k**2 * q_l * q_t
+    found = fem.travelling_compliance(solid, v)
+    assert found[1, 1].real == pytest.approx(-(k_t**2) * q_l / (mu * R), rel=1e-9)
+    assert found[0, 0].real == pytest.approx(-(k_t**2) * q_t / (mu * R), rel=1e-9)
+    # of both signs of the mixed term: a pressure that runs the other way
+    mixed = (2 * k**2 - k_t**2 - 2 * q_l * q_t) / (mu * R)
+    assert abs(found[0, 1]) == pytest.approx(abs(mixed), rel=1e-9)
+    assert found == pytest.approx(found.conj().T, abs=1e-24)
+
+
+def test_a_pressure_faster_than_bulk_waves_is_refused():
+    solid = fem.isotropic(name="soft", youngs_modulus=1e9, poisson_ratio=0.4, density=1000.0)
+    with pytest.raises(fem.InputError, match="velocity must be below that of the bulk waves"):
+        fem.travelling_compliance(solid, 4000.0)
