@@ -19,7 +19,7 @@ from fem.materials import Solid, fields, isotropic_about_normal
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.piece import MeshPiece
 from fem.mesh.placement import Placement, placement
-from fem.parameters import ComplexNumber, Count, InputError, Number, Parameters, Signs, Words, shown
+from fem.parameters import ComplexNumber, Count, InputError, Number, Parameters, Signs, Words, refuses, shown
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
@@ -283,17 +283,16 @@ def plane_rule(plane: int, layers: int) -> str:
     return f'must be "surface" or {above}'
 
 
-def _check_layers(stator: Stator) -> None:
+@refuses(InputError)
+def _check_layers(stator: Stator) -> Iterator[Any]:
     """Raise an InputError for layers or a plane of the fingers that a section cannot have."""
     for number, each in enumerate(stator.layers):
         if each.thickness is None:
-            raise InputError(
-                f"stator.layer.{number}.thickness", "must be a length in m", each.wavelengths, "wavelengths"
-            )
+            yield (f"stator.layer.{number}.thickness", "must be a length in m", each.wavelengths, "wavelengths")
     if stator.layers and stator.pieces:
-        raise InputError("piece", "cannot stand in a stator with layers: the section beside it is one solid")
+        yield "piece", "cannot stand in a stator with layers: the section beside it is one solid"
     if rule := plane_rule(stator.plane, len(stator.layers)):
-        raise InputError("transducer.plane", rule, stator.plane)
+        yield "transducer.plane", rule, stator.plane
 
 
 def _other_fingers(piece: MeshPiece, transducer: Transducer) -> list[str]:

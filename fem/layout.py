@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from functools import partial
 from itertools import combinations, pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
 from fem.mesh.placement import Placement, is_step
 from fem.mesh.section_mesh import ELECTRODE
 from fem.mesh.shapes import CORNERS
+from fem.parameters import refuses
 
 # Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level (fem.condense.mesh).
 LEAST_PER_QUAD = 3 * 4**2
@@ -102,20 +103,22 @@ def turned_rules(ends: str, sides: str = "absorbing") -> Iterator[tuple[str, str
             yield f"stator.{key}", f"must be absorbing {TURNED}, got {value!r}"
 
 
-def check_turned(stator: Stator) -> None:
+@refuses(InputError)
+def check_turned(stator: Stator) -> Iterator[Any]:
     """Raise an InputError for a stator on which no transducer may be turned or stand beside the middle line."""
     for key, rule in turned_rules(stator.ends):
-        raise InputError(key, rule)
+        yield key, rule
     if not stator.isotropic_about_normal:
         rule = "may be rotated, or stand beside the middle line, only in solids isotropic about z, unlike this cut of"
-        raise InputError("transducer", f"{rule} {stator.solid.name}")
+        yield "transducer", f"{rule} {stator.solid.name}"
 
 
 def _refuse(piece: MeshPiece, rule: str, key: str = "piece") -> None:
     raise InputError(key, rule, owner=piece.name)
 
 
-def check_interfaces(stator: Stator) -> None:
+@refuses(InputError)
+def check_interfaces(stator: Stator) -> Iterator[Any]:
     """Check that the meshed pieces of a stator meet its section: as high, up to the surface, without field above.
 
     Raises
@@ -125,18 +128,20 @@ def check_interfaces(stator: Stator) -> None:
     """
     if stator.pieces and stator.above != "none":
         rule = "must be none with a meshed piece, whose model error states the effect of the field above"
-        raise InputError("stator.above", rule, stator.above)
+        yield "stator.above", rule, stator.above
     for piece in stator.pieces:
         _check_heights(piece, stator.depth)
 
 
-def check_beside_pieces(stator: Stator) -> None:
+@refuses(InputError)
+def check_beside_pieces(stator: Stator) -> Iterator[Any]:
     """Raise an InputError if a meshed piece is the whole stator, so that no wave arrives at it."""
     if stator.placement.whole is not None:
-        raise InputError("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
+        yield ("piece", "must leave some uniform stator: this piece is all of it, and no wave arrives there")
 
 
-def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+@refuses(InputError)
+def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> Iterator[Any]:
     """Raise an InputError if the pieces do not fit the stator, the transducers or each other."""
     if not stator.pieces:
         return
@@ -158,7 +163,7 @@ def _check_pieces(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
         if not is_step(end, stator.depth):
             _check_outer_end(end, index, stator.length)
         elif stator.ends != "absorbing":
-            raise InputError(
+            yield (
                 "stator.ends",
                 f"must be absorbing behind the step of thickness of piece {end.name!r}, got {stator.ends!r}",
             )
@@ -392,7 +397,8 @@ class _Span(NamedTuple):
         return f"({self.low * 1e3:.6g} to {self.high * 1e3:.6g} mm)"
 
 
-def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transducer, ...]) -> None:
+@refuses(InputError)
+def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transducer, ...]) -> Iterator[Any]:
     """Raise an InputError for a piece that lies off the stator, overlaps another one, or meets a transducer."""
     tolerance = SAME * length
     for piece in placed.between:
@@ -414,9 +420,7 @@ def _check_overlaps(placed: Placement, length: float, transducers: tuple[Transdu
         touch = left.kind != right.kind and left.high > right.low - tolerance
         if overlap or touch:
             verb = "overlaps" if overlap else "touches"
-            raise InputError(
-                "piece", f'"{piece_span.name}" {piece_span} {verb} the {other.kind} "{other.name}" {other}'
-            )
+            yield ("piece", f'"{piece_span.name}" {piece_span} {verb} the {other.kind} "{other.name}" {other}')
 
 
 def _millimetre_question(piece: MeshPiece, length: float) -> str:

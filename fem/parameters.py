@@ -12,8 +12,11 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import wraps
 from numbers import Integral
-from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, ParamSpec, get_args, get_origin
+
+Arguments = ParamSpec("Arguments")
 
 
 class InputError(ValueError):
@@ -47,6 +50,35 @@ class InputError(ValueError):
         kind, dot, name = self.key.partition(".")
         key = f"{kind} {self.owner!r}{dot}{name}" if self.owner else self.key
         return f"{key} {self.rule}"
+
+
+def refuses(
+    error: Callable[..., Exception],
+) -> Callable[[Callable[Arguments, Iterator[Any]]], Callable[Arguments, None]]:
+    """Return the decorator of a checking function, which yields refusals: the first of them is raised.
+
+    A refusal is what ``error`` takes: a key and a rule, or one sentence.
+
+    Examples
+    --------
+    >>> @refuses(InputError)
+    ... def check(length):
+    ...     if length < 0:
+    ...         yield "length", "must be positive", length, "m"
+    >>> check(-1.0)
+    Traceback (most recent call last):
+    fem.parameters.InputError: length must be positive, got -1.0 m
+    """
+
+    def decorated(check: Callable[Arguments, Iterator[Any]]) -> Callable[Arguments, None]:
+        @wraps(check)
+        def checked(*arguments: Arguments.args, **named: Arguments.kwargs) -> None:
+            for refusal in check(*arguments, **named):
+                raise error(*refusal) if isinstance(refusal, tuple) else error(refusal)
+
+        return checked
+
+    return decorated
 
 
 def shown(value: Any) -> str:

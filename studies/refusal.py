@@ -1,11 +1,12 @@
 """Errors for a user who gets no answer: one sentence for each fault, with key, rule, value and unit."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from fem.parameters import refuses
 from fem.parameters import shown as shown
 
 # Exit codes of the command
@@ -61,10 +62,11 @@ class SceneError(ValueError):
         return SceneError(new + self.path.removeprefix(old), self.rule, self.location)
 
 
-def refuse_other(value: str, known: Iterable[str], option: str) -> None:
+@refuses(SceneError)
+def refuse_other(value: str, known: Iterable[str], option: str) -> Iterator[Any]:
     """Raise a SceneError for the value of an option that is none of the known ones."""
     if value not in known:
-        raise SceneError(option, f"{one_of(known)}, got {value!r}")
+        yield option, f"{one_of(known)}, got {value!r}"
 
 
 def one_of(known: Iterable[str]) -> str:
@@ -72,11 +74,12 @@ def one_of(known: Iterable[str]) -> str:
     return f"must be one of {', '.join(known)}"
 
 
-def refuse_ending(file: "str | Path", allowed: tuple[str, ...], option: str) -> None:
+@refuses(SceneError)
+def refuse_ending(file: "str | Path", allowed: tuple[str, ...], option: str) -> Iterator[Any]:
     """Raise a SceneError for a file of an option whose name has none of the allowed endings."""
     if Path(file).suffix.lower() not in allowed:
         one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
-        raise SceneError(option, f"must end in {one}, got {str(file)!r}")
+        yield option, f"must end in {one}, got {str(file)!r}"
 
 
 def all_answers(calls: Iterable[Callable[[], Any]]) -> list[Any]:

@@ -4,7 +4,9 @@ A force on a strip |y - y_0| < W / 2 at x_j is a sheet of one node (beam_of_char
 Transducers scatter and receive its waves.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
+from fem.parameters import refuses
 from fem.results.driven_answer import SurfaceWave
 from fem.results.solution import Solution, driven_solution
 from fem.waveguide.port_fields import PortFields
@@ -90,7 +93,8 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     return with_reciprocal_currents(beam)
 
 
-def _refuse(wave: SurfaceWave, mirror_width: float | None) -> None:
+@refuses(BeamError)
+def _refuse(wave: SurfaceWave, mirror_width: float | None) -> Iterator[Any]:
     """Raise a BeamError or an InputError for what `surface_beam` does not cover."""
     solution, stator = wave.solution, wave.solution.fields.stator
     transducers = solution.fields.transducers
@@ -98,17 +102,17 @@ def _refuse(wave: SurfaceWave, mirror_width: float | None) -> None:
     if not refusal and solution.forces is not None and stator.ends != "absorbing":
         refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     if refusal:
-        raise BeamError(refusal)
+        yield refusal
     refuse_short_apertures(transducers, wave.phase_velocity / wave.frequency)
     strips = sheets_of_forces(solution)
     widths = [each.aperture for each in transducers] + [each.length for each in strips]
     if mirror_width is not None and not max(widths) <= mirror_width < np.inf:
-        raise BeamError(f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
+        yield (f"mirror_width must be at least the largest aperture, {max(widths):g} m, got {mirror_width!r}")
     symmetric = mirror_width is None and isotropic_about_normal(stator.solid)
     if any(each.center_y for each in transducers) and not symmetric:
-        raise BeamError("transducers beside the middle line need a solid isotropic about z and absorbing sides")
+        yield "transducers beside the middle line need a solid isotropic about z and absorbing sides"
     if any(each.center for each in strips) and mirror_width is not None:
-        raise BeamError("forces beside the middle line need absorbing sides")
+        yield "forces beside the middle line need absorbing sides"
 
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:

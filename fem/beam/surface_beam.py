@@ -29,6 +29,7 @@ from fem.beam.own_aperture import STEPS, sheet_lengths
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
 from fem.geometry import on_stator
+from fem.parameters import refuses
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
@@ -329,12 +330,13 @@ class SurfaceBeam:
             total += self._reflected(self.faces, x, y, self.faces.included)
         return tuple(total.reshape(RULES, 3, *shape))
 
+    @refuses(BeamError)
     def _refuse(self, x, y):
         if rule := on_stator(x, self.wave.length):
-            raise BeamError(f"x {rule}")
+            yield f"x {rule}"
         limit = np.inf if self.mirror_width is None else self.mirror_width / 2
         if not np.all(np.isfinite(y) & (abs(y) <= limit)):
-            raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
+            yield f"y must be finite and lie between the side faces, +-{limit:g} m"
 
     def _reflected(self, faces: Faces, x, y, modes: np.ndarray) -> np.ndarray:
         """Motion of the waves that the end faces reflect, in some modes, shape (RULES, 3, points)."""

@@ -8,16 +8,16 @@ everything below it solves for unit voltage at every port.  The open strips of a
 ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
 from fem.condense.electrodes import terminated
 from fem.geometry import Transducer
-from fem.parameters import ComplexNumber, InputError
+from fem.parameters import ComplexNumber, InputError, refuses
 from fem.sources import SourceRules
 
 # Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
@@ -201,13 +201,14 @@ def solve_circuit(
     )
 
 
-def _refuse_sources(drive: Drive | None, names: tuple[str, ...], known: Collection[str]) -> None:
+@refuses(InputError)
+def _refuse_sources(drive: Drive | None, names: tuple[str, ...], known: Collection[str]) -> Iterator[Any]:
     """Raise an InputError for a source at a transducer that is not ``known``, or is no port."""
     for name in drive.sources if drive else ():
         if name not in known:
-            raise InputError("sources", f"must name transducers of the stator, {', '.join(known)}", name)
+            yield "sources", f"must name transducers of the stator, {', '.join(known)}", name
         if name not in names:
-            raise InputError("sources", f"must name transducers that have two electrodes, but {name!r} has not")
+            yield "sources", f"must name transducers that have two electrodes, but {name!r} has not"
 
 
 def _voltages(admittances, names, transducers, drive: Drive | None, frequency: float, received=None) -> np.ndarray:

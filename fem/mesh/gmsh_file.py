@@ -1,12 +1,15 @@
 """What a file of gmsh holds, formats 2.2 and 4.1: its elements and the physical groups that they are in."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fem.mesh.shapes import CORNERS
+from fem.parameters import refuses
 
 LINE_GROUPS = ("left", "right", "bottom", "grounded", "clamped", "surface")
 ELECTRODE = "electrode:"
@@ -52,7 +55,8 @@ def parsed(path: Path, content: bytes):
         raise MeshError(f"the file is no mesh of gmsh, format 2.2 or 4.1{reason}") from None
 
 
-def _check_complete(content: bytes) -> None:
+@refuses(MeshError)
+def _check_complete(content: bytes) -> Iterator[Any]:
     """Refuse a file of gmsh that is cut off: every section ends with its own $End line, and one holds elements."""
     if not content.startswith(b"$MeshFormat"):
         return
@@ -60,9 +64,9 @@ def _check_complete(content: bytes) -> None:
     section = opened[-1].decode() if opened else SECTIONS[0]
     ended = re.match(rb"\$End([A-Za-z]+)$", content.rstrip().rpartition(b"\n")[2].strip())
     if ended is None or (ended[1].decode() in SECTIONS and ended[1].decode() != section):
-        raise MeshError(f"the file is cut off: its last section, ${section}, has no line $End{section}")
+        yield f"the file is cut off: its last section, ${section}, has no line $End{section}"
     if b"Elements" not in opened:
-        raise MeshError(f"the file has no section $Elements, its last is ${section}: it is cut off, or holds no mesh")
+        yield (f"the file has no section $Elements, its last is ${section}: it is cut off, or holds no mesh")
 
 
 def grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
@@ -141,7 +145,10 @@ def _set(members) -> np.ndarray:
     return np.empty(0) if members is None else np.asarray(members)
 
 
-def check_groups(what: str, groups: list[tuple[str, np.ndarray]], names: list[str], points: np.ndarray) -> None:
+@refuses(MeshError)
+def check_groups(
+    what: str, groups: list[tuple[str, np.ndarray]], names: list[str], points: np.ndarray
+) -> Iterator[Any]:
     """Refuse elements that are in two groups.
 
     ``groups``: names and corners (elements, corners); ``names``: of all groups, as the file orders them; ``points``: in
@@ -156,7 +163,7 @@ def check_groups(what: str, groups: list[tuple[str, np.ndarray]], names: list[st
         first = min(several.values())
         nodes = np.unique(np.concatenate([element for element, own in several.items() if own == first]))
         named = " and ".join(names[k] for k in first)
-        raise MeshError(f"the {what} at {where(points[:, :2], nodes)} is in two groups, {named}")
+        yield f"the {what} at {where(points[:, :2], nodes)} is in two groups, {named}"
 
 
 def where(points: np.ndarray, nodes) -> str:

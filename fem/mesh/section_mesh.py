@@ -8,14 +8,17 @@ traction, D_n = 0.
 """
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fem.mesh.gmsh_file import ELECTRODE, Cells, MeshError, check_groups, grouped, parsed, where
 from fem.mesh.shapes import CORNERS
+from fem.parameters import refuses
 
 MIN_AREA = 1e-9  # over the square of the element's longest edge; smaller ones are refused
 MAX_OFF_PLANE = 1e-9  # variation of the third coordinate over the extent of the mesh
@@ -257,22 +260,23 @@ def _mirror(kind: str) -> list[int]:
     }[kind]
 
 
-def _check_topology(mesh: SectionMesh) -> None:
+@refuses(MeshError)
+def _check_topology(mesh: SectionMesh) -> Iterator[Any]:
     """Refuse folded meshes, parts that do not touch, holes, and lines that are no edges."""
     for edge, owners in mesh.edges.items():
         if len(owners) > 1:
             place = where(mesh.points, list(edge))
-            raise MeshError(f"elements overlap or are inverted: two lie on the same side of the edge at {place}")
+            yield f"elements overlap or are inverted: two lie on the same side of the edge at {place}"
     for name, nodes in mesh.lines.items():
         for one, other in nodes.tolist():
             if (one, other) not in mesh.edges and (other, one) not in mesh.edges:
-                raise MeshError(_no_element(name, mesh.points, [one, other]))
+                yield _no_element(name, mesh.points, [one, other])
     corners = np.unique(list(mesh.edges))
     parts = _components(list(mesh.edges), len(mesh.points))
     others = corners[parts[corners] != parts[corners[0]]]
     if len(others):
         count = len(np.unique(parts[corners]))
-        raise MeshError(
+        yield (
             f"the mesh has {count} parts that share no nodes, the second at {where(mesh.points, others[0])}: "
             "gmsh joins touching surfaces by BooleanFragments or Coherence"
         )
@@ -283,7 +287,7 @@ def _check_topology(mesh: SectionMesh) -> None:
     for loop in np.unique(loops[on_boundary]):
         inside = on_boundary[loops[on_boundary] == loop]
         if loop != outer and not named.intersection(inside.tolist()):
-            raise MeshError(
+            yield (
                 f"the mesh has a hole at {where(mesh.points, inside)}: gmsh writes only surfaces that are in a "
                 "physical group; put the lines of an intended hole into the group surface"
             )
@@ -299,35 +303,34 @@ def _components(edges: list, count: int) -> np.ndarray:
     return connected_components(graph, directed=False)[1]
 
 
-def _check_interface(mesh: SectionMesh, side: str) -> None:
+@refuses(MeshError)
+def _check_interface(mesh: SectionMesh, side: str) -> Iterator[Any]:
     """Refuse a line of an interface that is not one vertical outer line of the stator's own material."""
     lines = mesh.lines[side]
     ends = mesh.points[lines]
     x, height = ends[..., 0], float(np.ptp(ends[..., 1]))
     if height == 0 or np.ptp(x) > SAME * height:
-        raise MeshError(
+        yield (
             f"the line group {side} is not one vertical line: x runs from {x.min() * 1e3:.6g} to {x.max() * 1e3:.6g} mm"
         )
     spans = np.sort(ends[..., 1], axis=1)
     spans = spans[np.argsort(spans[:, 0])]
     for below, above in itertools.pairwise(spans):
         if above[0] - below[1] > SAME * height:
-            raise MeshError(
+            yield (
                 f"the group {side} has a gap from z = {below[1] * 1e3:.4g} to {above[0] * 1e3:.4g} mm; "
                 "gmsh writes only surfaces that are in a physical group"
             )
     for one, other in lines.tolist():
         owners = mesh.edges.get((one, other), []) + mesh.edges.get((other, one), [])
         if len(owners) > 1:
-            raise MeshError(f"the line group {side} lies inside the mesh: it must be its {side} border")
+            yield f"the line group {side} lies inside the mesh: it must be its {side} border"
         solid = mesh.cells[owners[0][0]].solid
         if solid != "stator":
-            raise MeshError(
-                f'the group {side} crosses "{solid}": a layer that goes on beyond the piece is not supported'
-            )
+            yield (f'the group {side} crosses "{solid}": a layer that goes on beyond the piece is not supported')
     low, high = mesh.extent
     if (side == "left" and x.min() > low + SAME * height) or (side == "right" and x.max() < high - SAME * height):
-        raise MeshError(
+        yield (
             f"the line group {side} must be the mesh's {side} border: it stands at x = {x.mean() * 1e3:.6g} mm, "
             f"the mesh reaches from {low * 1e3:.6g} to {high * 1e3:.6g} mm"
         )

@@ -6,8 +6,9 @@ both by 1 / |1 - mu|, where mu is an eigenvalue of the segments' coupling (port_
 checked frequencies are therefore scaled to the sharpest resonance that the band can hold.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from fem.discretize.error_estimate import LEVELS, first_level
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.mesh.placement import is_step
+from fem.parameters import refuses
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -43,11 +45,12 @@ ESTIMATE_EXCESS = 2.0
 MAX_ROUNDS = 3  # discretisations that are tried
 
 
-def refuse_outside(limits: tuple[float, float], frequency: float, *, ends: bool = True) -> None:
+@refuses(InputError)
+def refuse_outside(limits: tuple[float, float], frequency: float, *, ends: bool = True) -> Iterator[Any]:
     """Raise an InputError for a frequency outside a band, in Hz; ``ends``: True if the limits belong to it."""
     low, high = limits
     if not low <= frequency <= high or (frequency in limits and not ends):
-        raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
+        yield "frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz"
 
 
 @dataclass(frozen=True, kw_only=True)

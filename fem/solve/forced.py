@@ -6,6 +6,9 @@ velocity there per volt.  The response includes transducers, pieces and ends.  E
 its received current produces across its termination.
 """
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 
 from fem.circuit import Drive
@@ -14,7 +17,7 @@ from fem.discretize.grading import Resolution
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer, on_stator
 from fem.layout import check_layout
-from fem.parameters import InputError, positive
+from fem.parameters import InputError, positive, refuses
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
@@ -123,12 +126,13 @@ def _beside_strips(stator: Stator, forces: tuple[LineForce, ...], frequency: flo
     return beside[distances > away / 2]
 
 
-def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> None:
+@refuses(InputError)
+def _refuse_forces(stator: Stator, forces: tuple[LineForce, ...]) -> Iterator[Any]:
     """Raise an InputError if there is no force, all amplitudes are zero, or one force stands beside the stator."""
     if not forces:
-        raise InputError("force", "is missing: at least one must act")
+        yield "force", "is missing: at least one must act"
     for each in forces:
         if rule := on_stator(each.position, stator.length):
-            raise InputError("force.position", rule, each.position, "m", each.name)
+            yield "force.position", rule, each.position, "m", each.name
     if not any(each.amplitude for each in forces):
-        raise InputError("force.amplitude", "must differ from zero for one force at least", 0.0, "N/m")
+        yield "force.amplitude", "must differ from zero for one force at least", 0.0, "N/m"

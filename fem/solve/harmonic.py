@@ -6,7 +6,9 @@ difference of the last two answers divided by g - 1 is the error reported, where
 """
 
 import logging
+from collections.abc import Iterator
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from fem.discretize.grading import Resolution
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
-from fem.parameters import InputError, positive
+from fem.parameters import InputError, positive, refuses
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
@@ -91,13 +93,16 @@ def solve_driven(
     return driven_solution(cascade.solved(), drive)
 
 
-def check_driven(stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float) -> None:
+@refuses(InputError)
+def check_driven(
+    stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float
+) -> Iterator[Any]:
     """Raise an InputError for a layout, solid, frequency (Hz) or tolerance with which no stator can be driven."""
     check_layout(stator, transducers)
     if "phi" not in stator.fields:
         piezoelectric = any(each.is_piezoelectric for each in stator.solids)
         why = "uncouples phi in this orientation" if piezoelectric else "is not piezoelectric"
-        raise InputError("transducer", f"needs a piezoelectric stator, and {stator.solid.name} {why}")
+        yield "transducer", f"needs a piezoelectric stator, and {stator.solid.name} {why}"
     positive("tolerance", tolerance, infinite=True)
     positive("frequency", frequency, "Hz")
 

@@ -11,10 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from math import cos, radians, sin
+from typing import Any
 
 import numpy as np
 
 import fem
+from fem.parameters import refuses
 from studies.model.resolve import build
 from studies.refusal import SceneError, nearest
 from studies.scene import Scene
@@ -198,12 +200,13 @@ def _marks(length: float, width: float, sizes: Sizes) -> Iterator[Polygon]:
             yield Polygon(layer="marks", transducer="", comb="", corners=np.array(cross) + np.array([x, y]))
 
 
-def _refuse_coarse_grid(polygons: list[Polygon], grid: float) -> None:
+@refuses(SceneError)
+def _refuse_coarse_grid(polygons: list[Polygon], grid: float) -> Iterator[Any]:
     """Refuse a grid on which a finger's edges would move by a twentieth of its width or more."""
     edges = [np.diff(each.corners, axis=0, append=each.corners[:1]) for each in polygons if each.layer == "fingers"]
     narrowest = min(float(np.hypot(*each.T).min()) for each in edges)
     if grid > narrowest / MIN_GRID_STEPS:
-        raise SceneError(
+        yield (
             "size.grid",
             f"must be at most a tenth of the narrowest finger, {narrowest / MIN_GRID_STEPS * 1e6:.4g} um, "
             f"got {grid * 1e6:.4g} um",
@@ -214,7 +217,8 @@ def _snapped(corners: np.ndarray, grid: float) -> np.ndarray:
     return np.round(corners / grid) * grid
 
 
-def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None:
+@refuses(SceneError)
+def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> Iterator[Any]:
     for each in polygons:
         (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
         if left < 0.0 or right > length or low < -width / 2 or high > width / 2:
@@ -224,10 +228,11 @@ def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None
                 f"{low * 1e3:.6g} to {high * 1e3:.6g} mm; smaller "
                 "size.busbar, size.pad or size.end_gap help"
             )
-            raise SceneError("transducer", rule)
+            yield "transducer", rule
 
 
-def _refuse_contact(polygons) -> None:
+@refuses(SceneError)
+def _refuse_contact(polygons) -> Iterator[Any]:
     """Raise an error if polygons of different combs touch."""
     polygons = sorted(polygons, key=lambda each: each.corners[:, 0].min())
     low, high = (np.array([end(each.corners, axis=0) for each in polygons]) for end in (np.min, np.max))
@@ -237,10 +242,11 @@ def _refuse_contact(polygons) -> None:
         one, two = polygons[k], polygons[other]
         if owner[k] != owner[other] and not apart(one.corners, two.corners):
             names = " and ".join(f"{each.layer} {each.comb} of {each.transducer!r}" for each in (one, two))
-            raise SceneError("transducer", f"{names} touch: smaller size.pad, size.busbar or size.grid help")
+            yield "transducer", f"{names} touch: smaller size.pad, size.busbar or size.grid help"
 
 
-def _refuse_covered_marks(polygons) -> None:
+@refuses(SceneError)
+def _refuse_covered_marks(polygons) -> Iterator[Any]:
     marks = [each for each in polygons if each.layer == "marks"]
     for mark in marks:
         box = np.array([mark.corners.min(axis=0), mark.corners.max(axis=0)])
@@ -248,7 +254,7 @@ def _refuse_covered_marks(polygons) -> None:
         for each in polygons:
             if each.layer not in ("marks", "outline") and not apart(corners, each.corners):
                 rule = f"must leave the marks free of the {each.layer} of {each.transducer!r}; 0 draws none"
-                raise SceneError("size.mark", rule)
+                yield "size.mark", rule
 
 
 def apart(one: np.ndarray, other: np.ndarray) -> bool:

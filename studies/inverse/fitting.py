@@ -7,13 +7,15 @@ Bioinformatics 25 (2009) 1923.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from fem.parameters import refuses
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Minimum, Problem, standard_deviations
 from studies.inverse.next_measurement import ranked
@@ -247,29 +249,32 @@ def _refuse(
     """Raise one error with all reasons why these parameters of this scene cannot be fitted to these measurements."""
     by_key = {each.key: each for each in parameters}
 
-    def check_number() -> None:
+    @refuses(SceneError)
+    def check_number() -> Iterator[Any]:
         if not measurements:
-            raise SceneError("measurements", "is required: a CSV file of measured points")
+            yield "measurements", "is required: a CSV file of measured points"
         if not parameters:
-            raise SceneError("parameters", "is required: KEY=LOW:HIGH")
+            yield "parameters", "is required: KEY=LOW:HIGH"
 
-    def check_measurement(each: Measurement) -> None:
+    @refuses(SceneError)
+    def check_measurement(each: Measurement) -> Iterator[Any]:
         if each.quantity not in FIELD and not predictor.slider:
-            raise SceneError(f"measurements {each.name}", "needs a scene with a [slider], which moves")
+            yield f"measurements {each.name}", "needs a scene with a [slider], which moves"
         if each.network is not None and not predictor.prescribed_wave:
             refuse_other_range(Model(predictor.scene({})), each.network, "measurements")
         if each.scan is not None:
             placed(predictor.scene({}), each.scan, "measurements")
 
-    def check_parameter(key: str) -> None:
+    @refuses(SceneError)
+    def check_parameter(key: str) -> Iterator[Any]:
         if sum(each.key == key for each in parameters) > 1:
-            raise SceneError(f"parameters {key}", "is given twice")
+            yield f"parameters {key}", "is given twice"
         if key in LEVELS:
-            raise SceneError(f"parameters {key}", "follows from each measured point and cannot be free")
+            yield f"parameters {key}", "follows from each measured point and cannot be free"
         if key == AMPLITUDE_FACTOR and predictor.prescribed_wave:
-            raise SceneError(f"parameters {key}", "needs a [stator]; of a scene with a [wave] free amplitude_per_volt")
+            yield f"parameters {key}", "needs a [stator]; of a scene with a [wave] free amplitude_per_volt"
         if key == AMPLITUDE_PER_VOLT and not predictor.prescribed_wave:
-            raise SceneError(f"parameters {key}", "needs a [wave]; of a scene with a [stator] free amplitude_factor")
+            yield f"parameters {key}", "needs a [wave]; of a scene with a [stator] free amplitude_factor"
         if "." in key:  # both ends of the range must be values that the scene allows
             for end in (by_key[key].low, by_key[key].high):
                 predictor.scene({key: end})

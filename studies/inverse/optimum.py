@@ -8,13 +8,15 @@ that no other exceeds in both.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from fem.parameters import refuses
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
@@ -109,13 +111,14 @@ def design(
         )  # fmt: skip
 
 
-def _refuse_absent(known: set[str], goals: tuple[Goal, ...], constraints: tuple[Constraint, ...]) -> None:
+@refuses(SceneError)
+def _refuse_absent(known: set[str], goals: tuple[Goal, ...], constraints: tuple[Constraint, ...]) -> Iterator[Any]:
     """Raise a SceneError for a goal or a constraint whose columns no point of the search has."""
     columns = {each.argument: each.columns for each in goals}
     columns |= {f"constraints {each.column}": (each.column,) for each in constraints}
     for argument, names in columns.items():
         if not known.intersection(names):
-            raise SceneError(argument, "is neither varied nor an outcome of this scene")
+            yield argument, "is neither varied nor an outcome of this scene"
 
 
 def _listed(names: str | Sequence[str]) -> list[str]:

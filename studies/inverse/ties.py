@@ -1,9 +1,11 @@
 """Numbers of a fit that follow others by an expression, as lmfit's parameters with ``expr`` do."""
 
 import ast
+from collections.abc import Iterator
 from copy import deepcopy
 from typing import Any
 
+from fem.parameters import refuses
 from studies.inverse.parameters import FREE, Parameter, key_of
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
@@ -60,18 +62,19 @@ def is_of_scene(key: str) -> bool:
     return "." in key or key in FREE
 
 
-def refuse_names(ties: Ties, parameters: tuple[Parameter, ...]) -> None:
+@refuses(SceneError)
+def refuse_names(ties: Ties, parameters: tuple[Parameter, ...]) -> Iterator[Any]:
     """Refuse tied keys that are no numbers of a scene, and names that are neither keys nor in an expression."""
     for key in ties.expressions:
         if "." in key and rule_at(key).number is None:
-            raise SceneError(f"parameters {key}", "must be a number of a scene, to follow an expression")
+            yield f"parameters {key}", "must be a number of a scene, to follow an expression"
     for each in parameters:
         if not is_of_scene(each.key) and not ties.uses(each.key):
             try:
                 rule_at(each.key)
             except SceneError as error:
                 raise error.moved("", "parameters ") from None
-            raise SceneError(f"parameters {each.key}", "must be a number of a scene, such as slider.preload")
+            yield f"parameters {each.key}", "must be a number of a scene, such as slider.preload"
 
 
 def _names(text: str) -> set[str]:

@@ -16,6 +16,7 @@ A prescribed [wave], whose surface points move towards +x at its crests, runs to
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -24,6 +25,7 @@ import numpy as np
 
 import contact
 import fem
+from fem.parameters import refuses
 from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
 from studies.model.scene_errors import slider_keys
 from studies.refusal import SceneError
@@ -213,7 +215,8 @@ def prescribed_wave(wave: Wave, slider: Slider):
     )  # fmt: skip
 
 
-def check_pillars(scene: Scene) -> None:
+@refuses(SceneError)
+def check_pillars(scene: Scene) -> Iterator[Any]:
     """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
     slider = scene.slider
     geometry = layout(slider)
@@ -223,14 +226,14 @@ def check_pillars(scene: Scene) -> None:
     half, middle, (left, right) = geometry.diameter / 2, slider.center[1], extent(slider)
     if left < 0.0 or right > scene.stator.length:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
-        raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
+        yield "slider.position", f"{rule}, got some from {left:g} to {right:g} m"
     beside = float((np.abs(middle + geometry.y) + half).max())
     if beside > (side := scene.stator.width / 2):
         rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
-        raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")
+        yield "slider.position", f"{rule}, got some at y = {beside:g} m"
     for each in scene.transducer:
         x, y = each.center_xy
         reach = each.half_length
         if left < x + reach and right > x - reach and abs(middle - y) < (each.aperture + strip_width(slider)) / 2:
             rule = f"must keep the pillars off the fingers of {each.name!r}, {x - reach:g} to {x + reach:g} m"
-            raise SceneError("slider.position", f"{rule}, got pillars from {left:g} to {right:g} m")
+            yield "slider.position", f"{rule}, got pillars from {left:g} to {right:g} m"

@@ -10,11 +10,13 @@ and ball keep following them (`following`), and a scene stored with [uncertain] 
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import fem
+from fem.parameters import refuses
 from studies.model.fem_objects import layers, stator, unturned
 from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
 from studies.model.model import Model
@@ -63,7 +65,8 @@ def resolved(scene: Scene) -> Scene:
     return build(scene).scene
 
 
-def _check_temperature(model: Model) -> None:
+@refuses(SceneError)
+def _check_temperature(model: Model) -> Iterator[Any]:
     """Refuse a temperature whose effect is not known, or a steady one of a stator that has none."""
     scene, block = model.scene, model.scene.stator
     if block is None or block.temperature is None:
@@ -82,7 +85,7 @@ def _check_temperature(model: Model) -> None:
         missing["needs drive.duty beside drive.burst: a lone burst has no steady temperature"] = lone
     for rule, wrong in missing.items():
         if wrong:
-            raise SceneError("stator.temperature", f'of "steady" {rule}')
+            yield "stator.temperature", f'of "steady" {rule}'
     crystal_at(block, reference_temperature(block))
 
 
@@ -174,7 +177,8 @@ def _with_load(model: Model, load: complex | None = None) -> Model:
     return model.with_blocks(transducer=loaded, drive=replace(drive, recovery=recovery))
 
 
-def _refuse_long_waves(scene: Scene) -> None:
+@refuses(SceneError)
+def _refuse_long_waves(scene: Scene) -> Iterator[Any]:
     """Refuse a frequency whose wave is too long for fingers of an automatic period, and ask for the probable unit."""
     length, frequency = scene.stator.length, scene.drive.frequency
     pairs = max((each.finger_pairs for each in scene.transducer if isinstance(each.period, str)), default=0)
@@ -182,7 +186,7 @@ def _refuse_long_waves(scene: Scene) -> None:
         return
     units = [name for name, factor in PREFIXES if 4 * pairs * USUAL_WAVE / (frequency * factor) <= length]
     meant = f': did you mean "{frequency:g} {units[0]}"? A' if units else "; a"
-    raise SceneError(
+    yield (
         "drive.frequency",
         f"is {frequency:g} Hz, at which {pairs} periods of a surface wave are longer than the stator of "
         f"{length * 1e3:g} mm{meant} number without a unit is in Hz",
@@ -270,17 +274,19 @@ def _ends_of_contacts(slider: Slider) -> list[tuple[float, float]]:
     return [(x, x) for x, _ in slider.contact_positions]
 
 
-def _refuse_gaps(model: Model, ends) -> None:
+@refuses(SceneError)
+def _refuse_gaps(model: Model, ends) -> Iterator[Any]:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
     for each in model.pieces:
         for (low, high), (left, right) in itertools.product(each.gaps, ends(model.scene.slider)):
             if left < high and right > low:
                 rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
                 got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")
-                raise SceneError("slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm")
+                yield "slider.position", f"{rule} no plain surface at z = 0, got some at {got} mm"
 
 
-def _refuse_covered(model: Model) -> None:
+@refuses(SceneError)
+def _refuse_covered(model: Model) -> Iterator[Any]:
     """Raise a SceneError if a contact lies on a rotated transducer."""
     scene = model.scene
     if not scene.crossed:
@@ -289,10 +295,11 @@ def _refuse_covered(model: Model) -> None:
         for x, y in scene.slider.contact_positions if block.turned else ():
             if fem.covers(each, (x, y)):
                 rule = f"must keep the contacts off {each.name!r}, got one at ({x * 1e3:g}, {y * 1e3:g}) mm"
-                raise SceneError("slider.position", rule)
+                yield "slider.position", rule
 
 
-def _refuse_endless_burst(scene: Scene) -> None:
+@refuses(SceneError)
+def _refuse_endless_burst(scene: Scene) -> Iterator[Any]:
     """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
     if scene.burst is None:
         return
@@ -306,6 +313,4 @@ def _refuse_endless_burst(scene: Scene) -> None:
         cycles = scene.burst * frequency
         hours = cycles * CYCLE_SECONDS[method] / 3600
         rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
-        raise SceneError(
-            f"{scene.source.block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst"
-        )
+        yield (f"{scene.source.block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")

@@ -18,6 +18,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
+from fem.parameters import refuses
 from studies.model.resolve import resolved
 from studies.motor.regime_map import finite_lists, refuse_frictionless
 from studies.record.plots import finished, logarithmic, own
@@ -188,15 +189,16 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     }
 
 
-def _check(axes) -> None:
+@refuses(SceneError)
+def _check(axes) -> Iterator[Any]:
     if len(axes) != 2:
-        raise SceneError("over", f"must be used twice for a map, with START:STOP:N or a list, got {len(axes)}")
+        yield "over", f"must be used twice for a map, with START:STOP:N or a list, got {len(axes)}"
     for each in axes:
         values, key = each.columns[0], each.keys[0]
         if unit_of(rule_at(key)) is None or not all(isinstance(value, (int, float)) for value in values):
-            raise SceneError(f"over {key}", "must be of numbers for a map")
+            yield f"over {key}", "must be of numbers for a map"
         if len(values) < 3 or not all(a < b for a, b in pairwise(values)):
-            raise SceneError(f"over {key}", "must hold three values or more for a map, rising")
+            yield f"over {key}", "must hold three values or more for a map, rising"
 
 
 def _own(table: dict, key: str) -> list[float]:

@@ -21,10 +21,12 @@ import logging
 import math
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
 import contact
+from fem.parameters import refuses
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
 from studies.export.motor_model import AveragedMotor, push, ring_speed
 from studies.model.resolve import build
@@ -171,7 +173,8 @@ def _read_target(target: str | float, scene: Scene) -> float:
     return distance
 
 
-def refuse_beyond(scene: Scene, distance: float) -> None:
+@refuses(SceneError)
+def refuse_beyond(scene: Scene, distance: float) -> Iterator[Any]:
     """Raise a SceneError, with the allowed distances, if a ball at the target would leave the free surface."""
     if scene.stator is None or scene.slider is None:
         return
@@ -179,7 +182,7 @@ def refuse_beyond(scene: Scene, distance: float) -> None:
     low, high = (end - model.scene.slider.center[0] for end in slider_range(model))
     if not low < distance < high:
         rule = f"must keep the slider on the free surface, {low * 1e3:.4g} to {high * 1e3:.4g} mm from its position"
-        raise SceneError("--target", f"{rule}, got {distance * 1e3:.4g} mm")
+        yield "--target", f"{rule}, got {distance * 1e3:.4g} mm"
 
 
 def motor_numbers(motor: AveragedMotor) -> MotorNumbers:

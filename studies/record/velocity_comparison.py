@@ -1,9 +1,11 @@
 """Measured velocities beside the predictions of a run, and which measurements a run can be compared with."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.parameters import refuses
 from studies.lab.measurement import Measurement
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
@@ -16,25 +18,26 @@ OPTION = "--measured"
 VELOCITIES: dict[str, tuple[str, ...]] = {"velocity": (), "mean velocity": ("ripple",)}
 
 
-def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
+@refuses(SceneError)
+def refuse_incomparable(scene: "Scene", measured: Measurement) -> Iterator[Any]:
     """Raise a SceneError if a run of the scene does not predict the measured quantity."""
     if measured.quantity == "scan":
         if scene.stator is None or not scene.transducer:
-            raise SceneError(OPTION, f"{measured.name!r} is a scan: it needs a scene with a driven stator")
+            yield OPTION, f"{measured.name!r} is a scan: it needs a scene with a driven stator"
         return
     if measured.quantity == "network":
-        raise SceneError(OPTION, f"{measured.name!r} is a network analyser's: sawmotor study network draws it")
+        yield OPTION, f"{measured.name!r} is a network analyser's: sawmotor study network draws it"
     if scene.slider is None:
-        raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
+        yield OPTION, "needs a scene with a [slider]: there is no velocity to compare with"
     level = scene.level_column
     if measured.quantity in ("burst", "position"):
         if scene.burst is None:
             raise missing_burst(scene, measured)
         return
     if measured.quantity not in VELOCITIES:
-        raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
+        yield OPTION, f"must hold velocities against {level}, got a {measured.quantity}"
     if measured.level_key != level:
-        raise SceneError(OPTION, f"must have the column {level} for this scene, got {measured.level_key}")
+        yield OPTION, f"must have the column {level} for this scene, got {measured.level_key}"
 
 
 def missing_burst(scene: "Scene", measured: Measurement) -> SceneError:

@@ -15,7 +15,9 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from os.path import lexists
 from pathlib import Path
+from typing import Any
 
+from fem.parameters import refuses
 from studies.refusal import RunError, SceneError
 
 MARKS = {"run.json": "run", "study.json": "study"}  # file whose presence makes a directory a result: kind
@@ -155,25 +157,26 @@ def _complete(target: Path) -> tuple[list[str], dict[str, str]]:
     return sorted(replaced), renamed
 
 
-def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> None:
+@refuses(SceneError)
+def _refuse_others(target: Path, origin: Origin, *, named_by_user: bool) -> Iterator[Any]:
     """Refuse a directory that holds no result; as a default directory also one that holds another result."""
     if not target.exists():
         return
     if not target.is_dir():
-        raise SceneError("", f"the result directory {str(target)!r} cannot be written: a file of that name exists")
+        yield "", f"the result directory {str(target)!r} cannot be written: a file of that name exists"
     names = {each.name for each in target.iterdir()}
     former = read_manifest(target / READY) or read_manifest(target)
     kinds = [kind for mark, kind in MARKS.items() if mark in names]
     if names - HIDDEN and not kinds and not former:
         hint = "files that are not a result of sawmotor; name another"
-        raise SceneError("", f"the result directory {str(target)!r} holds {hint}")
+        yield "", f"the result directory {str(target)!r} holds {hint}"
     if named_by_user:
         return
     if former and _origin(former) != origin.described(target):
         choice = f"--out {os.path.relpath(target)} replaces it, another --out keeps both"
-        raise SceneError("--out", f"is needed: {str(target)!r} holds {_named(former)}; {choice}")
+        yield "--out", f"is needed: {str(target)!r} holds {_named(former)}; {choice}"
     if not former and kinds and origin.kind not in kinds:
-        raise SceneError("--out", f"is needed: {str(target)!r} holds the result of a {kinds[0]}")
+        yield "--out", f"is needed: {str(target)!r} holds the result of a {kinds[0]}"
 
 
 def _origin(manifest: dict) -> dict:

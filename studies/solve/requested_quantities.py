@@ -1,6 +1,6 @@
 """Quantities of a sweep point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import contact
+from fem.parameters import refuses
 from studies.model.contact import Contact
 from studies.record.point import Point
 from studies.refusal import SceneError
@@ -155,11 +156,12 @@ def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple
     return power_out, power_out / power_in if power_in > 0.0 else 0.0
 
 
-def refuse_of_pillars(also: Iterable[str]) -> None:
+@refuses(SceneError)
+def refuse_of_pillars(also: Iterable[str]) -> Iterator[Any]:
     """Raise a SceneError for a keyword of ``ALSO`` that has no answer for a slider on pillars."""
     for word in also:
         if word not in OF_PILLARS:
-            raise SceneError("also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}")
+            yield "also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}"
 
 
 def start_up_time(

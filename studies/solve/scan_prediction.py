@@ -1,10 +1,13 @@
 """Prediction of a vibrometer's scan: the surface motion of a scene at its positions or frequencies, per volt."""
 
 import logging
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from fem.parameters import refuses
 from studies.lab.network import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
 from studies.model.model import Model
@@ -170,10 +173,11 @@ def network_prediction(model: Model, data: NetworkData, *, tolerance: float) -> 
     return scattering_matrix(model, data.frequency, data.reference, tolerance)[2]
 
 
-def refuse_other_range(model: Model, data: NetworkData, option: str) -> None:
+@refuses(SceneError)
+def refuse_other_range(model: Model, data: NetworkData, option: str) -> Iterator[Any]:
     """Refuse a file whose frequencies do not overlap the passband of the driven transducer."""
     band = passband.frequencies(model, 2)
     if data.frequency[-1] < band[0] or data.frequency[0] > band[-1]:
         own = f"{data.frequency[0] / 1e6:.5g} to {data.frequency[-1] / 1e6:.5g} MHz"
         rule = f"{data.name!r} must meet the passband, {band[0] / 1e6:.5g} to {band[-1] / 1e6:.5g} MHz, got {own}"
-        raise SceneError(option, rule)
+        yield option, rule

@@ -1,11 +1,13 @@
 """Options of ``sawmotor view``: files, quantity, instant, span and sizes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from fem.parameters import refuses
 from studies.refusal import SceneError, refuse_ending, refuse_other, shown
 
 OFFERED = {
@@ -48,17 +50,18 @@ class Wanted:
         """The files to be written, by option."""
         return {name: file for name in FORMATS if (file := getattr(self, name)) is not None}
 
-    def check(self, show: str) -> None:
+    @refuses(SceneError)
+    def check(self, show: str) -> Iterator[Any]:
         """Raise an error for a file that is not available for ``show`` or whose suffix is not allowed."""
         for option, file in self.files.items():
             if option not in OFFERED[show]:
-                raise SceneError(f"--{option}", f"does not go with --show {show}, got {file!r}")
+                yield f"--{option}", f"does not go with --show {show}, got {file!r}"
             allowed = (".csv",) if option == "data" and (self.surface or show == "contact") else FORMATS[option]
             refuse_ending(file, allowed, f"--{option}")
             if not Path(file).absolute().parent.is_dir():
-                raise SceneError(f"--{option}", f"cannot write {file!r}: No such file or directory")
+                yield f"--{option}", f"cannot write {file!r}: No such file or directory"
         if self.surface and (self.data is None or show == "contact"):
-            raise SceneError("--surface", "makes --data FILE.csv of a field a table of its surface")
+            yield "--surface", "makes --data FILE.csv of a field a table of its surface"
 
     @classmethod
     def read(cls, arguments) -> "Wanted":
