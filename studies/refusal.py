@@ -1,8 +1,11 @@
 """Errors for a user who gets no answer: one sentence for each fault, with key, rule, value and unit."""
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
+from errno import ENOENT
 from importlib import import_module
+from os import strerror
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +83,35 @@ def refuse_ending(file: "str | Path", allowed: tuple[str, ...], option: str) -> 
     if Path(file).suffix.lower() not in allowed:
         one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
         yield option, f"must end in {one}, got {str(file)!r}"
+
+
+@contextmanager
+def reading(file: "str | Path", option: str) -> Iterator[None]:
+    """Turn a failure to read a file of an option into a SceneError."""
+    try:
+        yield
+    except OSError as error:
+        raise SceneError(option, f"{str(file)!r} cannot be read: {error.strerror or error}") from None
+
+
+@contextmanager
+def writing(file: "str | Path", option: str) -> Iterator[None]:
+    """Turn a failure to write a file of an option, or to make a new one, into a SceneError."""
+    try:
+        yield
+    except FileExistsError:
+        raise SceneError(option, f"{str(file)!r} exists already, and is not replaced") from None
+    except OSError as error:
+        raise SceneError(option, f"cannot write {str(file)!r}: {error.strerror or error}") from None
+
+
+def refuse_unwritable(file: "str | Path", option: str, *, new: bool = False) -> None:
+    """Raise the SceneError of `writing` before anything is computed: no such folder, or, of a ``new`` file, one."""
+    with writing(file, option):
+        if new and Path(file).exists():
+            raise FileExistsError
+        if not Path(file).absolute().parent.is_dir():
+            raise FileNotFoundError(ENOENT, strerror(ENOENT))
 
 
 def all_answers(calls: Iterable[Callable[[], Any]]) -> list[Any]:

@@ -12,7 +12,7 @@ from studies.command.output import committed_pictures, results_folder, say
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
-from studies.refusal import SceneError, resembling
+from studies.refusal import SceneError, refuse_unwritable, resembling
 from studies.results import Origin, read_manifest, result_directory
 from studies.scene import Scene
 
@@ -115,10 +115,7 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     if file_format == "touchstone" and 0 < ports and suffix != f".s{ports}p":
         rule = f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"
         raise SceneError("--out", rule)
-    if out.exists():
-        raise SceneError("--out", f"{str(out)!r} exists already, and is not replaced")
-    if not out.absolute().parent.is_dir():
-        raise SceneError("--out", f"cannot write {str(out)!r}: No such file or directory")
+    refuse_unwritable(out, "--out", new=True)
     return True
 
 

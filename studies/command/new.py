@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from studies.progress import Progress
-from studies.refusal import SceneError
+from studies.refusal import refuse_unwritable, writing
 
 HELP = "write a first scene of a motor for a frequency and a material, each line with its rule"
 
@@ -23,16 +23,14 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.inverse.first_scene import first_scene
 
     file = None if arguments.out is None else Path(arguments.out)
-    if file is not None and file.exists():
-        raise SceneError("--out", f"must be a new file, and {arguments.out!r} exists")
+    if file is not None:
+        refuse_unwritable(file, "--out", new=True)
     with Progress():
         text = str(first_scene(arguments.frequency, arguments.material, speed=arguments.speed, thrust=arguments.thrust))
     if file is None:
         print(text, end="")
         return 0
-    try:
+    with writing(file, "--out"):
         file.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise SceneError("--out", f"cannot be written: {error}") from None
     print(f"wrote {arguments.out}: sawmotor run {arguments.out}")
     return 0

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from studies.refusal import SceneError
+from studies.refusal import writing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,10 +25,5 @@ class Exported:
     def write_alone(self, path: Path) -> None:
         """Write the only file to a new path; SceneError if the path exists or cannot be written."""
         content = next(iter(self.files.values()))
-        try:
-            with path.open("xb") as file:
-                file.write(content.encode() if isinstance(content, str) else content)
-        except FileExistsError:
-            raise SceneError("--out", f"{str(path)!r} exists already, and is not replaced") from None
-        except OSError as error:
-            raise SceneError("--out", f"{str(path)!r} cannot be written: {error.strerror}") from None
+        with writing(path, "--out"), path.open("xb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)

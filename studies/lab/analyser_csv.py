@@ -16,7 +16,7 @@ from studies.lab.analyser_heads import UNITS, Head, head_of, unit_of
 from studies.lab.csv_columns import PHASES, above_zero, file_error, finite_number, no_number, other_number
 from studies.lab.network import NetworkData, gains
 from studies.lab.waves import scattering
-from studies.refusal import SceneError
+from studies.refusal import SceneError, reading
 
 COMMENTS = ("#", "!", "%", "//", ";")
 SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
@@ -79,10 +79,8 @@ def network_of_text(path: Path, option: str) -> NetworkData:
 
 def file_lines(path: Path, option: str) -> list[str]:
     """Return the lines of a text in UTF-8, UTF-16 or Latin-1, as instruments write it."""
-    try:
+    with reading(path, option):
         content = path.read_bytes()
-    except OSError as error:
-        raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return content.decode("utf-16", errors="replace").splitlines()
     try:

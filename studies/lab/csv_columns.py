@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, reading, shown
 
 # factors to SI units, by the unit in a head
 POSITIONS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
@@ -213,8 +213,7 @@ def written(unit: str) -> str:
 def file_text(path: Path, option: str) -> str:
     """Return the text of a file in UTF-8; SceneError if it cannot be read."""
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise file_error(path, option, f"cannot be read: {error.strerror}") from None
+        with reading(path, option):
+            return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise file_error(path, option, "is no CSV file in UTF-8") from None

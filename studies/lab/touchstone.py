@@ -18,7 +18,7 @@ import numpy as np
 
 from studies.lab.csv_columns import file_error, finite_numbers
 from studies.lab.waves import WAVES
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, reading, shown
 
 TOUCHSTONE = re.compile(r"\.(?:[syzgh](?P<ports>\d+)p|ts)", re.IGNORECASE)
 FREQUENCY_UNITS = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "ghz": 1e9}
@@ -133,10 +133,8 @@ def read_touchstone(path: Path, option: str) -> TouchstoneFile:
 
 
 def _text(path: Path, option: str) -> str:
-    try:
+    with reading(path, option):
         content = path.read_bytes()
-    except OSError as error:
-        raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:  # comments of an instrument

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from studies.lab.csv_columns import file_error, finite_numbers
-from studies.refusal import SceneError
+from studies.refusal import SceneError, reading
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d{1,3})?")
 
@@ -14,10 +14,8 @@ class UffLines:
     """A file that is being read: its bytes, the position, and refusals that name the line."""
 
     def __init__(self, path: Path, option: str):
-        try:
+        with reading(path, option):
             self.content = path.read_bytes()
-        except OSError as error:
-            raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
         self.path, self.option, self.at, self.number = path, option, 0, 0
 
     def line(self) -> str | None:

@@ -13,7 +13,7 @@ from studies.record import Record
 from studies.record.plots import COLOURS, PALETTE, finished, saved
 from studies.record.quantities import Quantity, quantities, quantity
 from studies.record.text import labelled, table
-from studies.refusal import SceneError, refuse_ending
+from studies.refusal import SceneError, refuse_ending, writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -277,7 +277,5 @@ def drawn(compared: Comparison, file: str | Path) -> None:
         If the runs have no slider, or the file has another ending or cannot be written.
     """
     refuse_ending(file, PICTURES, "--picture")
-    try:
+    with writing(file, "--picture"):
         saved(file, compared.plot)
-    except OSError as error:
-        raise SceneError("--picture", f"cannot be written: {error}") from None

@@ -15,7 +15,7 @@ from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
 from studies.record.values import Columns
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_ending, writing
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 
@@ -146,12 +146,9 @@ def axes_figure(answer: Columns, ax):
 
 def save_axes(answer: Columns, file: str | Path) -> None:
     """Draw the crystal axes into a file; raise an error for an unknown format or an unwritable file."""
-    if Path(file).suffix.lower() not in FORMATS:
-        raise SceneError("--plot", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
-    try:
+    refuse_ending(file, FORMATS, "--plot")
+    with writing(file, "--plot"):
         saved(Path(file), lambda ax: axes_figure(answer, ax), size=(5.0, 5.0))
-    except OSError as error:
-        raise SceneError("--plot", f"cannot write {str(file)!r}: {error.strerror or error}") from None
 
 
 def _table(rows, heads, columns, tensor: Quantity) -> list[str]:

@@ -12,7 +12,7 @@ from studies.model.scene_errors import stator_keys
 from studies.record.quantities import quantity
 from studies.record.text import labelled
 from studies.record.values import Columns
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, shown, writing
 from studies.results.content import plain
 
 # usual cuts by crystal class; others have Z alone
@@ -117,11 +117,6 @@ def copied(name: str, file: str) -> Path:
         text = fem.catalogue_text(name)
     if path.suffix != ".toml":
         raise SceneError("--copy", f"must be a file whose name ends with .toml, got {shown(file)}")
-    try:
-        with path.open("x", encoding="utf-8") as opened:
-            opened.write(text)
-    except FileExistsError:
-        raise SceneError("--copy", f"does not overwrite {file!r}, which exists") from None
-    except OSError as error:
-        raise SceneError("--copy", f"cannot write {file!r}: {error.strerror}") from None
+    with writing(file, "--copy"), path.open("x", encoding="utf-8") as opened:
+        opened.write(text)
     return path

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError, nearest, shown, writing
 from studies.scene.lines import key_lines, line_of
 from studies.scene.override import replaced, setting_of, walk
 from studies.scene.syntax import explained
@@ -135,12 +135,10 @@ def copied(name: str, file: Path) -> list[Path]:
         if path.exists():
             raise SceneError("--copy", f"does not overwrite {str(path)!r}, which exists: name another file or folder")
     for path in new:
-        try:
+        with writing(path, "--copy"):
             if path != file:
                 path.parent.mkdir(exist_ok=True)
             path.write_bytes(contents[path])
-        except OSError as error:
-            raise SceneError("--copy", f"cannot write {str(path)!r}: {error.strerror}") from None
     return new
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 import fem
 from studies.record import Record, plots
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, writing
 from studies.report.page import picture_page
 from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
@@ -71,10 +71,8 @@ def view(folder: str | Path, wanted: Wanted, *, note: Callable[[str], None] = wa
         writers = _field_writers(record, wanted, show, note)
     for option, file in wanted.files.items():
         LOGGER.info(f"writing {file}")
-        try:
+        with writing(file, f"--{option}"):
             writers[option](file)
-        except OSError as error:
-            raise SceneError(f"--{option}", f"cannot write {file!r}: {error.strerror or error}") from None
     if not wanted.files:
         writers["window"]()
     if record.scene.stator is None and not wanted.show:

@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fem.parameters import refuses
-from studies.refusal import SceneError, refuse_ending, refuse_other, shown
+from studies.refusal import SceneError, refuse_ending, refuse_other, refuse_unwritable, shown
 
 OFFERED = {
     "field": ("screenshot", "movie", "html", "data"),
@@ -58,8 +57,7 @@ class Wanted:
                 yield f"--{option}", f"does not go with --show {show}, got {file!r}"
             allowed = (".csv",) if option == "data" and (self.surface or show == "contact") else FORMATS[option]
             refuse_ending(file, allowed, f"--{option}")
-            if not Path(file).absolute().parent.is_dir():
-                yield f"--{option}", f"cannot write {file!r}: No such file or directory"
+            refuse_unwritable(file, f"--{option}")
         if self.surface and (self.data is None or show == "contact"):
             yield "--surface", "makes --data FILE.csv of a field a table of its surface"
 

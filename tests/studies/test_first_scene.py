@@ -67,7 +67,7 @@ def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
     before = (tmp_path / "mine.toml").read_text()
     assert 'orientation = "128YX"' in before
     assert main(call) == 2
-    assert capsys.readouterr().err.splitlines()[-1] == "sawmotor: --out must be a new file, and 'mine.toml' exists"
+    assert capsys.readouterr().err.splitlines()[-1] == "sawmotor: --out 'mine.toml' exists already, and is not replaced"
     assert (tmp_path / "mine.toml").read_text() == before
 
 
