@@ -13,6 +13,7 @@ from studies import Scene, run, sweep
 from studies.inverse import Measurement, elasticity, sensitivity
 from studies.model import pillars
 from studies.model.changed_scenes import ChangedScenes
+from studies.model.model import Model
 from studies.model.resolve import resolved
 from studies.record import Record
 from studies.refusal import SceneError
@@ -334,7 +335,7 @@ def test_transducers_see_the_loaded_wave_by_reciprocity(driven):
     assert 1e-4 < abs(change) / abs(driven.electrical["admittance_S"]) < 0.1
     assert "received_over_free" not in driven.points[0]  # nothing stands behind the slider
     receiver = replace(driven.scene.transducer[0], name="right", center=25e-3)
-    other = replace(body, scene=driven.scene.replace(transducer=[driven.scene.transducer[0], receiver]))
+    other = replace(body, model=Model(driven.scene.replace(transducer=[driven.scene.transducer[0], receiver])))
     seen = wave_point(other, state, 150.0)
     assert seen["received_over_free"] == motion.exit_over_entry
 
@@ -542,7 +543,7 @@ def test_a_sweep_or_fit_refuses_pillars_in_the_words_of_a_run(key, value, rule):
     with pytest.raises(SceneError, match=rule) as of_run:
         resolved(Scene.from_table("", replaced(table, key, value)))
     with pytest.raises(SceneError) as of_sweep:
-        ChangedScenes(table).resolved({key: value})
+        ChangedScenes(table).model({key: value})
     assert str(of_sweep.value) == str(of_run.value)
 
 

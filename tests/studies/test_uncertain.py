@@ -211,7 +211,7 @@ def test_moduli_follow_a_named_ball_until_one_of_them_is_changed():
     predictor = MeasurementPredictor(Scene.from_table("", SMALL | {"slider": slider | {"ball": "steel"}}))
     moduli = [predictor.value(f"slider.{name}") for name in numbers]
     for changes, material in (({}, "PZT-8"), ({"stator.material": "PZT-4"}, "PZT-4")):
-        slider = predictor.scenes.resolved(changes)[0].slider
+        slider = predictor.scenes.model(changes).scene.slider
         assert (slider.effective_modulus, slider.tangential_modulus) == pair_moduli("steel", fem.material(material))
-    one = predictor.scenes.resolved({"slider.effective_modulus": 70e9})[0].slider
+    one = predictor.scenes.model({"slider.effective_modulus": 70e9}).scene.slider
     assert (one.ball, one.effective_modulus, one.tangential_modulus) == (None, 70e9, moduli[1])
