@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "scene", "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-datasheet)")
     parser.add_argument("--json", action="store_true", help="the numbers on stdout; files only with --out")
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -24,6 +25,11 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.results.content import write_json
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)
+    if arguments.explain:
+        from studies.report.explained_calls import explained_datasheet
+
+        print(explained_datasheet(scene, tolerance=tolerance))
+        return 0
     warned = warn_of_scene(scene)
     with results_of(arguments, "datasheet", "-datasheet") as (result, out), Progress():
         sheet = computed(scene, tolerance=tolerance)

@@ -44,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--workers")
     parser.add_argument("--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)")
     parser.add_argument("--json", action="store_true", help="design.json on stdout")
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -51,11 +52,20 @@ def call(arguments: argparse.Namespace) -> int:
     from studies.inverse.optimum import Options
     from studies.inverse.optimum import design as search
 
-    tolerance = read_tolerance(arguments.tolerance or "3e-2")
-    table = changed_scene(arguments).to_table()
+    tolerance, scene = read_tolerance(arguments.tolerance or "3e-2"), changed_scene(arguments)
+    table = scene.to_table()
     out = results_folder(arguments, f"{scene_path(arguments.scene).stem}-design")
+    options = {key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")}
+    if arguments.explain:
+        from studies.inverse.goals import read_variable
+        from studies.report.explained_calls import explained_search
+
+        keys = [read_variable(each).key for each in arguments.over]
+        budget = Options(**options).budget(len(keys))
+        evaluations = f"{budget} in each search, as many on the coarsest discretisation where the stator varies"
+        print(explained_search(scene, keys, evaluations=evaluations, tolerance=tolerance))
+        return 0
     with Progress():
-        options = {key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")}
         optimum = search(
             table, arguments.maximise, arguments.over, arguments.subject, minimise=arguments.minimise,
             options=Options(**options, tolerance=tolerance, out=out),

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")
     parser.add_argument("--json", action="store_true", help="fit.json on stdout; files only with --out")
-    add_shared(parser, "--no-plot")
+    add_shared(parser, "--explain", "--no-plot")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -45,6 +45,14 @@ def call(arguments: argparse.Namespace) -> int:
     of_scene = (partial(read_tolerance, arguments.tolerance), partial(changed_scene, arguments))
     tolerance, scene, *read = all_answers([*of_scene, *files, *free])
     measurements, parameters = read[: len(files)], read[len(files) :]
+    if arguments.explain:
+        from studies.report.explained_calls import explained_search
+
+        points = sum(len(each.values) for each in measurements)
+        evaluations = f"of {points} measured values, {len(parameters) + 1} or more for each step of the search"
+        keys = [each.key for each in parameters]
+        print(explained_search(scene, keys, evaluations=evaluations, tolerance=tolerance))
+        return 0
     with results_of(arguments, "fit", "-fit") as (result, out), Progress(), blas_on_one_thread():
         result_of_fit = fitted(scene, measurements, parameters, tolerance=tolerance, next_measurements=arguments.next)
         if result is not None:

@@ -19,6 +19,10 @@ OPTIONS: dict[str, dict] = {
     },
     "--tolerance": {"metavar": "T", "help": "bound of the relative error of the last quantity (1e-3)"},
     "--workers": {"type": int, "default": 1, "metavar": "N", "help": "processes on this machine (1: this one)"},
+    "--explain": {
+        "action": "store_true",
+        "help": "print what would be computed, with its size, time and memory, and stop",
+    },
     "--netcdf": {"action": "store_true", "help": "also a netCDF file, for xarray and other readers of arrays"},
     "--no-plot": {"action": "store_true", "help": "draw nothing"},
 }

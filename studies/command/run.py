@@ -35,9 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("html", "pdf"),
         help="also write report.html, the whole run on one self-contained page; pdf: report.pdf, one page A4",
     )
-    parser.add_argument(
-        "--explain", action="store_true", help="print what would be computed, with its size, time and memory, and stop"
-    )
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:

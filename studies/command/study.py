@@ -42,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     quick = "run a small version that shows what the study gives; its numbers are no evidence"
     parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
+    add_shared(parser, "--explain")
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -66,6 +67,12 @@ def call(arguments: argparse.Namespace) -> int:
     out = results_folder(arguments, name)
     arguments.over = read_axes(arguments.over) or None
     options = {key: value for key in COMMAND_OPTIONS if (value := getattr(arguments, key)) is not None}
+    if arguments.explain:
+        from studies.report.explained_calls import explained_study
+
+        seconds = expected_seconds(arguments.name, arguments.scene, options)
+        print(explained_study(arguments.name, module(arguments.name).__doc__, seconds))
+        return 0
     if not arguments.quick:
         say(announced(expected_seconds(arguments.name, arguments.scene, options)))
     with result_directory(out, origin, named_by_user=arguments.out is not None) as result, Progress():

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "--tolerance", "--workers")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786")
     parser.add_argument("--out", metavar="DIR", help="where the points are kept (results/NAME-sweep)")
-    add_shared(parser, "--netcdf")
+    add_shared(parser, "--netcdf", "--explain")
     parser.add_argument("--json", action="store_true", help="the summary as JSON on stdout")
 
 
@@ -46,6 +46,12 @@ def call(arguments: argparse.Namespace) -> int:
     if arguments.netcdf:
         needed("xarray", "--netcdf")
     say(_moving_periods(table, over))
+    if arguments.explain:
+        from studies.report.explained_calls import explained_sweep
+
+        design, first = _first_point(table, axes, tolerance, also)
+        print(explained_sweep(design, first, tolerance=tolerance))
+        return 0
     say(_expected_time(table, axes, tolerance))
     folder = results_folder(arguments, f"{scene_path(arguments.scene).stem}-sweep")
     with Progress() as progress:
@@ -68,16 +74,22 @@ def call(arguments: argparse.Namespace) -> int:
     return EXIT_INEXACT if answered else EXIT_NO_ANSWER
 
 
-def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
-    """Return a sentence on the expected time of a sweep that takes more than a minute."""
+def _first_point(table: dict, over: Any, tolerance: float, also=()):
+    """Return the design of a sweep and the scene of its first point."""
     from studies.model.changed_scenes import ChangedScenes
-    from studies.report.explanation import long_sweep
     from studies.sweeps.plan import designed
 
+    design = designed(table, over, tolerance=tolerance, also=also)
+    (first,) = design.values([0])
+    return design, ChangedScenes(table).scene(dict(zip(design.question.keys, first, strict=True)))
+
+
+def _expected_time(table: dict, over: Any, tolerance: float) -> tuple[str, ...]:
+    """Return a sentence on the expected time of a sweep that takes more than a minute."""
+    from studies.report.explanation import long_sweep
+
     with suppress(SceneError, RunError):  # the sweep raises the same error
-        design = designed(table, over, tolerance=tolerance)
-        (first,) = design.values([0])
-        scene = ChangedScenes(table).scene(dict(zip(design.question.keys, first, strict=True)))
+        design, scene = _first_point(table, over, tolerance)
         return long_sweep(scene, tolerance=tolerance, stators=design.stators, points=len(design))
     return ()
 

@@ -35,6 +35,10 @@ class Options:
     out: Path | None = None  # directory of the store; in memory without one
     workers: int = 1  # processes
 
+    def budget(self, variables: int) -> int:
+        """Return the evaluations of each search of a number of variables."""
+        return 60 * variables if self.evaluations is None else self.evaluations
+
 
 def planned(table: dict, variables: tuple[Parameter, ...], *, also, tolerance: float) -> SweepDesign:
     """Return the sweep whose points a search requests; of several voltages or amplitudes it takes the largest."""

@@ -81,7 +81,7 @@ def design(
         aims = read_goals(names, varied)
         if not varied:
             raise SceneError("variables", "is required: KEY=LOW:HIGH")
-        budget = 60 * len(varied) if options.evaluations is None else options.evaluations
+        budget = options.budget(len(varied))
         min_budget = 4 * len(varied) + 8
         if budget < min_budget:
             raise SceneError("evaluations", f"must be at least {min_budget}, got {budget}")

@@ -119,10 +119,16 @@ def long_wait(scene: Scene, *, tolerance: float) -> tuple[str, ...]:
 
 
 def long_sweep(scene: Scene, *, tolerance: float, stators: int, points: int) -> tuple[str, ...]:
-    """Return the sentence of `long_wait` for a sweep, where ``scene`` is the scene of one point."""
+    """Return the sentence of `long_wait` for a sweep; the arguments are those of `sweep_seconds`."""
+    seconds = sweep_seconds(scene, tolerance=tolerance, stators=stators, points=points)
+    return announced(seconds, " (--explain lists the parts)")
+
+
+def sweep_seconds(scene: Scene, *, tolerance: float, stators: int, points: int) -> float:
+    """Return the expected time in s of the points of a sweep, where ``scene`` is the scene of one of them."""
     expected = plan(scene, tolerance=tolerance)["expected"]
     contacts = POINT * points if scene.burst is not None else AVERAGED_POINT * points
-    return announced(stators * expected["stator_seconds"] + contacts)
+    return stators * expected["stator_seconds"] + contacts
 
 
 def band_seconds(model: Model, frequencies: np.ndarray, *, tolerance: float) -> float:

@@ -1,0 +1,64 @@
+"""``--explain`` of the commands of many runs: their numbers, and that nothing is computed."""
+
+import pytest
+
+from studies.__main__ import main
+
+
+@pytest.fixture
+def said(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+
+    def computed(*_, **__):
+        pytest.fail("something was computed")
+
+    for solver in ("fem.driven_wave", "fem.frequency_band", "contact.steady"):
+        monkeypatch.setattr(solver, computed)
+
+    def call(*words):
+        assert main([*words, "--explain"]) == 0
+        assert not (tmp_path / "results").exists()
+        return capsys.readouterr().out
+
+    return call
+
+
+def entries(text):
+    """Return the labelled lines before the plan of one run."""
+    head = text.partition("one run of it:")[0].splitlines()
+    return {line[:16].strip(): line[16:] for line in head if line[:16].strip()}
+
+
+def test_sweep_counts_points_and_stators(said):
+    axes = ["--over", "slider.preload=1 mN:3 mN:3", "--over", "stator.thickness=5 mm:3 mm:4"]
+    text = said("sweep", "twente", "--voltage", "20,40", *axes)
+    found = entries(text)
+    assert found["points"] == "24: slider.preload (3) x stator.thickness (4) x drive.voltage (2)"
+    assert found["stators"] == "4, one for each value of stator.thickness"
+    assert "two discretisations" in text
+    alone = entries(said("sweep", "twente", "--voltage", "20,40", *axes[:2]))
+    assert alone["stators"] == "1"
+    seconds = [float(each["expected time"].split()[0]) for each in (found, alone)]
+    assert seconds[0] == pytest.approx(4 * seconds[1], rel=0.1)
+
+
+def test_searches_say_which_numbers_solve_the_stator_again(said, tmp_path):
+    over = ["--over", "slider.preload=1 mN:3 mN", "transducer.0.finger_pairs=4:12"]
+    found = entries(said("design", "twente", "--maximise", "velocity", *over))
+    assert found["evaluations"].startswith("120 in each search")
+    assert found["stator"] == "solved at each evaluation, for transducer.0.finger_pairs"
+    assert entries(said("design", "twente", "--maximise", "velocity", *over[:2]))["stator"] == "solved once"
+    (tmp_path / "v.csv").write_text("voltage_V,velocity_m_per_s\n20,-0.02\n40,-0.05\n")
+    fitted = entries(said("fit", "twente", "--data", "v.csv", "--free", "slider.friction_coefficient=0.05:0.2"))
+    assert fitted["varied"] == "slider.friction_coefficient"
+    assert fitted["evaluations"].startswith("of 2 measured values, 2 or more")
+    assert fitted["stator"] == "solved once"
+    contact = entries(said("fit", "twente-contact", "--data", "v.csv", "--free", "slider.mass=1e-4:1e-3"))
+    assert contact["stator"] == "none"
+
+
+def test_datasheet_and_study_tell_their_contents(said):
+    assert "load lines" in entries(said("datasheet", "twente"))["contents"]
+    text = said("study", "stroke", "twente")
+    assert "Fresnel fringes" in text
+    assert "within a factor of 3" in text
