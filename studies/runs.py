@@ -113,6 +113,8 @@ def _with_slider(model: Model, tolerance: float) -> Record:
             contact_start = time.perf_counter()
             answer = _rippled(answer, driven, motion, tolerance)
             seconds += time.perf_counter() - contact_start
+    elif model.scene.planar:
+        answer = _in_plane(answer, driven, tolerance)
     record = Record(
         scene=model.scene, tolerance=tolerance, points=answer.points, summary=answer.summary,
         trajectories=answer.trajectories, pillars=answer.pillars, slider_wave=answer.slider_wave, error=answer.error,
@@ -189,6 +191,15 @@ def _on_stator(
 def _rippled(answer: SliderAnswer, driven: Contact, motion: SurfaceMotion, tolerance: float) -> SliderAnswer:
     """Return the answer with mean and range of the velocity over half a wavelength."""
     LOGGER.debug("velocities about the position")
+    if driven.scene.planar:
+        return _in_plane(answer, driven, tolerance)
     solved = SolvedStator.of(motion, driven.scene.positions, nearby=not driven.passing)
     driven = Contact.of_stator(driven.model, solved, lambda: motion)
     return (with_wave_ripple if driven.passing else with_ripple)(answer, driven, tolerance)
+
+
+def _in_plane(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
+    """Return the answer of a slider in the plane with mean and range of the velocity over nearby places."""
+    from studies.solve.plane_ripple import with_plane_ripple
+
+    return with_plane_ripple(answer, driven, tolerance)

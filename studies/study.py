@@ -47,6 +47,7 @@ STUDIES = {
     "stroke": ("motor", 7),
     "step_planner": ("motor", 7),
     "positioning": ("motor", 20),
+    "trajectory": ("motor", 60),
     "heating": ("motor", 6),
     "design_map": ("motor", 8),
     "sensitivity": ("inverse", 10),
@@ -175,11 +176,14 @@ Answered = (
 )
 
 
-def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False) -> Contact:
+def driven_contact(
+    scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False, planar: bool | None = False
+) -> Contact:
     """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
     ``tolerance``: of the slider velocity there, which sets the discretisation of the stator.  ``pillars``: True if the
-    study takes sliders on pillars.
+    study takes sliders on pillars; ``planar``: True if it takes those that move in the plane alone, None if it takes
+    both.
 
     Examples
     --------
@@ -193,6 +197,8 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
     if not pillars:
         known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
         resolved_scene.refuse_pillars(f"are not supported by this study: {known}")
+    if planar is not None and resolved_scene.planar is not planar:
+        _refuse_freedom(resolved_scene)
     if resolved_scene.wave is not None:
         return Contact.prescribed(model)
     if not resolved_scene.transducer:
@@ -200,6 +206,15 @@ def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
     driven = contact_of_run(run_chain(steady, tolerance=tolerance))
     return replace(driven, model=Model(resolved_scene.with_source(frequency=driven.scene.frequency)))
+
+
+def _refuse_freedom(scene: Scene) -> None:
+    """Raise a SceneError about a slider that moves in the plane, or does not."""
+    if not scene.planar:
+        scene.refuse("slider.freedom", 'must be "xy" or "xy yaw", or slider.axis given: this study follows the plane')
+    key = "slider.freedom" if scene.slider.axis is None else "slider.axis"
+    rule = "must be absent for this study: run, sweep, datasheet, load_line and trajectory take sliders in the plane"
+    scene.refuse(key, rule)
 
 
 def module(name: str):

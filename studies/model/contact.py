@@ -46,6 +46,9 @@ def contact_slider(slider: Slider):
 
     Of equal contacts that move alike it is one of ``slider.share`` equal parts.
     """
+    if slider.planar:
+        key = "freedom" if slider.axis is None else "axis"
+        slider.refuse(key, "must be absent here: this answer is that of a slider that moves along x alone")
     if slider.pillars is not None:
         from studies.model.pillars import slider_of
 
@@ -104,13 +107,20 @@ class Contact:
     record: Record | Any = field(default=None, repr=False)  # of the run that solved the stator
     # studies.solve.solved_stator.SolvedStator; None with a prescribed wave
     solved: Any = field(default=None, repr=False)
+    # of a slider in the plane, for a level of 1: what has ``at(x, y)``, the waves at places about its centre
+    surface: Any = field(default=None, repr=False)
 
     @classmethod
     def prescribed(cls, model: Model, record: Record | None = None) -> Self:
         """Return the contact of a resolved scene with a prescribed wave."""
         wave = model.scene.wave
         orbits, _ = _surface(model, lambda: (prescribed_orbits(wave), 0.0), None)
-        return cls(model=model, orbits=orbits, amplitudes=(1.0, wave.tangential_ratio), record=record)
+        surface = None
+        if model.scene.planar:
+            from studies.model.plane import prescribed_surface
+
+            surface, orbits = prescribed_surface(wave), orbits * model.scene.slider.computed_contacts
+        return cls(model=model, orbits=orbits, amplitudes=(1.0, wave.tangential_ratio), record=record, surface=surface)
 
     @classmethod
     def of_stator(cls, model: Model, solved: Any, motion: Callable[[], Any] | Any = None) -> Self:
@@ -143,6 +153,10 @@ class Contact:
     @cached_property
     def slider(self):
         """The `contact.Slider`."""
+        if self.surface is not None:
+            from studies.model.plane import plane_slider
+
+            return plane_slider(self.scene.slider)
         return contact_slider(self.scene.slider)
 
     @property
@@ -190,6 +204,12 @@ class Contact:
     def at(self, level: float):
         """Return the orbits, or the passing wave, at a level."""
         return scaled(self.orbits, level)
+
+    def surface_at(self, level: float):
+        """Return the waves of a slider in the plane at a level."""
+        from studies.model.plane import Sum
+
+        return Sum(parts=((self.surface, level),))
 
     def moves(self, level: float) -> bool:
         """Return whether a slider on a passing wave moves at a level."""

@@ -137,9 +137,17 @@ class Model:
 
     @property
     def alone(self) -> "Model":
-        """The stator alone, at 1 V, without burst and duty: the same object for all sliders and levels on it."""
+        """The stator alone, at 1 V, without burst and duty: the same object for all sliders and levels on it.
+
+        Of sources with several frequencies it has the first one.
+        """
+        drive = self.scene.drive
+        return self.alone_with(drive.at_frequency(drive.frequencies[0]) if drive.source_frequencies else drive)
+
+    def alone_with(self, drive: Drive) -> "Model":
+        """Return the stator alone with another drive, as `alone`."""
         scene = self.scene
-        blocks = scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive)
+        blocks = scene.stator, scene.transducer, scene.piece, at_one_volt(drive)
         return _alone(*blocks) if scene.piece else _shared_alone(*blocks)  # a mesh file may change
 
     def first_section(self, point: tuple[float, float]) -> tuple[Self, float]:
@@ -157,7 +165,8 @@ class Model:
         )
         if drive.sources is not None:
             names = [each.name for each in own]
-            drive = replace(drive, sources=tuple((name, size) for name, size in drive.driven.items() if name in names))
+            sources = tuple((name, size) for name, size in drive.driven.items() if name in names)
+            drive = replace(drive, sources=sources, source_frequencies=None)
         section = replace(self.scene.stator, length=group.stator.length)
         return self.with_blocks(stator=section, transducer=own, drive=drive), float(group.local(*point)[0])
 

@@ -229,13 +229,16 @@ def _with_source_numbers(model: Model) -> Model:
             frequency = fem.best_frequency(block, unturned(driven, driven.wavelength))
             return model.with_blocks(drive=replace(scene.drive, frequency=frequency))
 
+    own = dict(scene.drive.source_frequencies or ())
+
     def with_period(each: Transducer) -> Transducer:
         if not isinstance(each.period, str):
             return each
+        frequency = own.get(each.name, scene.frequency)
         if each.period == "auto" and each.has_two_electrodes:
-            period = fem.best_period(block, unturned(each, 1.0), scene.frequency)
+            period = fem.best_period(block, unturned(each, 1.0), frequency)
         else:
-            period = _half_space_period(replace(block, thickness=math.inf), scene.frequency, each.metallisation)
+            period = _half_space_period(replace(block, thickness=math.inf), frequency, each.metallisation)
         return replace(each, period=float(period))
 
     with stator_keys("transducer.period"):

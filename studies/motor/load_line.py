@@ -4,6 +4,7 @@ Method: the slider of a scene (``twente-contact`` by default) at up to four of i
 threshold: the steady velocity against a constant load up to the blocked thrust, and the efficiency from the energy
 ledger of the periodic motion. Expected: the velocity falls to zero at the blocked thrust, which is at most mu times the
 preload; the efficiency lies between 0 and 1 and is largest at an intermediate load; the ledger closes to 1e-7.
+In the plane: the stall force in each direction, or a rotor's speed against torque.
 Run time: about 2 s, plus the time of the stator.
 """
 
@@ -35,7 +36,11 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
     tolerance : float
         Of the slider velocity.
     """
-    driven = driven_contact(scene, tolerance=tolerance, pillars=True)
+    driven = driven_contact(scene, tolerance=tolerance, pillars=True, planar=None)
+    if driven.scene.planar:
+        from studies.motor.plane_load_line import plane_load_lines
+
+        return plane_load_lines(driven, points, tolerance)
     resolved_scene, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
         name = driven.scene.named(level)
@@ -84,6 +89,10 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
     data = record.data
+    if "value" not in data:
+        from studies.motor.plane_load_line import draw
+
+        return draw(record, ax)
     factor, label = key_axis("slider.load", max(max(load) for load in data["load_N"].values()))
     for name, load, colour in family(data["load_N"]):
         values = np.asarray(data["value"][name]) * data["factor"]

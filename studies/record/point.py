@@ -23,7 +23,16 @@ class Point(Values):
     normal_amplitude_m: Number = None
     tangential_amplitude_m: Number = None
     velocity_m_per_s: Number = None
+    lateral_velocity_m_per_s: Number = None
+    yaw_rate_rad_per_s: Number = None
+    rotation_rpm: Number = None
+    torque_N_m: Number = None
+    contact_regimes: Text = None
+    drift_m_per_s_per_deg: Pair = None
+    yaw_stability_per_s: Number = None
     mean_velocity_m_per_s: Number = None
+    mean_lateral_velocity_m_per_s: Number = None
+    mean_rotation_rpm: Number = None
     lowest_velocity_m_per_s: Number = None
     highest_velocity_m_per_s: Number = None
     mean_velocity_relative_error: Number = None

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     "voltage_V", "available_power_W", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s",
-    "mean_velocity_m_per_s", "lowest_velocity_m_per_s", "highest_velocity_m_per_s", "velocity_low_m_per_s",
+    "lateral_velocity_m_per_s", "yaw_rate_rad_per_s", "rotation_rpm", "torque_N_m", "mean_velocity_m_per_s",
+    "mean_lateral_velocity_m_per_s", "mean_rotation_rpm", "lowest_velocity_m_per_s", "highest_velocity_m_per_s",
+    "velocity_low_m_per_s",
     "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime", "relative_error",
     "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed

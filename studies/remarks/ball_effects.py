@@ -40,7 +40,7 @@ def radiation(record: Record) -> Effects:
     if slider is None or not slider.preload_force > 0:
         return
     solid, contacts = model_of(record.scene).surface_solid, slider.computed_contacts
-    omega, body = 2 * math.pi * record.wave.frequency_Hz, contact_slider(slider)
+    omega, body = 2 * math.pi * record.wave.frequency_Hz, contact_slider(slider.along_x)
     stiffness = (2 * math.pi * body.normal_resonance(contacts)) ** 2 * body.mass / contacts
     shear = float(solid.stiffness[4, 4])
     radiated = stiffness * point_admittance(omega, shear, math.sqrt(shear / solid.density)) / omega
@@ -77,7 +77,7 @@ def wave_load(record: Record, voltages) -> list[float]:
     the contacts add to the wave.
     """
     slider, stator = record.scene.slider, model_of(record.scene).plain
-    body = contact_slider(slider)
+    body = contact_slider(slider.along_x)
     offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
     # A loaded wave takes the elastic law with Coulomb's friction alone. Each computed contact stands for slider.share
     # contacts; the body bears 1/share of the slider's preload.

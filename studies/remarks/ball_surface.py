@@ -75,7 +75,7 @@ def ball_surface(record: Record) -> Effects:
     slider = record.scene.slider
     if not _on_balls(record):
         return
-    body, balls = contact_slider(slider), slider.computed_contacts
+    body, balls = contact_slider(slider.along_x), slider.computed_contacts
     alpha, preload = _alpha(record), body.preload
     median, lowest, highest = ratio(alpha, 0.0)
     how = f"{RMS * 1e9:g} nm assumed, {alpha:.2g} of the approach at rest; eight balls: {lowest:.3g} to {highest:.3g}"
@@ -130,4 +130,4 @@ def _on_balls(record: Record) -> bool:
 def _alpha(record: Record) -> float:
     """Return Johnson's number of the balls with the assumed roughness."""
     slider = record.scene.slider
-    return contact.johnson_number(RMS, contact_slider(slider).rest_approach(slider.computed_contacts))
+    return contact.johnson_number(RMS, contact_slider(slider.along_x).rest_approach(slider.computed_contacts))

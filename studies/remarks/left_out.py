@@ -150,6 +150,18 @@ def _contact(model: Model) -> Conditions:
         fixed = scene.burst is not None and slider.travel is False
         yield fixed, "change of the wave along the slider's travel: slider.travel is false"
     yield True, "the slider's reaction on the wave"
+    if slider.planar:
+        yield from _plane(model)
+
+
+def _plane(model: Model) -> Conditions:
+    """Yield the neglected effects of a motion in the plane."""
+    scene = model.scene
+    two = "a contact has one tangential stiffness for all directions, which differs by some per cent on a crystal"
+    yield scene.stator is not None and not fem.isotropic_about_normal(model.solid), f"two tangential stiffnesses: {two}"
+    yield scene.slider.turns, "spin of a contact about its own normal: see model_error for its size"
+    other = "power and heat are those of the sources at the first frequency"
+    yield scene.drive is not None and len(scene.drive.frequencies) > 1, f"power at other frequencies: {other}"
 
 
 def _pillars(scene: Scene) -> Conditions:

@@ -15,6 +15,7 @@ from studies.record.text import percent
 from studies.remarks.ball_effects import OVERTONES, loads_on_wave, radiation, travel_over_ripple
 from studies.remarks.ball_surface import AT_LARGEST, ball_surface, ball_surface_at
 from studies.remarks.loaded_wave_effects import effects_at_points
+from studies.remarks.plane_effects import across, spin
 from studies.remarks.stator_effects import AMPLITUDE, heating, large_strain, stator_effects
 from studies.solve.solved_stator import contact_of_run
 
@@ -52,7 +53,7 @@ def _effects(record: Record) -> tuple[tuple[Effect, ...], list[tuple[Effect, ...
     elif record.scene.wave is not None:
         for own, point in zip(at_points, record.points, strict=True):
             own += large_strain(record, point.level)
-    always += ball_surface(record)
+    always += [*ball_surface(record), *spin(record), *across(record)]
     for own, point in zip(at_points, record.points, strict=True):
         own += ball_surface_at(record, point)
     return _finite(always), [_finite(own) for own in at_points], passing

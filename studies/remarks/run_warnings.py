@@ -12,6 +12,7 @@ import numpy as np
 
 import contact
 import fem
+from studies.model.contact import contact_slider
 from studies.model.fem_objects import unturned
 from studies.model.free_way import free_way
 from studies.model.model import model_of
@@ -210,7 +211,7 @@ def _contact(record: Record) -> Iterator[str]:
             "at the centre and do not describe the wave under the contacts: choose another slider.position"
         )
     ratio = record.wave.largest_lateral_ratio or 0.0
-    if ratio > SIDEWAYS:
+    if ratio > SIDEWAYS and not record.scene.planar:
         nearer = "keep the contacts nearer to the middle of the beam"
         if not any(across for _, across in record.scene.slider.offsets):
             nearer = "in this cut the wave has u_y on its axis, and counts most where a standing wave's u_x is small"
@@ -218,7 +219,7 @@ def _contact(record: Record) -> Iterator[str]:
             f"the surface moves sideways under the slider, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {'reduce the drive of the crossing transducers' if record.scene.crossed else nearer}"
         )
-    slider, orbits = driven.slider, driven.at(max(record.scene.levels))
+    slider, orbits = contact_slider(record.scene.slider.along_x), driven.at(max(record.scene.levels))
     friction = slider.static_friction(driven.contacts)
     if slider.load > friction:
         limit, share = "the damper alone" if slider.tangential_damping else "nothing", record.scene.slider.share

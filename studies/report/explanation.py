@@ -88,7 +88,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
-        body = contact_slider(slider)
+        body = contact_slider(slider.along_x)
         placed = np.size(body.x) if np.ndim(body.x) else 0  # contacts with places of their own
         number = placed or len(slider.offsets)
         seconds += PILLAR * placed * len(scene.levels)

@@ -84,7 +84,7 @@ def _free(record: Record):
 
 
 def _contact(record: Record):
-    block, slider = record.scene.slider, contact_slider(record.scene.slider)
+    block, slider = record.scene.slider, contact_slider(record.scene.slider.along_x)
     slider = replace(slider, mass=block.mass / block.share)
     contacts = max(block.computed_contacts, slider.count)
     depths, normal_force = slider.rest_approaches(contacts), slider.preload / contacts

@@ -5,13 +5,17 @@ import numpy as np
 from studies.model import pillars
 from studies.model.model import model_of
 from studies.record.plots import COLOURS, finished
+from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
 from studies.scene import Scene
 
 
-def draw_surface_map(beam, scene: Scene, ax):
-    """Draw |u_z| on the surface with the apertures of the transducers, the contacts and the side faces."""
+def draw_surface_map(beam, scene: Scene, ax, point: Point | None = None):
+    """Draw |u_z| on the surface with the apertures of the transducers, the contacts and the side faces.
+
+    ``point``: of a run; a slider in the plane is drawn with its body and the velocities there.
+    """
     from matplotlib.patches import Polygon, Rectangle
 
     orange = COLOURS["intermittent"]
@@ -34,6 +38,10 @@ def draw_surface_map(beam, scene: Scene, ax):
         touching = "; points: the slider's contacts"
         at = np.array(scene.slider.contact_positions) * across.scale
         ax.plot(*at.T, "o", color=orange, markeredgecolor="white", markersize=6)
+    if scene.planar and point is not None and point.answered:
+        from studies.report.plane_drawing import draw_body
+
+        touching += draw_body(ax, scene, point)
     for side in (-1, 1):
         ax.axhline(side * y[-1] * up.scale, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if scene.stator.length < 12 * scene.stator.width else "auto")

@@ -196,6 +196,7 @@ def _intended(word: str, kind: type[Block]) -> tuple[str | None, str]:
     """Return the key of a block that an unknown word probably stands for, and the hint in its refusal."""
     key = key_for(word, keys_of(kind))
     homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
+    homes = [each for each in homes if each.rpartition(".")[0] not in homes]  # a block before those inside it
     if key is None and homes:
         return None, f"; {word} belongs in [{'] or ['.join(homes)}]"
     key = key or suggestion(word, keys_of(kind))

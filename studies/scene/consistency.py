@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import fem
 from studies.refusal import nearest, shown
+from studies.scene.plane import check_scene as check_plane
 
 MIN_COSINE = 0.7  # of the angle between x and the wave of at least one driven transducer
 NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"
@@ -41,6 +42,9 @@ def check_prescribed_wave(scene) -> Refused:
         yield "slider.ball", "must be absent with [wave]: there is no stator; give both moduli in Pa"
     if slider.pillars is not None:
         yield from _pillars_on_prescribed_wave(scene.wave, slider)
+    elif slider.planar and not isinstance(slider.contacts, int):
+        if scene.wave.wavelength is None:
+            yield "wave.wavelength", "is required and missing: the contacts stand at different positions"
     elif not isinstance(slider.contacts, int):
         yield "slider.contacts", "must be a number with [wave]: offsets need a wavelength, of a [stator]"
 
@@ -143,14 +147,14 @@ def check_electrodes(scene) -> Refused:
 
 def check_direction(scene) -> Refused:
     """Refuse sources that would move the slider along y."""
-    if scene.slider is None or scene.drive is None or not scene.crossed:
+    if scene.slider is None or scene.slider.planar or scene.drive is None or not scene.crossed:
         return
     driven = [each for each in scene.transducer if scene.drive.driven.get(each.name)]
     if driven and all(abs(math.cos(math.radians(each.angle))) < MIN_COSINE for each in driven):
         names = ", ".join(f"{each.name!r} at {each.angle:g} deg" for each in driven)
         rule = "must drive a transducer within 45 deg of x: the contact is one-dimensional, and the slider would"
         key = "transducer" if scene.drive.sources is None else "sources"
-        yield f"drive.{key}", f"{rule} be moved across by {names}"
+        yield f"drive.{key}", f'{rule} be moved across by {names}; or choose slider.freedom = "xy"'
 
 
 def check_slider(scene) -> Refused:
@@ -227,4 +231,5 @@ CHECKS = (
     check_slider,
     check_pieces,
     check_layers,
+    check_plane,
 )  # in the order in which their refusals are printed

@@ -3,16 +3,19 @@
 Everything is in SI units once read.  Amplitudes and voltages are peak values.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 import fem
+from studies.refusal import nearest
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import AMPLITUDE, Listed, Quantity, impedance
+from studies.scene.plane import WaveSource
 from studies.scene.rule import FLAG, TEXT, Named, choice
 
 SUCH = ', such as "50 ohm"'
 SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 deg" }', AMPLITUDE)
+FREQUENCIES = Named('a table of transducers such as { front = "2.3 MHz" }', Quantity("Hz"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +114,11 @@ class Drive(Block):
         SOURCES,
         "Amplitude and phase of the source at each driven transducer, relative to the voltage; replaces transducer.",
     ] = None
+    source_frequencies: Annotated[
+        tuple[tuple[str, float], ...] | None,
+        FREQUENCIES,
+        "Frequencies of those sources that have one of their own, under a slider in the plane. Absent: frequency.",
+    ] = None
     voltage: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("V", zero=True), ranged=True),
@@ -159,6 +167,14 @@ class Drive(Block):
         if complex(self.source_impedance).real == 0:
             yield "power", f"needs a drive.source_impedance with a resistance{SUCH}, which limits the power"
 
+    def check_frequencies(self) -> Any:
+        names = [name for name, _ in self.sources or ()]
+        for name, _ in self.source_frequencies or ():
+            if name not in names:
+                yield f"source_frequencies.{name}", f"must name one of drive.sources{nearest(name, names)}"
+        if self.source_frequencies and self.frequency == "center":
+            yield "frequency", 'must be a number in Hz beside source_frequencies, got "center"'
+
     def check_match(self) -> Any:
         if self.match == "auto" and complex(self.source_impedance).real == 0:
             yield "match", f'needs a drive.source_impedance with a resistance for "auto"{SUCH}'
@@ -178,6 +194,22 @@ class Drive(Block):
         if self.sources is not None:
             return dict(self.sources)
         return {} if self.transducer is None else {self.transducer: 1.0}
+
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Different frequencies of the sources that are not 0 in Hz, that of the first one first."""
+        own = dict(self.source_frequencies or ())
+        return tuple(dict.fromkeys(own.get(name, self.frequency) for name, size in self.driven.items() if size))
+
+    def at_frequency(self, frequency: float) -> "Drive":
+        """Return the drive with one of its frequencies in Hz alone: the sources of the others are 0."""
+        if not self.source_frequencies:
+            return self
+        own = dict(self.source_frequencies)
+        sources = tuple(
+            (name, size if own.get(name, self.frequency) == frequency else 0.0) for name, size in self.driven.items()
+        )
+        return replace(self, frequency=frequency, sources=sources, source_frequencies=None)
 
     @property
     def levels(self) -> tuple[float, ...]:
@@ -216,10 +248,22 @@ class Wave(Block):
     wavelength: Annotated[
         float | None,
         Quantity("m"),
-        "Wavelength of the wave, which runs towards -x; required for pillars at different positions along x.",
+        "Wavelength of the wave, which runs towards -x; required for contacts at different positions.",
     ] = None
     compliance: Annotated[
         float | None,
         Quantity("1/Pa"),
         "Compliance Gamma of the surface, G_zz = Gamma/(k - k_R); required for pillars that load the wave.",
     ] = None
+    sources: Annotated[
+        tuple[WaveSource, ...],
+        Blocks(WaveSource),
+        "Several waves under a slider in the plane, each with its direction, phase and frequency. Absent: one along x.",
+    ] = ()
+
+    def check_sources(self) -> Any:
+        given = [each.normal_amplitude is not None for each in self.sources]
+        if any(given) and not all(given):
+            yield f"sources.{given.index(False)}.normal_amplitude", "is required and missing: other sources have it"
+        if self.sources and self.compliance is not None:
+            yield "compliance", "must be absent with wave.sources: contacts in the plane do not load the waves"

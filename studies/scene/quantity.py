@@ -29,6 +29,8 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "m/s^2": ("an acceleration", "9.81 m/s^2", {"m/s^2": 0, "m/s**2": 0}),
     "s/m": ("a damping per velocity", "0.1 s/m", {"s/m": 0}),
     "N s/m": ("a viscous damping", "1 mN s/m", {"N s/m": 0, "mN s/m": -3, "N*s/m": 0}),
+    "kg m^2": ("a moment of inertia", "2 g mm^2", {"kg m^2": 0, "g mm^2": -9, "kg mm^2": -6, "g cm^2": -7}),
+    "N m": ("a torque", "1 uN m", {"N m": 0, "mN m": -3, "uN m": -6, "nN m": -9, "N*m": 0}),
     "kg/m^3": ("a density", "7.6 g/cm^3", {"kg/m^3": 0, "g/cm^3": 3}),
     "1/m": ("a curvature", "0.01 1/m", {"1/m": 0, "1/mm": 3}),
     "1/Pa": ("a compliance", "2.5e-12 1/Pa", {"1/Pa": 0, "1/GPa": -9}),

@@ -9,7 +9,7 @@ import json
 from collections.abc import Sequence
 
 import fem
-from studies.scene import blocks, drive, friction, pillars, slider
+from studies.scene import blocks, drive, friction, pillars, plane, slider
 from studies.scene.block import Block, block_schema, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
@@ -27,6 +27,7 @@ BLOCKS = {
     "[[drive.match]]": drive.Element,
     "[drive.recovery]": drive.Recovery,
     "[wave]": drive.Wave,
+    "[[wave.sources]]": plane.WaveSource,
     "[slider]": slider.Slider,
     "[slider.damping]": slider.Damping,
     "[slider.friction_coefficient]": friction.Friction,

@@ -118,6 +118,11 @@ class Scene(Block):
         return self.slider is not None and self.slider.pillars is not None
 
     @property
+    def planar(self) -> bool:
+        """Whether there is a slider that moves in the plane or turns."""
+        return self.slider is not None and self.slider.planar
+
+    @property
     def driven_obliquely(self) -> bool:
         """Whether no driven transducer radiates along x."""
         driven = [each for each in self.transducer if self.drive.driven.get(each.name)]

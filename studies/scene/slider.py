@@ -1,8 +1,9 @@
 """The block of a scene's slider, with its damping."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
+from studies.scene import plane
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.friction import Friction, LawFile, LawText
 from studies.scene.numbers import FixedList, Listed, Quantity, as_pair, surface_position
@@ -45,6 +46,7 @@ class Slider(Block):
 
     block: ClassVar[str] = "slider"
     parameters_of = "contact.SliderRules"
+    keys: ClassVar[dict[str, str]] = {"friction": "friction_coefficient"}
     position: Annotated[
         float | tuple[float, float] | Any,
         surface_position(),
@@ -79,8 +81,37 @@ class Slider(Block):
         float, Quantity("m/s^2", zero=True), 'Acceleration of gravity; used only if preload is "weight".'
     ] = 9.81
     load: Annotated[
-        float, Quantity("N", zero=True), "Constant force opposite to the direction in which the unloaded slider moves."
+        float | tuple[float, float],
+        Quantity("N", zero=True) | plane.VECTOR,
+        "Constant force opposite to the direction in which the unloaded slider moves; in the plane also [F_x, F_y], "
+        "against +x and +y.",
     ] = 0.0
+    freedom: Annotated[
+        str,
+        choice(*plane.FREEDOMS),
+        "Motion along the surface. x: along x alone; xy: in the plane, without turning; xy yaw: it also turns about z; "
+        "axle: it turns about slider.axis, which sets it.",
+    ] = "x"
+    axis: Annotated[
+        tuple[float, float] | None,
+        OFFSET,
+        "An axle about which the slider turns, [x, y] from its centre. Absent: the motion of freedom.",
+    ] = None
+    inertia: Annotated[
+        float | None,
+        Quantity("kg m^2"),
+        "Moment of inertia about the slider's centre, or about its axle. Absent: that of its mass at the contacts.",
+    ] = None
+    torque: Annotated[
+        float,
+        Quantity("N m", negative=True),
+        "Constant torque against a slider that turns, positive against turning from x to y.",
+    ] = 0.0
+    incline: Annotated[
+        tuple[float, float] | None,
+        plane.SLOPES,
+        "Slope of the surface along x and y, positive where it rises and the weight pulls back. Absent: level.",
+    ] = None
     friction_coefficient: Annotated[
         float | Friction,
         Quantity(zero=True) | Within(Friction),
@@ -130,7 +161,7 @@ class Slider(Block):
     tilt: Annotated[
         str,
         choice("held", "pitch", "free"),
-        "Rotations of a slider on pillars. held: none; pitch: about y; free: about x and y.",
+        "Rotations of a slider on pillars, or in the plane. held: none; pitch: about y; free: about x and y.",
     ] = "held"
     preload_at: Annotated[
         tuple[float, float], OFFSET, "Point of action of the preload on a slider on pillars, [x, y] from its centre."
@@ -151,13 +182,18 @@ class Slider(Block):
         "Absent: true if the loading number exceeds 0.05.",
     ] = None
 
+    def __post_init__(self) -> None:
+        if self.axis is not None and self.freedom == "x":
+            object.__setattr__(self, "freedom", plane.AXLE)
+        super().__post_init__()
+
     def check_contacts(self) -> Any:
         if self.pillars is None:
             for key in ALONE[:2]:
                 if getattr(self, key) is None:
                     yield key, f"is required and missing: give {keys_of(Slider)[key].rule.expected}"
             for key in ("loading", "tilt", "preload_at", "load_height", "backing"):
-                if getattr(self, key) != keys_of(Slider)[key].default:
+                if getattr(self, key) != keys_of(Slider)[key].default and not (key == "tilt" and self.planar):
                     yield key, "must be absent without [slider.pillars]"
             return
         for key in ALONE:
@@ -175,6 +211,9 @@ class Slider(Block):
             yield "travel", "must be false or absent with [slider.pillars]"
         if self.backing == "soft" and self.loading == "harmonics":
             yield "loading", 'must be true or false where slider.backing is "soft"'
+
+    def check_plane(self) -> Any:
+        yield from plane.check_slider(self)
 
     def check_friction(self) -> Any:
         if isinstance(self.friction_coefficient, Friction) and isinstance(self.law, LawText):
@@ -202,6 +241,24 @@ class Slider(Block):
                 yield "ball", f"must not be given together with slider.{key}: they follow from the ball"
             if self.ball is None and getattr(self, key) is None:
                 yield key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead'
+
+    @property
+    def planar(self) -> bool:
+        """Whether it moves in the plane or turns, and not along x alone."""
+        return self.freedom != "x"
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns about z."""
+        return self.freedom in ("xy yaw", plane.AXLE)
+
+    @property
+    def along_x(self) -> "Slider":
+        """The slider kept to x and without a load, for estimates; itself where it moves along x alone."""
+        if not self.planar:
+            return self
+        free = {"freedom": "x", "axis": None, "inertia": None, "torque": 0.0, "incline": None}
+        return replace(self, **free, load=0.0, tilt="held")
 
     @property
     def static_coefficient(self) -> float:

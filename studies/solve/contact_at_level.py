@@ -31,6 +31,10 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
     scene = driven.scene
     LOGGER.info("contact")
+    if scene.planar:
+        from studies.solve.plane_answer import plane_slider_answer
+
+        return plane_slider_answer(driven, tolerance=tolerance)
     summary, threshold = SummaryBlock(), math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
@@ -60,6 +64,10 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
 
     If ``bursting`` is False, only the steady state is computed, even if the scene has a burst.
     """
+    if driven.scene.planar:
+        from studies.solve.plane_answer import plane_point_answer
+
+        return plane_point_answer(driven, level, tolerance)
     try:
         answer = _answer(driven, level, tolerance, bursting)
         _refuse_runaway(answer.point.velocity_m_per_s)

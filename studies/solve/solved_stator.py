@@ -22,6 +22,7 @@ class LocalMotion(NamedTuple):
     covered: bool  # whether it lies under a transducer
     refusal: str  # why the motion there is no answer; empty where it is one
     nearby: NearbyMotion | None = None  # about the position; None where it was not evaluated, or lies at an end
+    lateral: complex = 0.0  # u_y, m per V
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,13 +46,13 @@ class SolvedStator:
         ``goal``: of the section; ``coarse``: it is that of the coarsest discretisation; ``nearby``: also about
         each position.
         """
-        tangential, _, normal = motion.at(positions)
+        components = motion.at(positions).T
         errors = [COARSE_ERROR] * len(positions) if coarse else motion.errors(positions)
         about = nearby_motions(motion, positions) if nearby else [None] * len(positions)
         at = {}
-        for position, u_x, u_z, error, near in zip(positions, tangential, normal, errors, about, strict=True):
+        for position, (u_x, u_y, u_z), error, near in zip(positions, components, errors, about, strict=True):
             covered, refusal = motion.covered(position), motion.unresolved([position])
-            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal, near)
+            at[position] = LocalMotion(complex(u_x), complex(u_z), float(error), covered, refusal, near, complex(u_y))
         return cls(
             at=at, section_error=float(motion.wave.relative_error), goal=goal, frequency=float(motion.wave.frequency),
             admittance=motion.circuit.admittance, power=motion.circuit.power,
@@ -72,4 +73,8 @@ def contact_of_run(record: Record) -> Contact:
     if record.scene.wave is not None:
         return Contact.prescribed(model, record)
     driven = Contact.of_stator(model, SolvedStator.of(motion, record.scene.positions), lambda: motion)
+    if record.scene.planar:
+        from studies.solve.plane_surface import surface_of_run
+
+        driven = replace(driven, surface=surface_of_run(record))
     return replace(driven, stator_error=float(record.wave.relative_error), record=record)

@@ -70,6 +70,7 @@ class Stators:
         self._solved: dict[tuple, SolvedStator | Exception] = {}
         self._latest: tuple[tuple | None, SurfaceMotion | Any] = (None, None)
         self._ring_up, self._band = lru_cache(64)(ring_up), lru_cache(4)(response)
+        self._others = lru_cache(4)(self._solved_motion)  # at further frequencies of the sources
 
     def contact(self, model: Model, goal: float | None = None) -> Contact:
         """Return the contact of a resolved scene on its stator or its prescribed wave.
@@ -85,7 +86,15 @@ class Stators:
             if shared == own:
                 raise
             solved = self._solution(stator, own, goal)
-        return Contact.of_stator(model, solved, lambda: self.motion(stator, own, goal))
+        driven = Contact.of_stator(model, solved, lambda: self.motion(stator, own, goal))
+        if model.scene.planar:
+            from studies.solve.plane_surface import with_surface
+
+            def solve(one: Model) -> SurfaceMotion:
+                return self.motion(one, own, goal) if one is stator else self._others(one, own, goal)
+
+            return with_surface(driven, solve)
+        return driven
 
     def motion(self, stator: Model, positions: Any, goal: float | None = None, missed: bool = True) -> SurfaceMotion:
         """Return the surface motion of a stator at positions (x, y) in m; only the latest is stored.
@@ -97,13 +106,17 @@ class Stators:
         if latest != arguments:
             self._count += 1
             LOGGER.info("stator" if self._count == 1 else f"stator {self._count}")
-            start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
-            try:
-                motion = solve(stator, positions, tolerance=arguments[2], slider=self.slider, missed=missed)
-            finally:
-                self.seconds += time.perf_counter() - start_time
+            motion = self._solved_motion(*arguments)
             self._latest = arguments, motion
         return motion
+
+    def _solved_motion(self, stator: Model, positions: Any, goal: float | None, missed: bool = True) -> SurfaceMotion:
+        start_time, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
+        goal = self.first_goal(stator, positions) if goal is None else goal
+        try:
+            return solve(stator, positions, tolerance=goal, slider=self.slider, missed=missed)
+        finally:
+            self.seconds += time.perf_counter() - start_time
 
     def motion_under(self, driven: Contact) -> SurfaceMotion:
         """Return the surface motion from which a contact on a stator was made."""

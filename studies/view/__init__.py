@@ -16,6 +16,7 @@ import numpy as np
 
 import fem
 from studies.record import Record, plots
+from studies.record.point import Point
 from studies.refusal import RunError, SceneError, writing
 from studies.report.page import picture_page
 from studies.report.surface_map import draw_surface_map, pixels
@@ -125,11 +126,18 @@ def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
     try:
         motion = recomputed_motion(record)
         beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
+        if len(scene.drive.frequencies) > 1:
+            from studies.report.plane_drawing import Together
+
+            beam = Together((beam, *(recomputed_motion(record, each).beam for each in scene.drive.frequencies[1:])))
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None
 
     width, height = wanted.size or pixels(scene.stator)
-    size, draw = (width / plots.DPI, height / plots.DPI), partial(draw_surface_map, beam, scene)
+    size, draw = (
+        (width / plots.DPI, height / plots.DPI),
+        partial(draw_surface_map, beam, scene, point=_shown_point(record, wanted)),
+    )
 
     def still(file) -> None:
         plots.saved(file, draw, size=size)
@@ -139,6 +147,12 @@ def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
         Path(file).write_text(picture_page(f"{scene.title}: beam", [picture]), encoding="utf-8")
 
     return {"screenshot": still, "html": page, "window": lambda: plots.show(draw)}
+
+
+def _shown_point(record: Record, wanted: Wanted) -> Point | None:
+    """Return the point of a run at the wanted level, or at its largest one."""
+    points = [each for each in record.points if wanted.level in (None, each.level)]
+    return max(points, key=lambda each: each.level, default=None) if record.scene.slider is not None else None
 
 
 def _refuse_without_display() -> None:

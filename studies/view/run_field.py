@@ -178,12 +178,15 @@ def _driven(record: Record) -> RunField:
     )
 
 
-def recomputed_motion(record: Record) -> SurfaceMotion:
+def recomputed_motion(record: Record, frequency: float | None = None) -> SurfaceMotion:
     """Return the section or the crossing beams of a run at the resolution in run.json.
 
-    If run.json names no known resolution, the chain is run again without the slider.
+    If run.json names no known resolution, the chain is run again without the slider. ``frequency``: one of those of the
+    sources in Hz, by default the first.
     """
     scene = record.scene
+    if scene.drive.source_frequencies:
+        scene = replace(scene, drive=scene.drive.at_frequency(frequency or scene.drive.frequencies[0]))
     resolution_name = (record.wave.resolution or "").replace(" 1 edge layers", " 1 edge layer")  # of older runs
     named = [each for each in LEVELS if resolution_name == each.name]
     if not named:

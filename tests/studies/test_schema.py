@@ -81,6 +81,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.recovery.rectifier": ["80 ohm"],
     "drive.recovery.efficiency": [0.9],
     "drive.recovery.circulation": [True],
+    "drive.source_frequencies": [{"left": "2.3 MHz"}],
     "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
     "slider.shape": ["punch"],
@@ -88,6 +89,11 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.preload": ["weight", "5 mN", 0],
     "slider.gravity": [0],
     "slider.load": ["1 uN"],
+    "slider.freedom": ["x", "xy", "xy yaw"],
+    "slider.axis": [["1 mm", 0]],
+    "slider.inertia": ["2 g mm^2", 1e-9],
+    "slider.torque": ["-1 uN m", 0],
+    "slider.incline": [["1 deg", -2]],
     "slider.law": ["hysteretic"],
     "slider.position": ["80 mm", ["80 mm", "-2 mm"], "80 +- 0.1 mm"],
     "slider.travel": [False],
@@ -116,9 +122,16 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.backing": ["soft"],
     "slider.loading": [True, False],
     "wave.wavelength": ["0.4 mm"],
+    "wave.sources": [[{"direction": "90 deg", "phase": "90 deg"}], []],
+    "wave.sources.0.normal_amplitude": ["10 nm"],
+    "wave.sources.0.tangential_ratio": [0.7],
+    "wave.sources.0.direction": [90, "-30 deg"],
+    "wave.sources.0.phase": [90, "-30 deg"],
+    "wave.sources.0.frequency": ["2.3 MHz"],
     "wave.compliance": ["2.5e-12 1/Pa", 2.5e-12],
 }
 OF_PILLARS = ("slider.tilt", "slider.preload_at", "slider.load_height", "slider.backing", "slider.loading")
+TURNING = ("slider.inertia", "slider.torque")
 BAD = ([[]], "5 furlongs per apple", -1e31, {"method": "quick"})
 
 
@@ -155,6 +168,13 @@ def changed(path: str, value) -> dict:
         own = {"slider.pillars.file": {"diameter": "20 um"}, "slider.pillars.area": dict(list(PILLARS.items())[:2])}
         del table["slider"]["radius"], table["slider"]["contacts"]
         table["slider"]["pillars"] = dict(own.get(path, PILLARS))
+    if path in (*TURNING, "slider.incline", "slider.freedom", "drive.source_frequencies") or "wave.sources" in path:
+        table["slider"]["freedom"] = "xy yaw"
+        table["slider"]["contacts"] = [["1 mm", 0], ["-1 mm", "1 mm"], ["-1 mm", "-1 mm"]]
+    if path == "drive.source_frequencies":
+        table["drive"]["sources"] = {"left": 1, "right": 1}
+    if path.startswith("wave.sources"):
+        table["wave"] |= {"wavelength": "1 mm", "sources": [{}]}
     if path.startswith("stator.layer."):
         bond = {"bond": {"normal": 1e15, "tangential": 1e15}} if path.startswith("stator.layer.0.bond.") else {}
         table["stator"]["layer"] = [{"material": "fused silica", "thickness": "20 um"} | bond]

@@ -1,0 +1,168 @@
+"""The answer of a slider that moves in the plane at one level of the drive: velocity, yaw rate, torque, drift.
+
+A load that is a number acts against the velocity that the slider has without it. The error of the stator becomes one of
+the velocity by the changes of `velocity_error`: of all amplitudes, and of those along the surface alone.
+"""
+
+import logging
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import contact
+from contact import plane
+from studies.model.contact import Contact, contact_slider
+from studies.model.plane import opposing
+from studies.model.scene_errors import slider_keys
+from studies.record.blocks import SummaryBlock
+from studies.record.point import Point
+from studies.record.status import Status
+from studies.scene import Scene
+from studies.scene.plane import AXLE
+from studies.solve.bursts import STEADY_METHODS, method_of
+from studies.solve.contact_at_level import contact_load
+from studies.solve.point_answer import PointAnswer, SliderAnswer
+from studies.solve.refinement import SHARE
+from studies.solve.velocity_error import judged
+
+LOGGER = logging.getLogger(__name__)
+
+PER_MINUTE = 60.0 / (2.0 * math.pi)  # turns per minute of 1 rad/s
+WEAKEST_FIRST = ("separated", "stick", "slip", "intermittent")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaneMotor:
+    """A slider in the plane at one level of the drive."""
+
+    slider: contact.Slider  # one of `share` equal parts, with the load of a number
+    surface: Any  # what has ``at(x, y)``
+    scene: Scene
+    tolerance: float  # of the contact
+
+    @classmethod
+    def of(cls, driven: Contact, level: float, tolerance: float) -> "PlaneMotor":
+        """Return the motor of a contact; ``tolerance``: of the velocity over its reference speed."""
+        motor = cls(
+            slider=driven.slider, surface=driven.surface_at(level), scene=driven.scene, tolerance=SHARE * tolerance
+        )
+        load = driven.scene.slider.load
+        if isinstance(load, tuple) or load == 0.0:
+            return motor
+        free = motor.state()
+        return replace(motor, slider=opposing(motor.slider, load / driven.scene.slider.share, free.velocity))
+
+    @property
+    def waves(self) -> plane.SurfaceWaves:
+        """The waves at the contacts."""
+        return waves_at(self.surface, self.slider)
+
+    def state(self, waves: plane.SurfaceWaves | None = None, slider: contact.Slider | None = None):
+        """Return the steady `contact.plane.PlaneState`, by default at the slider's place."""
+        method = method_of(self.scene, "the steady state", STEADY_METHODS)
+        slider = self.slider if slider is None else slider
+        with slider_keys():
+            return plane.steady(
+                slider, waves_at(self.surface, slider) if waves is None else waves, tolerance=self.tolerance,
+                method=method,
+            )  # fmt: skip
+
+
+def waves_at(surface, slider: contact.Slider, shift: tuple[float, float] = (0.0, 0.0)) -> plane.SurfaceWaves:
+    """Return the waves at the contacts of a slider that is shifted by (x, y) in m."""
+    return surface.at(np.atleast_1d(slider.x) + shift[0], np.atleast_1d(slider.y) + shift[1])
+
+
+def contact_speed(slider: contact.Slider, velocity: np.ndarray, yaw_rate: float) -> float:
+    """Return the largest speed of a contact over the surface, m/s."""
+    x, y = np.atleast_1d(slider.x), np.atleast_1d(slider.y)
+    return float(np.hypot(velocity[0] - yaw_rate * y, velocity[1] + yaw_rate * x).max())
+
+
+def plane_slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
+    """Return the answers at all levels of a scene whose slider moves in the plane."""
+    answers, body = [], contact_slider(driven.scene.slider.along_x)
+    for number, level in enumerate(driven.scene.levels, start=1):
+        LOGGER.debug(f"point {number} of {len(driven.scene.levels)}")
+        answer = plane_point_answer(driven, level, tolerance)
+        volts = None if driven.scene.wave is not None else level
+        point = Point(voltage_V=volts) | driven.amplitudes_at(level) | answer.point
+        point |= contact_load(body, driven.at(level), math.inf)
+        answers.append(replace(answer, point=point))
+    return SliderAnswer(answers=tuple(answers), summary=SummaryBlock())
+
+
+def plane_point_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
+    """Return the answer at one level; ConvergenceError becomes the status of the point."""
+    try:
+        return _answer(driven, level, tolerance)
+    except contact.ConvergenceError as error:
+        return PointAnswer(point=Point(status=" ".join(str(error).split())))
+
+
+def _answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
+    if level == 0.0:
+        return PointAnswer(point=_at_rest(driven))
+    motor = PlaneMotor.of(driven, level, tolerance)
+    state = motor.state()
+    from_contact = state.relative_error
+    by_amplitude, from_stator = _stator_part(motor, state, driven.stator_error)
+    point = moving_point(motor, state) | _derivatives(motor, state)
+    point |= Point(amplitude_sensitivity=by_amplitude if driven.stator_error else None)
+    point |= judged(tolerance, from_stator, from_contact, "" if state.status == Status.OK else state.message)
+    return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact, averaged=True)
+
+
+def _at_rest(driven: Contact) -> Point:
+    turning = Point(yaw_rate_rad_per_s=0.0, rotation_rpm=0.0) if driven.scene.slider.turns else Point()
+    resting = Point(velocity_m_per_s=0.0, lateral_velocity_m_per_s=0.0, regime="stick", relative_error=0.0)
+    return resting | turning | Point(status=Status.OK.value)
+
+
+def moving_point(motor: PlaneMotor, state) -> Point:
+    """Return velocity, yaw rate, torque and regimes of a steady state as values of a point."""
+    along, across = (float(each) for each in state.velocity)
+    regimes = tuple(state.regimes)
+    point = Point(
+        velocity_m_per_s=along, lateral_velocity_m_per_s=across,
+        regime=max(regimes, key=WEAKEST_FIRST.index),
+        contact_regimes=" ".join(regimes) if len(regimes) > 1 else None,
+        friction_power_W=float(state.slip_power) * motor.scene.slider.share,
+    )  # fmt: skip
+    if motor.scene.slider.turns:
+        rate = float(state.yaw_rate)
+        return point | Point(yaw_rate_rad_per_s=rate, rotation_rpm=PER_MINUTE * rate)
+    return point | Point(torque_N_m=float(state.torque) if len(regimes) > 1 else None)
+
+
+def _derivatives(motor: PlaneMotor, state) -> Point:
+    """Return the drift by a slope, and how the yaw rate changes with yaw."""
+    point = Point()
+    if motor.slider.freedom != AXLE and motor.scene.slider.gravity > 0.0:
+        gravity, waves = motor.scene.slider.gravity, motor.waves
+        along, across = (
+            plane.drift_per_degree(motor.slider, waves, direction, gravity=gravity)
+            for direction in ((1.0, 0.0), (0.0, 1.0))
+        )
+        point |= Point(drift_m_per_s_per_deg=(float(along), float(across)))
+    if motor.slider.freedom == "xy yaw":
+        point |= Point(yaw_stability_per_s=float(plane.yaw_stability(motor.slider, motor.surface)))
+    return point
+
+
+def _stator_part(motor: PlaneMotor, state, error: float) -> tuple[float, float]:
+    """Return the relative change of the velocity over that of all amplitudes, and the error that the stator's makes."""
+    if error == 0.0:
+        return 0.0, 0.0
+    waves, step = motor.waves, max(error, contact.MIN_WAVE_STEP)
+    along = replace(waves, amplitudes=waves.amplitudes * np.array([1.0 + step, 1.0 + step, 1.0]))
+    reference = contact.speed_scale(contact_speed(motor.slider, state.velocity, state.yaw_rate), waves.peak_speed)
+    changes = []
+    for each in (waves.scaled(1.0 + step), waves.scaled(1.0 - step), along):
+        other = motor.state(each)
+        moved = contact_speed(motor.slider, other.velocity - state.velocity, other.yaw_rate - state.yaw_rate)
+        changes.append(moved / (step * reference))
+    larger, smaller, tangential = changes
+    return max(larger, smaller), (max(larger, smaller) + tangential) * error

@@ -1,0 +1,89 @@
+"""Mean and range of the velocity of a slider in the plane over places within a wavelength, or over a turn of a rotor.
+
+Where waves cross or meet, the velocity depends on the place: a wavelength of travel turns a drive to one side into one
+to the other.  The places are points of a lattice of rank 1 on a square of one wavelength, whose mean is exact for low
+harmonics of x, y, x + y and x - y; those of a rotor are yaw angles at equal steps.  At each the slider is solved as if
+it stayed there.  The error of a mean is the size of the highest harmonics along the sequence of places, which alias.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+import contact
+from studies.model.contact import Contact
+from studies.model.plane import StatorSurface, turned
+from studies.record.point import Point
+from studies.solve.plane_answer import PER_MINUTE, PlaneMotor, contact_speed, waves_at
+from studies.solve.point_answer import PointAnswer, SliderAnswer
+
+PLACES, STEP = 23, 5  # of the lattice (k, 5 k)/23: a prime, so that x, y, x + y and x - y take 23 values each
+ANGLES = 23  # of a turn: no part of the pitch of usual rings, so that the phases under the balls differ
+
+
+def with_plane_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
+    """Return the answers with mean and range of the velocity, where the waves differ from place to place."""
+    if not differs(driven):
+        return answer
+    answers = []
+    for each in answer.answers:
+        level = each.point.level
+        found = ripple_of(driven, level, tolerance, each) if each.point.answered and level > 0.0 else Point()
+        answers.append(replace(each, point=each.point | found))
+    return replace(answer, answers=tuple(answers))
+
+
+def differs(driven: Contact) -> bool:
+    """Whether the velocity depends on the place: on a stator, on several waves, and under a rotor's balls."""
+    several = driven.scene.wave is None or len(driven.scene.wave.sources) > 1
+    return several or driven.scene.slider.axis is not None
+
+
+def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnswer) -> Point:
+    """Return mean and range of the velocity at a level; empty where a place has no answer."""
+    motor = PlaneMotor.of(driven, level, tolerance)
+    try:
+        states = _of_turn(motor) if motor.slider.freedom == "axle" else _of_places(motor, wavelength(driven))
+    except contact.ConvergenceError:
+        return Point()
+    along, across = np.array([state.velocity for state in states]).T
+    rates = np.array([state.yaw_rate for state in states])
+    speeds = [contact_speed(motor.slider, state.velocity, state.yaw_rate) for state in states]
+    reference = contact.speed_scale(float(np.mean(speeds)), motor.waves.peak_speed)
+    errors = [_aliased(each) for each in (along, across, rates)]
+    error = contact_speed(motor.slider, np.array(errors[:2]), errors[2])
+    turn = Point(mean_rotation_rpm=PER_MINUTE * float(rates.mean()) if driven.scene.slider.turns else None)
+    relative = Point(mean_velocity_relative_error=float(answer.point.relative_error + error / reference))
+    if motor.slider.freedom == "axle":
+        return turn | relative
+    point = Point(
+        mean_velocity_m_per_s=float(along.mean()), mean_lateral_velocity_m_per_s=float(across.mean()),
+        lowest_velocity_m_per_s=float(along.min()), highest_velocity_m_per_s=float(along.max()),
+    )  # fmt: skip
+    return point | relative | turn
+
+
+def _aliased(values: np.ndarray) -> float:
+    """Return the size of the highest harmonics of values at equal steps of a period."""
+    harmonics = np.abs(np.fft.rfft(values)) / values.size
+    return 2.0 * float(harmonics[-3:].max())
+
+
+def wavelength(driven: Contact) -> float:
+    """Return the wavelength of the waves in m, that of the first frequency."""
+    if isinstance(driven.surface, StatorSurface):
+        wave = driven.surface.motions[0]().wave
+        return abs(wave.phase_velocity) / wave.frequency
+    return driven.surface.waves[0].wavelength
+
+
+def _of_places(motor: PlaneMotor, length: float) -> list:
+    """Return the steady states at the places of a lattice within a wavelength, the centre first."""
+    shifts = [((k / PLACES + 0.5) % 1.0 - 0.5, (STEP * k / PLACES + 0.5) % 1.0 - 0.5) for k in range(PLACES)]
+    return [motor.state(waves_at(motor.surface, motor.slider, (a * length, b * length))) for a, b in shifts]
+
+
+def _of_turn(motor: PlaneMotor) -> list:
+    """Return the steady states of a rotor at equal steps of its turn."""
+    bodies = [turned(motor.slider, 2.0 * np.pi * k / ANGLES) for k in range(ANGLES)]
+    return [motor.state(slider=each) for each in bodies]

@@ -1,0 +1,54 @@
+"""The waves below a slider in the plane on a stator: one solution of the stator for each frequency of its sources."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import fem
+from studies.model.contact import Contact
+from studies.model.model import Model, model_of
+from studies.model.plane import StatorSurface
+from studies.record import Record
+from studies.solve.refinement import SHARE
+from studies.solve.surface_motion import SurfaceMotion, solved_motion
+
+Solve = Callable[[Model], SurfaceMotion]  # returns the motion of a stator with one frequency
+
+
+def with_surface(driven: Contact, solve: Solve) -> Contact:
+    """Return a contact on a stator with the waves about its slider.
+
+    Its error is the largest over the frequencies; ``solve`` is called once for each, the first time that its motion is
+    needed.
+    """
+    surface = _surface(driven.model, solve)
+    errors = [motion().relative_error(driven.scene.positions) for motion in surface.motions[1:]]
+    return replace(driven, surface=surface, stator_error=max([driven.stator_error, *errors]))
+
+
+def surface_of_run(record: Record) -> StatorSurface:
+    """Return the waves about the slider of a run, whose record holds the motion at the first frequency."""
+    model = model_of(record.scene)
+    first = model.alone
+
+    def solve(stator: Model) -> SurfaceMotion:
+        if stator is first:
+            return record.surface_motion
+        goal = SHARE * record.tolerance
+        return fem.one_blas_thread(solved_motion)(stator, record.scene.positions, tolerance=goal, slider=True)
+
+    return _surface(model, solve)
+
+
+def _surface(model: Model, solve: Solve) -> StatorSurface:
+    drive = model.scene.drive
+    several = drive.frequencies
+    stators = (model.alone, *(model.alone_with(drive.at_frequency(each)) for each in several[1:]))
+    motions = tuple(_kept(partial(solve, each)) for each in stators)
+    return StatorSurface(center=model.scene.slider.center, frequencies=several, motions=motions)
+
+
+def _kept(solve: Callable[[], Any]) -> Callable[[], Any]:
+    """Return a function that keeps what a function without arguments returns first."""
+    return cache(solve)
