@@ -55,8 +55,9 @@ def contact_slider(slider: Slider):
         return slider_of(slider)
     share = slider.share
     return contact.Slider(
-        radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share, load=slider.load / share,
-        friction_coefficient=slider.static_coefficient, effective_modulus=slider.effective_modulus,
+        radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share,
+        load=slider.scalar_load / share, friction_coefficient=slider.static_coefficient,
+        effective_modulus=slider.effective_modulus,
         tangential_modulus=slider.tangential_modulus, law="hysteretic" if slider.remembers else "elastic",
         reciprocal=slider.reciprocal,
         stick_band=slider.stick_band, contact_damping=slider.damping.contact,

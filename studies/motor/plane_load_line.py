@@ -39,8 +39,8 @@ def plane_load_lines(driven: Contact, points: int, tolerance: float) -> Answered
 def _of_rotor(motor: PlaneMotor, points: int, title: str) -> Answered:
     stall, friction = plane.stall_torque(motor.slider, motor.waves), _friction_torque(motor)
     torque = np.linspace(0.0, 1.0, points)[:-1] * stall.value
-    rates = [motor.state(slider=replace(motor.slider, torque=float(each))).yaw_rate for each in torque]
-    rates, torque = np.append(rates, 0.0), np.append(torque, stall.value)
+    turning = [motor.state(slider=replace(motor.slider, torque=float(each))).yaw_rate for each in torque]
+    rates, torque = np.append(turning, 0.0), np.append(torque, stall.value)
     best = int(np.argmax(np.abs(torque * rates)))
     findings = (
         judged("The rotor's speed falls with the torque.", "stall torque over that of the friction limit",

@@ -65,7 +65,9 @@ def _panels(driven, legs: list[Leg]) -> list[Panel]:
     names = [each.name for each in legs]
     columns = {"x_m": X, "y_m": Y, "yaw_rad": YAW, "velocity_m_per_s": V_X, "lateral_velocity_m_per_s": V_Y,
                "yaw_rate_rad_per_s": RATE}  # fmt: skip
-    data = {key: dict(zip(names, (each.state[:, at] for each in legs), strict=True)) for key, at in columns.items()}
+    data: dict = {
+        key: dict(zip(names, (each.state[:, at] for each in legs), strict=True)) for key, at in columns.items()
+    }
     data |= {"time_s": dict(zip(names, (each.time for each in legs), strict=True))}
     data["contacts_m"] = np.column_stack([np.atleast_1d(driven.slider.x), np.atleast_1d(driven.slider.y)])
     return [Panel(name=name, title=title, data=data) for name in ("path", "yaw")]

@@ -347,7 +347,7 @@ def _limits(record: "Record"):
     for name, motion in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         levels = [_stated(summary, key) for key in LIMITS if key in summary and quantity(key).head == name]
         if name == "threshold" and summary.threshold_amplitude_m == 0.0:
-            if slider.load > 0.0:
+            if slider.scalar_load > 0.0:
                 yield name, "none: the load exceeds friction and moves the slider without a wave"
             else:
                 lacking = "friction" if slider.preload_force > 0.0 else "a preload"

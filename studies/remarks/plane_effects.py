@@ -31,7 +31,7 @@ def spin(record: Record) -> Effects:
         return
     body = contact_slider(slider.along_x)
     radius = float(np.max(body.contact_radius(body.rest_approaches(slider.computed_contacts))))
-    x, y = slider.axis if slider.freedom == AXLE else (0.0, 0.0)
+    x, y = (slider.axis or (0.0, 0.0)) if slider.freedom == AXLE else (0.0, 0.0)
     arm = float(np.mean([math.hypot(a - x, b - y) for a, b in slider.offsets]))
     how = "(3 pi/16) mu P a over mu P b: Contensou's moment of full spin, which slip of the whole contact reduces"
     yield "spin of the contacts about their normals", "the torque of the contacts", SPIN * radius / arm, how

@@ -154,7 +154,7 @@ def datasheet(
         scene = Scene.load(scene)
         if scene.slider is None:
             scene.refuse("slider", "is missing: a datasheet is of a whole motor")
-        load = scene.slider.load
+        load = scene.slider.scalar_load
         record = run(_without_load(scene), tolerance=tolerance)
         if record.shortfall:
             raise RunError(record.shortfall)

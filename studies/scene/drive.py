@@ -198,7 +198,7 @@ class Drive(Block):
     @property
     def frequencies(self) -> tuple[float, ...]:
         """Different frequencies of the sources that are not 0 in Hz, that of the first one first."""
-        own = dict(self.source_frequencies or ())
+        own: dict[str, Any] = dict(self.source_frequencies or ())
         return tuple(dict.fromkeys(own.get(name, self.frequency) for name, size in self.driven.items() if size))
 
     def at_frequency(self, frequency: float) -> "Drive":

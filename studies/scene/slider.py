@@ -1,5 +1,6 @@
 """The block of a scene's slider, with its damping."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
@@ -253,12 +254,16 @@ class Slider(Block):
         return self.freedom in ("xy yaw", plane.AXLE)
 
     @property
+    def scalar_load(self) -> float:
+        """The load as a number in N: of a vector its size."""
+        return math.hypot(*self.load) if isinstance(self.load, tuple) else self.load
+
+    @property
     def along_x(self) -> "Slider":
         """The slider kept to x and without a load, for estimates; itself where it moves along x alone."""
         if not self.planar:
             return self
-        free = {"freedom": "x", "axis": None, "inertia": None, "torque": 0.0, "incline": None}
-        return replace(self, **free, load=0.0, tilt="held")
+        return replace(self, freedom="x", axis=None, inertia=None, torque=0.0, incline=None, load=0.0, tilt="held")
 
     @property
     def static_coefficient(self) -> float:

@@ -12,6 +12,7 @@ from studies.record.point import Point
 from studies.record.status import Status
 from studies.record.values import Columns
 from studies.solve.bursts import STEADY_METHODS, followed_burst, method_of
+from studies.solve.crest_pressure import contact_load
 from studies.solve.event_counts import burst_events, burst_values, steady_events
 from studies.solve.face_motion import face_point
 from studies.solve.loaded_wave import wave_point, wave_tables
@@ -137,20 +138,6 @@ def _nearby(slider, state, steady):
             return steady(orbits).velocity
 
     return velocity
-
-
-def contact_load(slider, orbits: tuple, threshold: float) -> Point:
-    """Return the contact pressure on the highest crest, and the margin of the amplitude below the threshold.
-
-    ``threshold`` is the factor on the orbits at which the slider starts to move; it is infinite if the slider never
-    moves.
-    """
-    load = Point(stick_margin=threshold - 1.0 if math.isfinite(threshold) else None)
-    if slider.preload > 0.0:
-        crests = slider.offsets(len(orbits)) + [abs(orbit.normal) for orbit in orbits]
-        deepest = contact.riding_height(slider, orbits) + max(crests)
-        load |= Point(contact_pressure_Pa=float(slider.pressure(deepest)))
-    return load
 
 
 def _summary(driven: Contact) -> tuple[SummaryBlock, float]:

@@ -22,7 +22,7 @@ from studies.record.status import Status
 from studies.scene import Scene
 from studies.scene.plane import AXLE
 from studies.solve.bursts import STEADY_METHODS, method_of
-from studies.solve.contact_at_level import contact_load
+from studies.solve.crest_pressure import contact_load
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import judged

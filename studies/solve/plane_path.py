@@ -8,6 +8,7 @@ where the contacts slip on a surface at rest until the slider stops.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from contact import plane
 from studies.model.plane import turned
 
 STOPPED = 1e-3  # m/s: speed at which a slider that coasts is taken to have stopped, 1 um before it does
+LOOSE, TIGHT = 0.1, 0.02  # tolerances of two integrations over that of the path; their difference is its error
 SAMPLES = 60  # instants of each burst in the record
 LONGEST_COAST = 10.0  # s
 X, Y, YAW, V_X, V_Y, RATE = range(6)
@@ -38,6 +40,18 @@ class Leg:
         return self.state[-1]
 
 
+class _Stop:
+    """The event of a slider that becomes slower than `STOPPED`, at which the integration ends."""
+
+    terminal, direction = True, -1.0
+
+    def __init__(self, speed: Callable[[np.ndarray], float]) -> None:
+        self.speed = speed
+
+    def __call__(self, _: float, state: np.ndarray) -> float:
+        return self.speed(state) - STOPPED
+
+
 @dataclass(frozen=True, kw_only=True)
 class Body:
     """The slider with what its slow motion needs; one of ``share`` equal parts."""
@@ -49,7 +63,7 @@ class Body:
         """Return the motion from a state on a surface; ``coasts``: it ends where the slider stops."""
         loose, tight = (
             self._followed(surface, start, begin, duration, tolerance, coasts=coasts)
-            for tolerance in (self.tolerance, 0.1 * self.tolerance)
+            for tolerance in (LOOSE * self.tolerance, TIGHT * self.tolerance)
         )
         error = float(np.hypot(*(loose.y[:2, -1] - tight.y[:2, -1])))
         inside = tight.t <= tight.t[-1]
@@ -58,10 +72,7 @@ class Body:
     def _followed(self, surface, start, begin: float, duration: float, tolerance: float, *, coasts: bool):
         from scipy.integrate import solve_ivp
 
-        def stops(_, state):
-            return self._speed(state) - STOPPED
-
-        stops.terminal, stops.direction = True, -1.0
+        stops = _Stop(self._speed)
         speed, reach = max(self._speed(start), 1e-3), self._reach()
         scale = np.array([1e-4, 1e-4, 1e-4 / reach, speed, speed, speed / reach])
         solution = solve_ivp(
@@ -81,7 +92,7 @@ class Body:
         slider = turned(self.slider, float(state[YAW]))
         waves = surface.at(np.atleast_1d(slider.x) + state[X], np.atleast_1d(slider.y) + state[Y])
         velocity, rate = state[[V_X, V_Y]], float(state[RATE])
-        mean = plane.mean_forces(slider, waves, velocity, rate, tolerance=0.1 * self.tolerance)
+        mean = plane.mean_forces(slider, waves, velocity, rate)
         acceleration, turning = np.zeros(2), 0.0
         if slider.freedom == "axle":  # the torque is about the axle, which holds the centre
             turning = (mean.torque - slider.torque) / slider.inertia

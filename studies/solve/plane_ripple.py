@@ -1,9 +1,9 @@
 """Mean and range of the velocity of a slider in the plane over places within a wavelength, or over a turn of a rotor.
 
 Where waves cross or meet, the velocity depends on the place: a wavelength of travel turns a drive to one side into one
-to the other.  The places are points of a lattice of rank 1 on a square of one wavelength, whose mean is exact for low
-harmonics of x, y, x + y and x - y; those of a rotor are yaw angles at equal steps.  At each the slider is solved as if
-it stayed there.  The error of a mean is the size of the highest harmonics along the sequence of places, which alias.
+to the other.  The places are points of two lattices of rank 1 on a square of one wavelength, whose means are exact for
+low harmonics of x, y, x + y and x - y; those of a rotor are yaw angles at equal steps, twice.  At each the slider is
+solved as if it stayed there.  The difference of both means is the error of the mean of all.
 """
 
 from dataclasses import replace
@@ -17,8 +17,9 @@ from studies.record.point import Point
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor, contact_speed, waves_at
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 
-PLACES, STEP = 23, 5  # of the lattice (k, 5 k)/23: a prime, so that x, y, x + y and x - y take 23 values each
-ANGLES = 23  # of a turn: no part of the pitch of usual rings, so that the phases under the balls differ
+# points (k, step k)/count of each lattice: primes, so that x, y, x + y and x - y take as many values each; of a turn
+# no part of the pitch of usual rings, so that the phases under the balls differ
+LATTICES = ((11, 3), (13, 5))
 
 
 def with_plane_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
@@ -50,7 +51,7 @@ def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnsw
     rates = np.array([state.yaw_rate for state in states])
     speeds = [contact_speed(motor.slider, state.velocity, state.yaw_rate) for state in states]
     reference = contact.speed_scale(float(np.mean(speeds)), motor.waves.peak_speed)
-    errors = [_aliased(each) for each in (along, across, rates)]
+    errors = [_apart(each) for each in (along, across, rates)]
     error = contact_speed(motor.slider, np.array(errors[:2]), errors[2])
     turn = Point(mean_rotation_rpm=PER_MINUTE * float(rates.mean()) if driven.scene.slider.turns else None)
     relative = Point(mean_velocity_relative_error=float(answer.point.relative_error + error / reference))
@@ -63,10 +64,10 @@ def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnsw
     return point | relative | turn
 
 
-def _aliased(values: np.ndarray) -> float:
-    """Return the size of the highest harmonics of values at equal steps of a period."""
-    harmonics = np.abs(np.fft.rfft(values)) / values.size
-    return 2.0 * float(harmonics[-3:].max())
+def _apart(values: np.ndarray) -> float:
+    """Return the difference of the means over both lattices."""
+    first = LATTICES[0][0]
+    return abs(float(values[:first].mean() - values[first:].mean()))
 
 
 def wavelength(driven: Contact) -> float:
@@ -78,12 +79,13 @@ def wavelength(driven: Contact) -> float:
 
 
 def _of_places(motor: PlaneMotor, length: float) -> list:
-    """Return the steady states at the places of a lattice within a wavelength, the centre first."""
-    shifts = [((k / PLACES + 0.5) % 1.0 - 0.5, (STEP * k / PLACES + 0.5) % 1.0 - 0.5) for k in range(PLACES)]
+    """Return the steady states at the places of both lattices within a wavelength."""
+    shares = [(k / count, step * k / count) for count, step in LATTICES for k in range(count)]
+    shifts = [((a + 0.5) % 1.0 - 0.5, (b + 0.5) % 1.0 - 0.5) for a, b in shares]
     return [motor.state(waves_at(motor.surface, motor.slider, (a * length, b * length))) for a, b in shifts]
 
 
 def _of_turn(motor: PlaneMotor) -> list:
     """Return the steady states of a rotor at equal steps of its turn."""
-    bodies = [turned(motor.slider, 2.0 * np.pi * k / ANGLES) for k in range(ANGLES)]
+    bodies = [turned(motor.slider, 2.0 * np.pi * k / count) for count, _ in LATTICES for k in range(count)]
     return [motor.state(slider=each) for each in bodies]

@@ -74,13 +74,13 @@ def waves_of_sources(driven: Contact, tolerance: float) -> dict[str, Any]:
 def _of_source(model: Model, name: str, tolerance: float) -> Mapped:
     """Return the surface motion of one source of a stator per volt, the other sources at 0 V."""
     scene, drive = model.scene, model.scene.drive
-    own = dict(drive.source_frequencies or ())
-    alone = drive.at_frequency(own.get(name, drive.frequency))
+    frequency = dict(drive.source_frequencies or ()).get(name, scene.frequency)
+    alone = drive.at_frequency(frequency)
     alone = replace(alone, sources=tuple((each, size if each == name else 0.0) for each, size in alone.driven.items()))
     solve = fem.one_blas_thread(solved_motion)
     stator = model.alone_with(alone)
     motion = solve(stator, scene.positions, tolerance=SHARE * tolerance, slider=True, missed=True)
-    surface = StatorSurface(center=scene.slider.center, frequencies=(alone.frequency,), motions=(lambda: motion,))
+    surface = StatorSurface(center=scene.slider.center, frequencies=(frequency,), motions=(lambda: motion,))
     return Mapped(surface=surface, wavelength=abs(motion.wave.phase_velocity) / motion.wave.frequency)
 
 

@@ -13,7 +13,7 @@ from studies.model.contact import Contact
 from studies.record.point import Point
 from studies.refusal import SceneError
 from studies.solve.bursts import QUASI_STATIC
-from studies.solve.contact_at_level import contact_load
+from studies.solve.crest_pressure import contact_load
 from studies.solve.electrical import source_power
 from studies.solve.point_answer import PointAnswer
 from studies.solve.ripple import Known, NearbyContact, ripple_point, ripples

@@ -1,0 +1,147 @@
+"""Runs of sliders in the plane on prescribed waves.
+
+Oracle: cases of two independent integrators (event-driven with Radau's collocation, and return mapping with Richardson
+extrapolation), which agree to 3e-8 of the velocity; closed forms; rotations of a whole scene.
+"""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from studies import Scene, run
+from studies.motor import load_line, trajectory
+
+BALL = {
+    "radius": "1 mm", "mass": "0.089 g", "contacts": 1, "preload": "0.87309 mN", "friction_coefficient": 0.08,
+    "effective_modulus": "64 GPa", "tangential_modulus": "12 GPa", "freedom": "xy",
+}  # fmt: skip
+THREE = [["6 mm", 0], ["-3 mm", "5.19615 mm"], ["-3 mm", "-5.19615 mm"]]
+LIMIT = 0.08 * 0.87309e-3  # N: friction coefficient times preload
+EXACT = 2e-7  # m/s: the cases' own error
+
+
+def scene(*sources, level="10 nm", wavelength=None, **slider):
+    wave = {"frequency": "2.2 MHz", "normal_amplitude": level, "tangential_ratio": 0.67, "sources": list(sources)}
+    wave |= {} if wavelength is None else {"wavelength": wavelength}
+    return Scene.from_table("", {"wave": wave, "slider": BALL | slider})
+
+
+def velocity(record):
+    (point,) = record.points
+    return np.array([point.velocity_m_per_s, point.lateral_velocity_m_per_s])
+
+
+@pytest.mark.parametrize(
+    ("sources", "expected"),
+    [
+        ([{}], (0.0683658806, 0.0)),
+        ([{}, {"direction": 90}], (0.0743296047, 0.0743296047)),
+        ([{}, {"direction": 90, "phase": 90}], (0.0202250455, 0.0816736288)),
+        ([{}, {"direction": 90, "phase": -90}], (0.0816736288, 0.0202250455)),
+        ([{}, {"direction": 90, "frequency": "2.3 MHz"}], (0.06470998, 0.06670011)),
+    ],
+    ids=["one", "in phase", "ahead", "behind", "two frequencies"],
+)
+def test_waves_from_two_sides(sources, expected):
+    record = run(scene(*sources), tolerance=1e-3)
+    assert velocity(record) == pytest.approx(expected, abs=EXACT if len(sources) < 3 else 1e-6)
+    assert record.points[0].status == "ok"
+
+
+def test_a_force_across_the_wave_is_answered_by_a_drift():
+    pushed = run(scene({}, load=[0.0, 0.2 * LIMIT]), tolerance=1e-3)
+    assert velocity(pushed) == pytest.approx((0.0681188558, -1.7441887e-3), abs=EXACT)
+    # the drift per degree is the slope of that velocity in the force, which the weight on a slope makes
+    drift = run(scene({}), tolerance=1e-3).points[0].drift_m_per_s_per_deg[1]
+    force = 0.089e-3 * 9.81 * np.pi / 180
+    assert drift == pytest.approx(8.2248723e-5 / (0.01 * LIMIT) * force, rel=1e-3)
+
+
+def test_a_slope_is_a_force():
+    force = 0.089e-3 * 9.81 * np.sin(np.radians(0.5))
+    inclined, pushed = (run(scene({}, **keys)) for keys in ({"incline": [0.5, 0.0]}, {"load": [force, 0.0]}))
+    assert velocity(inclined) == pytest.approx(velocity(pushed), rel=1e-12)
+
+
+def test_a_number_as_load_acts_against_the_motion():
+    free, loaded = (run(scene({}, {"direction": 90, "phase": 90}, **keys)) for keys in ({}, {"load": "5 uN"}))
+    towards = velocity(free) / np.hypot(*velocity(free))
+    pushed = run(scene({}, {"direction": 90, "phase": 90}, load=[float(each) * 5e-6 for each in towards]))
+    assert velocity(loaded) == pytest.approx(velocity(pushed), rel=1e-9)
+    assert velocity(loaded) @ towards < velocity(free) @ towards
+
+
+@pytest.mark.parametrize("angle", [30.0, -117.0])
+def test_a_turned_scene_has_the_turned_answer(angle):
+    plain = run(scene({}, {"direction": 70, "phase": 50}, load=["2 uN", "-1 uN"]))
+    cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turn = np.array([[cos, -sin], [sin, cos]])
+    load = [float(each) for each in turn @ [2e-6, -1e-6]]
+    other = run(scene({"direction": angle}, {"direction": 70 + angle, "phase": 50}, load=load))
+    assert velocity(other) == pytest.approx(turn @ velocity(plain), abs=1e-10)
+
+
+def test_three_balls_on_a_wave_move_as_one_and_do_not_turn():
+    slider = {"contacts": THREE, "freedom": "xy yaw", "mass": "0.267 g", "preload": "2.61927 mN"}
+    (point,) = run(scene({}, wavelength="1 mm", **slider)).points
+    assert point.velocity_m_per_s == pytest.approx(0.0683658806, abs=EXACT)
+    assert point.lateral_velocity_m_per_s == pytest.approx(0.0, abs=1e-9)
+    assert point.rotation_rpm == pytest.approx(0.0, abs=1e-6)
+    assert point.contact_regimes.split() == ["intermittent"] * 3
+
+
+def test_the_place_in_the_pattern_of_two_waves_decides_the_direction():
+    """The mean over places of two waves of equal size lies on the diagonal, by the symmetry x <-> y."""
+    (point,) = run(scene({}, {"direction": 90, "phase": 90}, wavelength="1 mm")).points
+    along, across = point.mean_velocity_m_per_s, point.mean_lateral_velocity_m_per_s
+    assert along == pytest.approx(across, rel=5 * point.mean_velocity_relative_error)
+    assert point.lowest_velocity_m_per_s < 0.0 < point.highest_velocity_m_per_s
+
+
+def test_levels_scale_all_waves():
+    """A level is the amplitude of the first source; the others keep their ratio to it."""
+    waves = {"normal_amplitude": "2 nm"}, {"normal_amplitude": "1 nm", "direction": 90}
+    large = run(scene(*waves, level="10 nm"))
+    same = run(scene({"normal_amplitude": "10 nm"}, {"normal_amplitude": "5 nm", "direction": 90}, level="10 nm"))
+    assert velocity(large) == pytest.approx(velocity(same), rel=1e-12)
+
+
+def test_path_and_coast():
+    """Friction alone stops the slider within v^2/(2 mu g)."""
+    record = trajectory.run(scene({}, {"direction": 90, "frequency": "2.3 MHz"}), duration=0.004, tolerance=3e-2)
+    assert [each.confirmed for each in record.findings] == [True] * 3
+    path = record.panel("path").data
+    assert list(path["x_m"]) == ["wave 1", "wave 2", "wave 1 and wave 2", "coast"]
+    assert path["y_m"]["wave 1"] == pytest.approx(0.0, abs=1e-12)
+    assert record.findings[1].found == pytest.approx(1.0, abs=0.02)
+
+
+def test_stall_curve_of_one_wave():
+    """Along the wave the stall is that of the one-dimensional motor; across it there is none."""
+    import contact
+
+    record = load_line.run(scene({}), points=4, tolerance=1e-3)
+    stall = record.panel("stall").data
+    one = Scene.from_table(
+        "", {"wave": scene({}).to_table()["wave"] | {"sources": []}, "slider": BALL | {"freedom": "x"}}
+    )
+    from studies.study import driven_contact
+
+    driven = driven_contact(one)
+    thrust, _ = contact.blocked_thrust(driven.slider, driven.at(10e-9))
+    assert stall["load_N"][0] == pytest.approx(thrust, rel=1e-4)
+    across = np.argmin(np.abs(np.asarray(stall["angle_rad"]) - np.pi / 2))
+    assert abs(stall["load_N"][across]) < 1e-3 * thrust
+
+
+@pytest.mark.slow
+def test_a_scene_in_x_imports_nothing_of_the_plane():
+    script = (
+        "import sys, studies; studies.run('twente-contact'); "
+        "found = [each for each in sys.modules if 'plane' in each and each not in ('studies.scene.plane',"
+        " 'studies.remarks.plane_effects')]; print(found); sys.exit(bool(found))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
