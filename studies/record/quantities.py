@@ -17,7 +17,7 @@ from studies.refusal import SceneError, nearest
 
 # SI units of keys that the table does not hold, by the ending of a key, of which the first that fits counts
 ENDINGS = {
-    "_rad_per_m": "rad/m", "_rad": "rad",
+    "_rad_per_m": "rad/m", "_rad_per_s": "rad/s", "_rad": "rad", "_N_m": "N m",
     "_m_per_N": "m/N", "_A_per_N": "A/N", "_V_per_N": "V/N",
     "_K_per_s": "K/s",
     "_W_per_V2": "W/V^2", "_A_per_V": "A/V", "_m_per_V": "m/V", "_m_per_s": "m/s", "_per_m": "1/m", "_per_s": "1/s",

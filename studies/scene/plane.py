@@ -97,7 +97,7 @@ def check_scene(scene: Any) -> Refused:
     """Yield what needs a slider that moves in the plane: several prescribed waves, and sources at own frequencies."""
     planar = scene.slider is not None and scene.slider.planar
     if scene.wave is not None and scene.wave.sources and not planar:
-        yield "wave.sources", f"must be absent where the slider moves along x: {_freer()}"
+        yield "wave.sources", f"needs a slider in the plane: {_freer()}"
     if scene.drive is not None and scene.drive.source_frequencies and not planar:
         yield "drive.source_frequencies", f"must be absent where nothing moves in the plane: {_freer()}"
     if planar and scene.source is not None and scene.source.burst is not None:
