@@ -125,13 +125,14 @@ def _off_resonance(record: Record) -> Iterator[str]:
     scene, drive = record.scene, record.scene.drive
     if drive.source_impedance or drive.match != "none":
         return
-    stator, present, driven = model_of(scene).plain, scene.frequency, scene.driven_transducers
+    stator, driven = model_of(scene).plain, scene.driven_transducers
+    own = dict(drive.source_frequencies or ())
     if stator.layers:
         return  # the coupled modes are those of one solid
     plain = (each for each in driven if each.pattern is None and not each.split)
     designs = {(each.wavelength, each.finger_pairs, each.metallisation): each for each in plain}
     for each in designs.values():
-        half_band = 2 / max(each.finger_pairs, 4)
+        half_band, present = 2 / max(each.finger_pairs, 4), own.get(each.name, scene.frequency)
         frequencies = np.append(np.linspace(1 - half_band, 1 + half_band, 801) * present, present)
         transducer = unturned(each, each.wavelength)
         try:
