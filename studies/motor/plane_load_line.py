@@ -13,8 +13,8 @@ import numpy as np
 from contact import plane
 from studies.model.contact import Contact
 from studies.record.plots import curve, finished
+from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
-from studies.report.intermediate import key_axis, si
 from studies.scene.plane import AXLE
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor
 from studies.study import Answered, Panel, judged

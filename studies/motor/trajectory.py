@@ -15,8 +15,8 @@ import numpy as np
 
 from studies.model.plane import rotated
 from studies.record.plots import COLOURS, curve, family, finished
+from studies.record.prefixes import si
 from studies.record.quantities import quantity
-from studies.report.intermediate import si
 from studies.scene import Scene
 from studies.solve.plane_answer import PlaneMotor, waves_at
 from studies.solve.plane_path import LONGEST_COAST, RATE, STOPPED, V_X, V_Y, YAW, Body, Leg, X, Y, at_rest
