@@ -14,12 +14,12 @@ from functools import cached_property, lru_cache
 from typing import Any, Self
 
 import contact
+from studies.model.contacts_of import contacts_of
 from studies.model.model import Model
 from studies.record import Record
 from studies.record.point import Point
 from studies.scene import Scene
 from studies.scene.drive import Wave
-from studies.scene.friction import Friction, LawText
 from studies.scene.slider import Slider
 
 
@@ -49,31 +49,7 @@ def contact_slider(slider: Slider):
     if slider.planar:
         key = "freedom" if slider.axis is None else "axis"
         slider.refuse(key, "must be absent here: this answer is that of a slider that moves along x alone")
-    if slider.pillars is not None:
-        from studies.model.pillars import slider_of
-
-        return slider_of(slider)
-    share = slider.share
-    return contact.Slider(
-        radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share,
-        load=slider.scalar_load / share, friction_coefficient=slider.static_coefficient,
-        effective_modulus=slider.effective_modulus,
-        tangential_modulus=slider.tangential_modulus, law="hysteretic" if slider.remembers else "elastic",
-        reciprocal=slider.reciprocal,
-        stick_band=slider.stick_band, contact_damping=slider.damping.contact,
-        normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
-        shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
-    )  # fmt: skip
-
-
-def _friction(slider: Slider):
-    """Return the ``contact`` object of a friction law other than Coulomb's, None for Coulomb's."""
-    law, mu = slider.law, slider.friction_coefficient
-    if isinstance(law, LawText):
-        return contact.UserLaw(law.name, law.source)
-    if isinstance(mu, Friction):
-        return contact.FallingFriction(**mu.arguments(contact.FallingFriction))
-    return None
+    return contacts_of(slider).slider_of(slider)
 
 
 def _surface(model: Model, orbits: Callable[[], tuple], motion: Callable[[], Any] | Any) -> tuple:

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from studies.model.contacts_of import contacts_of
 from studies.model.model import Model
-from studies.model.pillars import extent
-from studies.scene import Scene
 
 
 class FreeWay(NamedTuple):
@@ -32,23 +31,13 @@ class _Obstacle(NamedTuple):
 
 def free_way(model: Model, clear: float = 0.0) -> FreeWay:
     """Return how far the slider of a resolved scene on a stator can travel; ``clear``: distance from the fingers, m."""
-    balls, low, high = _balls(model.scene), [], []
-    for ball, (x, y) in balls:
+    low, high = [], []
+    for ball, x, y in contacts_of(model.scene.slider).places(model.scene.slider):
         left, right = _ends(_obstacles(model, y, clear), x, model.scene.stator.length)
         low.append((left[0] - x, f"{ball} {left[1]}, at x = {left[0] * 1e3:.6g} mm"))
         high.append((right[0] - x, f"{ball} {right[1]}, at x = {right[0] * 1e3:.6g} mm"))
     (first, at_low), (last, at_high) = max(low), min(high)
     return FreeWay(min(first, 0.0), max(last, 0.0), at_low, at_high)
-
-
-def _balls(scene: Scene) -> list[tuple[str, tuple[float, float]]]:
-    """Return the contacts in words with their positions (x, y) in m; of pillars those at either end."""
-    if scene.on_pillars:
-        return [("a pillar", (x, scene.slider.center[1])) for x in extent(scene.slider)]
-    positions = scene.slider.contact_positions
-    if len(positions) == 1:
-        return [("the contact", positions[0])]
-    return [(f"contact {number}", position) for number, position in enumerate(positions, start=1)]
 
 
 def _ends(obstacles: list[_Obstacle], x: float, length: float) -> tuple[tuple[float, str], tuple[float, str]]:

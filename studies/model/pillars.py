@@ -27,6 +27,7 @@ import contact
 import fem
 from fem.parameters import refuses
 from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
+from studies.model.model import Model
 from studies.model.scene_errors import slider_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -41,7 +42,7 @@ NEIGHBOURS = (0.2, 0.3, 0.4), (1.92, 3.21, 6.96)
 SILICON = "silicon"  # default material of the pillars
 
 
-def resolved_pillars(slider: Slider) -> Slider:
+def resolved(slider: Slider) -> Slider:
     """Return a slider whose pillars have their seed and their own moduli as numbers."""
     block = slider.pillars
     own: dict[str, Any] = {}
@@ -194,9 +195,24 @@ def extent(slider: Slider) -> tuple[float, float]:
     return centre + float((geometry.x - half).min()), centre + float((geometry.x + half).max())
 
 
-def extents(slider: Slider) -> list[tuple[float, float]]:
+def intervals(slider: Slider) -> list[tuple[float, float]]:
     """Return the `extent` as the only interval that the pillars cover."""
     return [extent(slider)]
+
+
+def places(slider: Slider) -> list[tuple[str, float, float]]:
+    """Return the pillars at either end in words, with x and y in m."""
+    return [("a pillar", x, slider.center[1]) for x in extent(slider)]
+
+
+def lines(model: Model, weight: str, moduli: str) -> list[str]:
+    """Return the pillars in words, after the weight of the slider and the moduli of the pair."""
+    slider = model.scene.slider
+    geometry, (k_n, k_t) = layout(slider), stiffnesses(slider)
+    return [
+        f"{weight}, {geometry.x.size} pillars of {geometry.diameter.mean() * 1e6:.4g} um, {moduli}",
+        f"stiffness of a pillar {k_n.mean():.4g} N/m, along the surface {k_t.mean():.4g} N/m",
+    ]
 
 
 def strip_width(slider: Slider) -> float:
@@ -216,7 +232,7 @@ def prescribed_wave(wave: Wave, slider: Slider):
 
 
 @refuses(SceneError)
-def check_pillars(scene: Scene) -> Iterator[Any]:
+def check(scene: Scene) -> Iterator[Any]:
     """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
     slider = scene.slider
     geometry = layout(slider)

@@ -17,6 +17,7 @@ from typing import Any
 
 import fem
 from fem.parameters import refuses
+from studies.model.contacts_of import contacts_of
 from studies.model.fem_objects import layers, stator, unturned
 from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
 from studies.model.model import Model
@@ -110,11 +111,7 @@ def _built(model: Model, spread: bool | None) -> Model:
 
 def resolved_slider(slider: Slider, block: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
-    slider = replace(slider, preload=slider.preload_force)
-    if slider.pillars is not None:
-        from studies.model.pillars import resolved_pillars
-
-        slider = resolved_pillars(slider)
+    slider = contacts_of(slider).resolved(replace(slider, preload=slider.preload_force))
     if slider.ball is None:
         return slider
     from studies.model.contact_moduli import pair_moduli
@@ -262,26 +259,18 @@ def _check_layout(model: Model) -> None:
 
 def check_slider(model: Model) -> None:
     """Refuse a resolved slider that stands where it cannot, or whose burst takes too long to compute."""
-    ends = _ends_of_contacts
-    if model.scene.on_pillars:
-        from studies.model.pillars import check_pillars, extents
-
-        check_pillars(model.scene)
-        ends = extents
-    _refuse_gaps(model, ends)
+    contacts_of(model.scene.slider).check(model.scene)
+    _refuse_gaps(model)
     _refuse_covered(model)
     _refuse_endless_burst(model.scene)
 
 
-def _ends_of_contacts(slider: Slider) -> list[tuple[float, float]]:
-    return [(x, x) for x, _ in slider.contact_positions]
-
-
 @refuses(SceneError)
-def _refuse_gaps(model: Model, ends) -> Iterator[Any]:
+def _refuse_gaps(model: Model) -> Iterator[Any]:
     """Raise a SceneError if a contact lies on a meshed piece where this has no plain surface."""
+    slider = model.scene.slider
     for each in model.pieces:
-        for (low, high), (left, right) in itertools.product(each.gaps, ends(model.scene.slider)):
+        for (low, high), (left, right) in itertools.product(each.gaps, contacts_of(slider).intervals(slider)):
             if left < high and right > low:
                 rule = f"must keep the contacts off {each.name!r} from {low * 1e3:g} to {high * 1e3:g} mm, where it has"
                 got = f"{left * 1e3:g}" + (f" to {right * 1e3:g}" if right > left else "")

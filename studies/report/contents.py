@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterator
 
-from studies.model.contact_moduli import direction_dependence
+from studies.model.contacts_of import contacts_of
 from studies.model.model import model_of
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
@@ -43,21 +43,7 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {si(slider.preload_force, 'N')}"
-        if slider.pillars is not None:
-            from studies.model.pillars import layout, stiffnesses
-
-            geometry, (k_n, k_t) = layout(slider), stiffnesses(slider)
-            lines = [
-                f"{weight}, {geometry.x.size} pillars of {geometry.diameter.mean() * 1e6:.4g} um, {moduli}",
-                f"stiffness of a pillar {k_n.mean():.4g} N/m, along the surface {k_t.mean():.4g} N/m",
-            ]
-            yield "slider", lines
-            return
-        shape = "radius" if slider.shape == "sphere" else f"{slider.shape} radius"
-        lines = [f"{weight}, contacts {len(slider.offsets)}, {shape} {slider.radius * 1e3:g} mm, {moduli}"]
-        if scene.stator is not None and (spread := direction_dependence(model.solid)):
-            lines.append(f"E* and G* are means over the directions in the surface: {spread}")
-        yield "slider", lines
+        yield "slider", contacts_of(slider).lines(model, weight, moduli)
 
 
 def section(block: Stator) -> str:

@@ -306,6 +306,11 @@ class Slider(Block):
         return as_pair(self.position)
 
     @property
+    def stands_on(self) -> str:
+        """Kind of the contacts, "balls" (which may be flat) or "pillars"."""
+        return "balls" if self.pillars is None else "pillars"
+
+    @property
     def contact_positions(self) -> tuple[tuple[float, float], ...]:
         """Different positions (x, y) of the contacts on the stator, m."""
         x, y = self.center

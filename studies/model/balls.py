@@ -1,0 +1,65 @@
+"""From a scene to balls or flat punches, each with its own place; see `contacts_of`."""
+
+import contact
+from studies.model.contact_moduli import direction_dependence
+from studies.model.model import Model
+from studies.scene import Scene
+from studies.scene.friction import Friction, LawText
+from studies.scene.slider import Slider
+
+
+def slider_of(slider: Slider):
+    """Return the ``contact.Slider``; of equal contacts that move alike one of ``slider.share`` equal parts."""
+    share = slider.share
+    return contact.Slider(
+        radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share,
+        load=slider.scalar_load / share, friction_coefficient=slider.static_coefficient,
+        effective_modulus=slider.effective_modulus,
+        tangential_modulus=slider.tangential_modulus, law="hysteretic" if slider.remembers else "elastic",
+        reciprocal=slider.reciprocal,
+        stick_band=slider.stick_band, contact_damping=slider.damping.contact,
+        normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
+        shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
+    )  # fmt: skip
+
+
+def _friction(slider: Slider):
+    """Return the ``contact`` object of a friction law other than Coulomb's, None for Coulomb's."""
+    law, mu = slider.law, slider.friction_coefficient
+    if isinstance(law, LawText):
+        return contact.UserLaw(law.name, law.source)
+    if isinstance(mu, Friction):
+        return contact.FallingFriction(**mu.arguments(contact.FallingFriction))
+    return None
+
+
+def resolved(slider: Slider) -> Slider:
+    """Return the slider: its contacts have no numbers of their own."""
+    return slider
+
+
+def check(scene: Scene) -> None:
+    """Refuse nothing: the blocks of the scene refuse contacts beyond the stator."""
+
+
+def places(slider: Slider) -> list[tuple[str, float, float]]:
+    """Return the contacts in words, with their x and y in m."""
+    positions = slider.contact_positions
+    if len(positions) == 1:
+        return [("the contact", *positions[0])]
+    return [(f"contact {number}", *position) for number, position in enumerate(positions, start=1)]
+
+
+def intervals(slider: Slider) -> list[tuple[float, float]]:
+    """Return the x of each contact, m."""
+    return [(x, x) for x, _ in slider.contact_positions]
+
+
+def lines(model: Model, weight: str, moduli: str) -> list[str]:
+    """Return the contacts in words, after the weight of the slider and the moduli of the pair."""
+    scene, slider = model.scene, model.scene.slider
+    shape = "radius" if slider.shape == "sphere" else f"{slider.shape} radius"
+    told = [f"{weight}, contacts {len(slider.offsets)}, {shape} {slider.radius * 1e3:g} mm, {moduli}"]
+    if scene.stator is not None and (spread := direction_dependence(model.solid)):
+        told.append(f"E* and G* are means over the directions in the surface: {spread}")
+    return told
