@@ -200,12 +200,13 @@ def two_orders_error(difference: float, unseen: float = 0.0) -> float:
     return difference + unseen
 
 
-def shooting_rounding(jacobian: np.ndarray, state: np.ndarray, segments: int) -> float:
-    """Return the rounding error of the velocity of a periodic motion with this Jacobian of the cycle map.
+def shooting_rounding(amplified: np.ndarray, state: np.ndarray, segments: int) -> float:
+    """Return the rounding error of the velocity of a periodic motion.
 
-    The rounding errors of the segments add up like a random walk, and the cycles amplify the sum by 1/(1 - multiplier).
+    The rounding errors of the segments add up like a random walk, and the cycles amplify the sum by 1/(1 - multiplier):
+    `amplified` is the row of the velocity in the inverse of the cycle map's Jacobian less the identity.
     """
-    enlarged = np.abs(np.linalg.inv(jacobian - np.eye(state.size))[2]) @ np.abs(state)
+    enlarged = np.abs(amplified) @ np.abs(state)
     return EPSILON * math.sqrt(max(1, segments)) * float(enlarged)
 
 

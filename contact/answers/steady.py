@@ -42,7 +42,7 @@ from contact.error_estimate import (
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, towards_plus
 from contact.periodic.settling import long_run, mean_from_rest, reached
-from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic
+from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic, quick_periodic
 from contact.problem import scaled
 from contact.slider import Slider
 from contact.wave import PassingWave, Surface, coupling, merged, prescribed, resonance_ratio
@@ -158,7 +158,7 @@ def steady(
     if isinstance(orbits, PassingWave) and method != "exact" and (coupling(slider, orbits) or slider.mass == math.inf):
         return _on_rows(slider, orbits, tolerance, near, begun)
     given, (slider, listed) = slider, prescribed(slider, orbits)
-    solution = _closed(slider, listed) or _searched(*merged(slider, listed), method)
+    solution = _closed(slider, listed) or _searched(*merged(slider, listed), method, tolerance)
     reference = reference_speed(solution.velocity, listed) or 1.0
     near = solution.method == "averaged" and solution.velocity == 0.0
     error = solution.relative_error * reference
@@ -252,6 +252,7 @@ class _Search(NamedTuple):
     slider: Slider
     orbits: Orbits
     method: str
+    tolerance: float
     side: float
     ratio: float  # resonance frequency of the contacts over wave frequency
     mean: _Mean | None  # None if averaging does not apply
@@ -278,6 +279,10 @@ class _Search(NamedTuple):
         """Return a velocity difference divided by the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
+    def within(self, fine, coarse):
+        """Return True if the error of a periodic motion known at two orders is within the tolerance."""
+        return self.relative(_two_orders(fine, coarse) * self.unit, fine.speed * self.unit) <= self.tolerance
+
     def solution(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
         """Return the solution with energies and events from a motion over a number of cycles.
 
@@ -294,11 +299,11 @@ class _Search(NamedTuple):
         )  # fmt: skip
 
 
-def _searched(slider, orbits, method):
+def _searched(slider, orbits, method, tolerance):
     """Return the solution by averaging, shooting or a long run from rest."""
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits.frequency
-    search = _Search(slider, driven, method, side, ratio, *_equilibrium(slider, driven, ratio, method))
+    search = _Search(slider, driven, method, tolerance, side, ratio, *_equilibrium(slider, driven, ratio, method))
     return _averaged(search) if method == "averaged" else first_to_converge(STEADY_METHODS, search)
 
 
@@ -375,15 +380,19 @@ def _periodic_solution(search):
     unit, segments = balance.problem.speed, balance.problem.segments
     if segments > MAX_SEGMENTS:
         raise ConvergenceError("out of reach", f"a cycle takes {segments:.3g} stretches of the motion; raise the mass")
-    fine = fine_periodic(balance)
-    coarse = coarse_periodic(balance, fine)
+    quick = quick_periodic(balance, search.tolerance)
+    if quick is not None and search.within(*quick):
+        fine, coarse = quick
+    else:
+        fine = fine_periodic(balance)
+        coarse = coarse_periodic(balance, fine)
     if not fine.stable:
         raise ConvergenceError(
             "unstable",
             f"the motion that repeats with the wave's period grows by {fine.growth:.6g} per cycle: the slider hops",
         )
     sticks = fine.motion.memory is None and fine.motion.sticks
-    velocity, error = fine.speed * unit, two_orders_error(abs(fine.speed - coarse.speed), fine.unseen_error) * unit
+    velocity, error = fine.speed * unit, _two_orders(fine, coarse) * unit
     # velocity and error of a sticking slider are rounding errors
     velocity, error = (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
     solution = search.solution(
@@ -391,6 +400,11 @@ def _periodic_solution(search):
         height=fine.motion.mean_height(1) * balance.problem.length,
     )  # fmt: skip
     return solution, fine
+
+
+def _two_orders(fine, coarse):
+    """Return the error of the speed of a periodic motion known at two orders, scaled."""
+    return two_orders_error(abs(fine.speed - coarse.speed), fine.unseen_error)
 
 
 def _undamped(slider):

@@ -101,7 +101,7 @@ def contact_history(
     side, driven = towards_plus(listed)
     if stage == "start":
         problem, unseen = rest_problem(slider, driven), 0.0
-        motions = [rest(slider, driven, problem, nodes=n, truncation=e) for n, e in (FINE, COARSE)]
+        motions = [rest(slider, driven, problem, nodes=n, truncation=e) for n, e, *_ in (FINE, COARSE)]
     else:
         motions, unseen = _steady_motions(slider, driven)
         motions = [silence(each) for each in motions] if stage == "after" else motions

@@ -15,11 +15,11 @@ from enum import IntEnum
 
 import numpy as np
 
-from contact.body import Point
+from contact.body import Coordinates, Point, approach_rate, travel
 from contact.codes import Regime, Tangential
 from contact.events.collocation import ROOT_AT_START, SMOOTH
-from contact.events.segment import Index, Plane, normal_force, point_at
-from contact.jit.compiled import compiled, formula
+from contact.events.segment import COMPILED_CONTACTS, SHAPES, At, Index, Plane, normal_force, point_at
+from contact.jit.compiled import compiled, formula, native
 from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip
 from contact.law.protocol import slip_limit, slip_rate
@@ -48,6 +48,25 @@ class Sum(IntEnum):
 # Gauss-Legendre rule on [0, 1]
 GAUSS_POINTS, GAUSS_WEIGHTS = (0.5 * each for each in np.polynomial.legendre.leggauss(20))
 GAUSS_POINTS = GAUSS_POINTS + 0.5
+
+
+def spring_energy(problem, state, approaches):
+    """Return the energy of all tangential springs at phase 0, of a law without memory."""
+    total = np.zeros(1)
+    (_add_compiled if approaches.size >= COMPILED_CONTACTS else _add_springs)(problem, state, approaches, total)
+    return total[0]
+
+
+def _add_springs(problem, state, approaches, total):
+    rate, paths = Coordinates(state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]), problem.paths
+    for i in range(state.regime.size):
+        z_rate, x_rate = approach_rate(paths.normal_sin[i], rate), travel(paths.tangential_sin[i], rate)
+        point = Point(approaches[i], state.deformation[i], z_rate, x_rate)
+        total[0] += spring(contact_parameters(problem, i), state.regime[i], state.sign[i], point)[2]
+    return 0
+
+
+_add_compiled = native("t t f1 f1", SHAPES | {"approaches": "n", "total": "1"})(_add_springs)
 
 
 @compiled

@@ -5,18 +5,19 @@ All quantities are in the units of `contact.problem`.
 
 import copy
 import math
+from functools import lru_cache
 
 import numpy as np
 
-from contact.body import Coordinates, Point, approach, approach_rate, travel
+from contact.body import Coordinates, Point, approach
 from contact.codes import Count, Event, Regime, Status
 from contact.events import event_driven, segment
 from contact.events.collocation import Collocation
-from contact.events.energy import Sum
+from contact.events.energy import Sum, spring_energy
 from contact.events.segment import At, Column, Sample
 from contact.events.transitions import open_regimes
 from contact.exceptions import ConvergenceError
-from contact.law import elastic, hysteretic, normal
+from contact.law import hysteretic, normal
 from contact.problem import Problem, contact_parameters
 from contact.slider import Slider
 
@@ -32,6 +33,16 @@ def rest_state(slider: Slider, problem: Problem) -> np.ndarray:
     """Return the scaled state (z_s, z_s', v, x) of a slider at rest whose contacts are deformed by the load alone."""
     x = math.copysign(1.0, problem.load) * slider.rest_deformations(problem.contacts) / problem.length
     return np.array([-slider.rest_approach(problem.contacts) / problem.length, 0.0, 0.0, *x])
+
+
+@lru_cache(maxsize=64)
+def _whole_cycles(number, mobile, truncation, limit, contacts):
+    """Return the task of whole cycles without samples; a kernel knows the addresses of one that it was given before."""
+    nothing = np.empty((0, contacts, len(Sample)))
+    return event_driven.Task(
+        start=0.0, stop=2.0 * math.pi, number=number, mobile=mobile, tolerance=truncation, limit=limit,
+        at=nothing[:, 0, 0], samples=nothing, stride=0, record=np.empty((0, len(Column))),
+    )  # fmt: skip
 
 
 class Motion:
@@ -107,14 +118,11 @@ class Motion:
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return a sample (`Column`) every `stride` cycles, none for 0."""
-        record = np.empty((number // stride if stride else 0, len(Column)))
-        nothing = np.empty((0, self.regime.size, len(Sample)))
-        whole = 2.0 * np.pi
-        self._travel(event_driven.Task(
-            start=0.0, stop=whole, number=number, mobile=mobile, tolerance=self.truncation, limit=self._limit(whole),
-            at=nothing[:, 0, 0], samples=nothing, stride=stride, record=record,
-        ))  # fmt: skip
-        return record
+        task = _whole_cycles(number, mobile, self.truncation, self._limit(2.0 * math.pi), self.regime.size)
+        if stride:
+            task = task._replace(stride=stride, record=np.empty((number // stride, len(Column))))
+        self._travel(task)
+        return task.record
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
         """Move from one phase to another; return samples (k, contacts, len(`Sample`)) at the k phases `at`."""
@@ -171,17 +179,14 @@ class Motion:
         """
         problem, state = self.problem, self.carried
         height, normal_velocity, speed = state.slider
-        rate, paths = Coordinates(normal_velocity, speed), problem.paths
         approaches = self._approaches(height)
         stored = problem.stiffness * np.sum(problem.factors.stiffness * normal.energy(approaches, problem.normal))
-        for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
-            regime, sign, contact = self.regime[i], self.sign[i], contact_parameters(problem, i)
-            if self.memory is None:
-                z_rate = approach_rate(paths.normal_sin[i], rate)
-                x_rate = travel(paths.tangential_sin[i], rate)
-                stored += elastic.spring(contact, regime, sign, Point(z, x, z_rate, x_rate))[2]
-            else:
-                stored += hysteretic.chain_energy(contact, self.memory, i, regime, sign, z, x)
+        if self.memory is None:
+            stored += spring_energy(problem, state, approaches)
+        else:
+            for i, (z, x) in enumerate(zip(approaches, state.deformation, strict=True)):
+                contact = contact_parameters(problem, i)
+                stored += hysteretic.chain_energy(contact, self.memory, i, self.regime[i], self.sign[i], z, x)
         return np.array([stored, problem.preload * height, 0.5 * (normal_velocity**2 + speed**2)])
 
     def _approaches(self, height):

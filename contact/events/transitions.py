@@ -6,8 +6,8 @@ from contact.body import Coordinates, Point, approach, approach_rate, at_phase, 
 from contact.codes import LAST_GUARD, Event, Guard, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.events.energy import Sum
-from contact.events.segment import Index, Plane, Segment, guards, point_at
-from contact.jit.compiled import compiled
+from contact.events.segment import COMPILED_CONTACTS, SHAPES, At, Index, Plane, Segment, guards, point_at
+from contact.jit.compiled import compiled, native
 from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
 from contact.problem import contact_parameters
@@ -16,13 +16,21 @@ from contact.roots import first_root
 
 def open_regimes(problem, phase, state):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    height, normal_velocity, speed = state.slider
-    q, rate = Coordinates(height, 0.0), Coordinates(normal_velocity, speed)
+    (_open_compiled if state.regime.size >= COMPILED_CONTACTS else _open)(problem, phase, state)
+
+
+def _open(problem, phase, state):
+    q = Coordinates(state.slider[At.POSITION], 0.0)
+    rate = Coordinates(state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY])
     for i in range(state.regime.size):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = approach(problem.paths, i, u_z, q)
         point = Point(z, state.deformation[i], approach_rate(u_z_rate, rate), travel(u_x_rate, rate))
         state.regime[i], state.sign[i], state.deformation[i] = regime_at(contact_parameters(problem, i), point)
+    return 0
+
+
+_open_compiled = native("t f t", SHAPES)(_open)
 
 
 @compiled

@@ -9,6 +9,7 @@ deformations x_i are zero.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,10 +19,15 @@ from contact.error_estimate import shooting_rounding
 from contact.events.collocation import collocation
 from contact.events.energy import Sum
 from contact.events.motion import Motion
+from contact.events.segment import At
 from contact.exceptions import ConvergenceError
 
-# nodes per segment and truncation error of a segment, for an answer and for the estimate of its error
-FINE, COARSE = (16, 1e-12), (10, 1e-8)
+# Nodes per segment, truncation error of a segment, its longest length over that of the problem, and the largest Newton
+# step that ends a search: for an answer and for the estimate of its error. QUICK serves tolerances from QUICK_TOLERANCE
+# on: its two levels differ as those of `burst_methods.ORDERS`. Their velocities were within 8e-11 and 2e-8 of that of
+# FINE for 1 to 300 balls at 3 to 10 nm.
+FINE, COARSE = (16, 1e-12, 1.0, 1e-12), (10, 1e-8, 1.0, 1e-12)
+QUICK, QUICK_TOLERANCE = ((12, 1e-9, 1.0, 1e-10), (8, 1e-5, 0.8, 1e-10)), 1e-8
 # Largest number of cycles to follow before the search if it fails from the averaged equilibrium. It failed at first in
 # 3 of 190 searches for drawn motors; two of these searches ended after 191 and 200 cycles.
 SETTLE = 200
@@ -36,20 +42,48 @@ STEP, FEW_CONTACTS = 1e-7, 8
 FORGOTTEN = 1e-3
 
 
+class CycleJacobian(NamedTuple):
+    """Jacobian J = L R^T of a cycle map of n + 3 quantities, of the rank r of what a cycle remembers.
+
+    Inverse and eigenvalues follow from those of r by r matrices (Woodbury; Golub and Van Loan, *Matrix Computations*,
+    section 2.1.4): (I - L R^T)^-1 = I + L (I - R^T L)^-1 R^T.
+    """
+
+    left: np.ndarray  # (3 + n, r): L
+    right: np.ndarray  # (3 + n, r): R
+
+    @property
+    def growth(self) -> float:
+        """Largest magnitude of the eigenvalues, the Floquet multipliers."""
+        return float(np.max(np.abs(np.linalg.eigvals(self.right.T @ self.left))))
+
+    def newton_step(self, residual: np.ndarray) -> np.ndarray:
+        """Return the solution of (J - I) step = residual; raise `LinAlgError` if there is none."""
+        small = np.eye(self.left.shape[1]) - self.right.T @ self.left
+        return -residual - self.left @ np.linalg.solve(small, self.right.T @ residual)
+
+    def amplification(self, row: int) -> np.ndarray:
+        """Return a row of the inverse of J - I: what a change of each quantity in a cycle makes of one quantity."""
+        small = np.eye(self.left.shape[1]) - self.left.T @ self.right
+        inverse = -self.right @ np.linalg.solve(small, self.left[row])
+        inverse[row] -= 1.0
+        return inverse
+
+
 @dataclass(frozen=True, kw_only=True)
 class Periodic:
     """Periodic motion, in the units of the scaled problem."""
 
     speed: float  # mean of v over the cycle
     state: np.ndarray  # (3 + n,): z_s, z_s', v and the deformations x_i at phase 0
-    jacobian: np.ndarray  # (3 + n, 3 + n): of the cycle map; its eigenvalues are the multipliers
+    jacobian: CycleJacobian  # of the cycle map
     step: float  # size of the last Newton step, an estimate of the distance to the fixed point
     motion: Motion  # after the last cycle, its tally and sums of that cycle
 
     @property
     def growth(self) -> float:
         """Largest magnitude of the Floquet multipliers; the motion is unstable if it exceeds one."""
-        return float(np.max(np.abs(np.linalg.eigvals(self.jacobian))))
+        return self.jacobian.growth
 
     @property
     def stable(self) -> bool:
@@ -59,18 +93,22 @@ class Periodic:
     @property
     def unseen_error(self) -> float:
         """Error of the speed that another collocation order does not show: the last Newton step and rounding."""
-        return self.step + shooting_rounding(self.jacobian, self.state, self.motion.tally[Count.SEGMENTS])
+        amplified = self.jacobian.amplification(At.VELOCITY)
+        return self.step + shooting_rounding(amplified, self.state, self.motion.tally[Count.SEGMENTS])
 
 
 def periodic(
-    balance: Balance, *, nodes: int, truncation: float, near: Periodic | None = None, settle: int = 0
-) -> Periodic:
+    balance: Balance, *, nodes: int, truncation: float, longest: float = 1.0, close: float = 1e-12,
+    near: Periodic | None = None, settle: int = 0,
+) -> Periodic:  # fmt: skip
     """Return the periodic motion at one order of collocation.
 
     Newton's method starts from the averaged equilibrium `balance`, or from the motion `near` if there is one.
-    `truncation` is that of `Motion`. Before the search the full motion is followed for `settle` cycles.
+    `truncation` is that of `Motion`, `longest` the largest length of a segment over that of the problem. The search
+    ends at a step below `close`. Before it the full motion is followed for `settle` cycles.
     """
-    cycle = _CycleMap(balance.problem, nodes, truncation)
+    problem = balance.problem
+    cycle = _CycleMap(problem._replace(longest=longest * problem.longest), nodes, truncation)
     if near is None:
         y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.carried.deformation))
         y[3:] = cycle(y)[3:]  # the averaged deformations are not those of the full motion
@@ -79,8 +117,9 @@ def periodic(
         jacobian = cycle.jacobian(y)
     else:
         y, jacobian = near.state.copy(), near.jacobian
-    y, jacobian, step = _fixed_point(cycle, y, jacobian)
-    size, turn, motion = float(np.max(np.abs(step))), 2.0 * math.pi, cycle.motion
+    y, jacobian, step = _fixed_point(cycle, y, jacobian, close)
+    size, turn, motion = float(np.max(np.abs(step))), 2.0 * math.pi, cycle.finished(y)
+    motion.problem = problem
     if not size < 1e-6:
         raise ConvergenceError(
             "not converged",
@@ -91,20 +130,39 @@ def periodic(
     )
 
 
+def quick_periodic(balance: Balance, tolerance: float) -> tuple[Periodic, Periodic] | None:
+    """Return the periodic motion at both levels QUICK, the finer one first; None if it is not found, or not stable.
+
+    The coarser one is found first, and the finer one from it with the same Jacobian: their multipliers differ by 1e-8.
+    """
+    if balance.motion.memory is not None or tolerance < QUICK_TOLERANCE:
+        return None
+    try:
+        coarse = _at(QUICK[1], balance)
+        fine = _at(QUICK[0], balance, near=coarse)
+    except ConvergenceError:
+        return None
+    return (fine, coarse) if fine.stable else None
+
+
+def _at(level, balance, **options):
+    nodes, truncation, longest, close = level
+    return periodic(balance, nodes=nodes, truncation=truncation, longest=longest, close=close, **options)
+
+
 def fine_periodic(balance: Balance) -> Periodic:
     """Return the periodic motion at the order FINE; after a failed search, some cycles are followed before a second."""
-    nodes, truncation = FINE
     try:
-        return periodic(balance, nodes=nodes, truncation=truncation)
+        return _at(FINE, balance)
     except ConvergenceError:
         # about 30 000 segments at most
         settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
-        return periodic(balance, nodes=nodes, truncation=truncation, settle=settle)
+        return _at(FINE, balance, settle=settle)
 
 
 def coarse_periodic(balance: Balance, fine: Periodic) -> Periodic:
     """Return the same periodic motion at the order COARSE; its difference from the fine one estimates the error."""
-    return periodic(balance, nodes=COARSE[0], truncation=COARSE[1], near=fine)
+    return _at(COARSE, balance, near=fine)
 
 
 class _CycleMap:
@@ -118,7 +176,10 @@ class _CycleMap:
             self.motion = self.base.copy()
         motion = self.motion
         motion.set_state(*y[:3], y[3:])
-        motion.begin()
+        if motion.memory is not None:
+            motion.begin()
+        else:
+            motion.tally[:], motion.sums[:] = 0, 0.0
         motion.turn(1)
         if not np.max(np.abs(motion.state)) < BOUND:
             raise ConvergenceError(
@@ -127,6 +188,14 @@ class _CycleMap:
         if keep:
             self.base = motion
         return motion.state.copy()
+
+    def finished(self, y):
+        """Return the motion after its cycle from the state y, with the energies at the start of that cycle."""
+        if self.motion.memory is None:
+            start = self.motion.copy()
+            start.set_state(*y[:3], y[3:])
+            self.motion.begun = start.energy()
+        return self.motion
 
     def jacobian(self, y):
         """Return the Jacobian by finite differences that move each deformation towards zero.
@@ -142,27 +211,33 @@ class _CycleMap:
         def change(direction):
             return (self(y + STEP * direction, keep=False) - start) / STEP
 
-        columns = np.zeros((y.size, y.size))
         keeps = np.arange(y.size)
         if y.size - 3 > FEW_CONTACTS:
             kept = change(np.where(np.arange(y.size) < 3, 0.0, towards))
             keeps = np.flatnonzero((np.arange(y.size) < 3) | (kept * towards > FORGOTTEN))
+        left, right = [], []
         for k in keeps:
-            columns[:, k] = towards[k] * change(towards[k] * np.eye(y.size)[k])
+            unit = np.zeros(y.size)
+            unit[k] = towards[k]
+            left.append(change(unit))
+            right.append(unit)
         forgets = np.delete(np.arange(y.size), keeps)
         if forgets.size:
-            left, sizes, _ = np.linalg.svd(columns[forgets, :3], full_matrices=False)
-            for shape, size in zip(left.T, sizes, strict=True):
+            shapes, sizes, _ = np.linalg.svd(
+                np.column_stack([towards[k] * left[k][forgets] for k in range(3)]), full_matrices=False
+            )
+            for shape, size in zip(shapes.T, sizes, strict=True):
                 if size > 1e-9 * sizes[0]:
                     direction = np.zeros(y.size)
                     direction[forgets] = shape / np.max(np.abs(shape))
                     derivative = change(direction) * np.max(np.abs(shape))
-                    columns[:, forgets] += np.outer(derivative, shape)
-            columns[np.ix_(forgets, forgets)] = 0.0
-        return columns
+                    derivative[forgets] = 0.0
+                    left.append(derivative)
+                    right.append(direction * np.max(np.abs(shape)))
+        return CycleJacobian(np.column_stack(left), np.column_stack(right))
 
 
-def _fixed_point(cycle, y, jacobian):
+def _fixed_point(cycle, y, jacobian, close):
     """Return (state, Jacobian, last step) of Newton's method for the fixed point of the cycle map."""
     least = math.inf
     for count in range(40):
@@ -170,13 +245,13 @@ def _fixed_point(cycle, y, jacobian):
             jacobian = cycle.jacobian(y)
         residual = y - cycle(y)
         try:
-            step = np.linalg.solve(jacobian - np.eye(y.size), residual)
+            step = jacobian.newton_step(residual)
         except np.linalg.LinAlgError:
             raise ConvergenceError(
                 "not converged", "the cycle map leaves some state as it is, so that no one motion repeats"
             ) from None
         size = float(np.max(np.abs(step)))
-        if size < 1e-12 or (count > 2 and size >= 0.5 * least and least < 1e-10):
+        if size < close or (count > 2 and size >= 0.5 * least and least < 1e-10):
             break
         least = min(least, size)
         # the map is nonlinear far from the fixed point: limit the change of each component to half its size

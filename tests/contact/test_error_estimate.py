@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 
 from contact import error_estimate as estimate
+from contact.periodic.shooting import CycleJacobian
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -58,7 +59,8 @@ def test_the_error_of_batch_means_is_students():
 def test_cycles_amplify_rounding_by_the_multiplier():
     # Closed form: a diagonal cycle map with the multiplier m of the velocity
     jacobian, state = np.diag([0.0, 0.0, 0.99]), np.array([1.0, 1.0, 0.2])
-    assert estimate.shooting_rounding(jacobian, state, 25) == pytest.approx(
+    amplified = CycleJacobian(jacobian, np.eye(3)).amplification(2)
+    assert estimate.shooting_rounding(amplified, state, 25) == pytest.approx(
         2.2e-16 * 5.0 * 0.2 / 0.01, rel=1e-9, abs=0.0
     )
 

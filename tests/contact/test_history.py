@@ -153,7 +153,7 @@ def test_a_history_states_the_error_of_its_velocities(stage):
     assert (history.status, history.answer.message) == ("ok", f"stage {stage}")
     assert 0.0 < history.answer.error < 1e-9
     # the true error, of the same instants at a third order, is no more than twice as much
-    other = contact_history_at(waveforms, asked, (14, 1e-11))
+    other = contact_history_at(waveforms, asked, (14, 1e-11, 1.0, 1e-12))
     assert np.max(np.abs(other - history.slider_velocity)) <= 2.0 * history.answer.error
 
 

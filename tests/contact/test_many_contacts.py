@@ -116,7 +116,8 @@ def test_the_multipliers_of_many_contacts_are_those_of_every_difference(monkeypa
     for few in (shooting.FEW_CONTACTS, 1000):
         monkeypatch.setattr(shooting, "FEW_CONTACTS", few)
         near = shooting.periodic(balance, nodes=16, truncation=1e-12)
-        found.append(np.sort(np.abs(np.linalg.eigvals(near.jacobian)))[-3:])
+        found.append(np.sort(np.abs(np.linalg.eigvals(near.jacobian.left @ near.jacobian.right.T)))[-3:])
+        assert near.growth == pytest.approx(found[-1][-1], rel=1e-12)
     assert found[0] == pytest.approx(found[1], abs=3e-7)
     assert 0.99 < found[1][-1] < 1.0
 
@@ -140,3 +141,23 @@ def test_segments_grow_again_after_a_rough_place():
     found = motion.events()
     assert 60 < found["stretches"] < 150
     assert 20 < found["halvings"] < 0.7 * found["stretches"]
+
+
+# Property: what is compiled from `COMPILED_CONTACTS` on is what Python does for fewer
+def test_regimes_and_energies_of_many_contacts_are_those_of_few(monkeypatch):
+    from contact.answers.burst_methods import rest_problem
+    from contact.events import energy, transitions
+    from contact.events.collocation import collocation
+    from contact.events.motion import Motion
+
+    body, many = motor(2 * FEW), waves(2 * FEW)
+    motion = Motion(rest_problem(body, many), grid=collocation(8), truncation=1e-6)
+    spread, found = np.linspace(-1.5, 1.5, 2 * FEW), []
+    for least in (1, 1000):
+        monkeypatch.setattr(transitions, "COMPILED_CONTACTS", least)
+        monkeypatch.setattr(energy, "COMPILED_CONTACTS", least)
+        motion.set_state(-0.6, 1e-3, 2e-3, spread * motion.problem.limit_slope)
+        found.append((motion.regime.copy(), motion.sign.copy(), motion.state.copy(), motion.energy()))
+    assert len(set(found[0][0])) == 3  # separated, stick and slip
+    for one, other in zip(*found, strict=True):
+        assert one == pytest.approx(other, rel=1e-13)

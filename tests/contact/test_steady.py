@@ -334,6 +334,7 @@ def test_the_method_after_shooting_depends_on_why_shooting_failed(monkeypatch, s
 
         return run
 
+    monkeypatch.setattr("contact.answers.steady.quick_periodic", lambda balance, tolerance: None)
     monkeypatch.setattr("contact.answers.steady.fine_periodic", fails(status))
     monkeypatch.setattr("contact.answers.steady.long_run", fails("long run"))
     if next_method == "averaged":
