@@ -56,14 +56,14 @@ class Work(NamedTuple):
 
     nodes: seg.Nodes
     pattern: Pattern
-    span: many_contacts.Span
+    span: many_contacts.Span | None  # None for few contacts
 
 
 @per_thread
-def work_arrays(contacts: int, nodes: int) -> Work:
-    """Return the work arrays for so many contacts and nodes of a segment."""
+def work_arrays(contacts: int, nodes: int, many: bool) -> Work:
+    """Return the work arrays for so many contacts and nodes of a segment; `many`: with those of `many_contacts`."""
     values = seg.Nodes(np.zeros((len(Index), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes))
-    return Work(values, blank(contacts, nodes), many_contacts.span(contacts, nodes, TALLY))
+    return Work(values, blank(contacts, nodes), many_contacts.span(contacts, nodes, TALLY) if many else None)
 
 
 class Progress(NamedTuple):
@@ -259,31 +259,33 @@ def _attempt(problem, grid, state, work, task, memory, progress):
 
 
 @compiled
-def _next(problem, grid, state, work, task, memory, progress):
+def _next(problem, grid, state, work, task, memory, span, progress):
     """Compute the next segment, with many contacts one that spans their events; return an `Attempt`."""
-    if memory is None and state.regime.size >= many_contacts.MANY:
+    if span is None:
+        return _attempt(problem, grid, state, work, task, memory, progress)
+    else:  # with an `else` numba compiles the branch that is taken, and nothing of the other
         return many_contacts.attempt(problem, grid, state, work, task, memory, progress)
-    return _attempt(problem, grid, state, work, task, memory, progress)
 
 
 @compiled
-def _accept(problem, grid, state, work, task, memory, progress, segment):
+def _accept(problem, grid, state, work, task, memory, span, progress, segment):
     """Add a segment's integrals, take its samples, store it for the next cycle, and move the state to its end.
 
     Return (phase there, number of samples taken so far).
     """
     phase = task.stop if segment.last else progress.phase + segment.length
-    if memory is None and state.regime.size >= many_contacts.MANY:
-        return phase, many_contacts.accept(problem, grid, state, work, task, segment, progress.taken)
-    account(problem, grid, state, work.nodes, segment)
-    taken = _sampled(grid, state, work.nodes, task, segment, progress.taken)
-    store(work.pattern, 1 - progress.old, segment, phase, state, work.nodes)
-    _move_to_end(problem, state, work.nodes, memory)
+    if span is None:
+        account(problem, grid, state, work.nodes, segment)
+        taken = _sampled(grid, state, work.nodes, task, segment, progress.taken)
+        store(work.pattern, 1 - progress.old, segment, phase, state, work.nodes)
+        _move_to_end(problem, state, work.nodes, memory)
+    else:
+        taken = many_contacts.accept(problem, grid, state, work, task, segment, progress.taken)
     return phase, taken
 
 
 @compiled
-def advance(problem, grid, state, work, task, memory, cycle):
+def advance(problem, grid, state, work, task, memory, span, cycle):
     """Move the state from the start to the stop of the task; return the reason for ending.
 
     `work.pattern` stores the segments of two cycles: those of this one are written to the index `cycle % 2`, those of
@@ -309,7 +311,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
         match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
         first = max(first, match + 1)
         progress = Progress(phase, min(length, problem.longest), entered, match, 1 - new, taken)
-        tried = _next(problem, grid, state, work, task, memory, progress)
+        tried = _next(problem, grid, state, work, task, memory, span, progress)
         segment, length = tried.segment, tried.length
         if tried.outcome == Outcome.NOT_CONVERGED or tried.outcome == Outcome.TOO_ROUGH:
             tally[Count.HALVINGS] += 1
@@ -319,7 +321,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
             continue
         if tried.outcome == Outcome.ACCEPTED:
             tally[Count.SEGMENTS] += 1
-            phase, taken = _accept(problem, grid, state, work, task, memory, progress, segment)
+            phase, taken = _accept(problem, grid, state, work, task, memory, span, progress, segment)
             idle, entered, warm = 0, False, True
         else:
             idle += 1
@@ -334,7 +336,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
 
 
 @native(
-    "t t t t t t",
+    "t t t t t t t",
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
         "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n",
@@ -347,16 +349,17 @@ def advance(problem, grid, state, work, task, memory, cycle):
         "memory.growing": "n", "memory.level": "n",
     },
 )  # fmt: skip
-def travel(problem, grid, state, work, task, memory):
+def travel(problem, grid, state, work, task, memory, span):
     """Move the state from one phase to another, or again and again over the same cycle; return the reason for ending.
 
-    `memory` is None for a law without one, and then nothing of the hysteretic law is compiled.
+    `memory` is None for a law without one, and then nothing of the hysteretic law is compiled. `span` is that of the
+    work arrays: a kernel for few contacts does not compile `many_contacts`, one for many nothing else.
     """
     work.pattern.stored[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
     for k in range(task.number):
         before = state.sums[Sum.DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
-        why = advance(problem, grid, state, work, task, memory, k)
+        why = advance(problem, grid, state, work, task, memory, span, k)
         if why != Status.DONE:
             return why
         state.tally[Count.CYCLES] += 1

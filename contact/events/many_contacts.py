@@ -58,14 +58,11 @@ class Span(NamedTuple):
 
 
 def span(contacts: int, nodes: int, tally: int) -> Span:
-    """Return work arrays; without many contacts they are empty."""
-    sums = len(Sum)
-    if contacts < MANY:
-        contacts = nodes = sums = tally = 0
+    """Return work arrays."""
     return Span(
         np.zeros((nodes + 2, nodes)), np.zeros((MOTION, nodes + 2)), np.zeros((2, nodes)), np.zeros(1),
-        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(sums), np.zeros(tally, np.int64),
-        np.zeros(16 * contacts), np.zeros(1, np.int64),
+        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(len(Sum)),
+        np.zeros(tally, np.int64), np.zeros(16 * contacts), np.zeros(1, np.int64),
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from contact.codes import Count, Event, Regime, Status
 from contact.events import event_driven, segment
 from contact.events.collocation import Collocation
 from contact.events.energy import Sum, spring_energy
+from contact.events.many_contacts import MANY
 from contact.events.segment import At, Column, Sample
 from contact.events.transitions import open_regimes
 from contact.exceptions import ConvergenceError
@@ -147,8 +148,9 @@ class Motion:
     def _travel(self, task):
         if self.memory is not None:  # the velocities may have been set anew since the last run
             self.memory.growing[:] = 0
-        work = event_driven.work_arrays(self.regime.size, self.grid.sigma.size)
-        why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
+        many = self.memory is None and self.regime.size >= MANY
+        work = event_driven.work_arrays(self.regime.size, self.grid.sigma.size, many)
+        why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory, work.span)
         if why != Status.DONE:
             raise self._failure(why)
 
