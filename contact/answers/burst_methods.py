@@ -226,14 +226,14 @@ def spot_checked(burst: Burst) -> Result | None:
     """
     if burst.cycles < SPOT_CYCLES or burst.tolerance < SPOT_TOLERANCE:
         return None
-    motion, step = _at_rest(burst, ANSWER), burst.cycles_per_compared_sample
+    motion = _at_rest(burst, ANSWER)
     if motion.memory is not None:  # it is laid out for the nodes of one level
         return None
-    parts = [[step * round(share * burst.cycles / step) for share in part] for part in PARTS]
+    parts = [[round(share * burst.cycles) for share in part] for part in PARTS]
     states, records, done = {0: motion.copy()}, [], 0
     try:
         for stop in sorted({burst.cycles, *(stop for part in parts for stop in part)} - {0}):
-            records.append(motion.turn(stop - done, stride=step))
+            records.append(motion.turn(stop - done, stride=1))  # so that samples do not change the motion
             states[stop], done = motion.copy(), stop
         errors = [
             _apart(burst, _at_rest(burst, CHECK) if start == 0 else _continued(burst, states[start], CHECK),
@@ -250,9 +250,9 @@ def spot_checked(burst: Burst) -> Result | None:
     )  # fmt: skip
     if error > burst.allowed(velocity):
         return None
-    every = burst.compared_per_returned_sample
     motion.problem = burst.problem
-    return Result((motion, record[every - 1 :: every]), error, burst.allowed(velocity), motion.events())
+    every = record[burst.stride - 1 :: burst.stride]
+    return Result((motion, every), error, burst.allowed(velocity), motion.events())
 
 
 def _apart(burst, motion, other, cycles):

@@ -7,7 +7,7 @@ from contact.answers import burst_methods
 from contact.error_estimate import reference_speed
 from contact.orbit import towards_plus
 from tests.contact.motors import orbit, slider
-from tests.motors import aimed
+from tests.motors import aimed, around_the_seed
 
 
 def finest(body, orbits, cycles):
@@ -98,6 +98,18 @@ def test_two_exact_runs_that_are_compared_share_neither_nodes_nor_segments():
     for coarse, fine in zip(burst_methods.ORDERS[:-1], burst_methods.ORDERS[1:], strict=True):
         assert coarse[0] != fine[0]
         assert coarse[2] != fine[2]
+
+
+@pytest.mark.parametrize("number", [35, 4])
+def test_a_check_of_a_part_sees_what_becomes_an_error_of_the_velocity_later(number):
+    # 35: every contact sticks, and errors of the deformation turn into errors of the velocity after hundreds of cycles
+    body, orbits, cycles = around_the_seed(number)
+    cycles = min(cycles, 3000)
+    side, driven = towards_plus(orbits)
+    problem = burst_methods.rest_problem(body, driven)
+    found = burst_methods.spot_checked(burst_methods.Burst(body, driven, problem, cycles, cycles, 1e-6, None))
+    true = abs(found.run[0].state[2] * problem.speed - side * finest(body, orbits, cycles)) / problem.speed
+    assert 0.02 * found.error < true < found.error
 
 
 def test_a_fast_method_that_misses_its_tolerance_gives_way_to_the_exact_one():
