@@ -246,7 +246,7 @@ def spot_checked(burst: Burst) -> Result | None:
     record, velocity = np.concatenate(records), float(motion.state[At.VELOCITY])
     error = event_driven_error(
         SPOT_FACTOR * sum(errors) * burst.cycles / checked, truncation=ANSWER[1], reference=burst.reference(velocity),
-        cycles=burst.cycles, segments=burst.problem.segments, moves=np.any(record[:, Column.VELOCITY]),
+        cycles=burst.cycles, segments=burst.problem.segments, moves=bool(np.any(record[:, Column.VELOCITY])),
     )  # fmt: skip
     if error > burst.allowed(velocity):
         return None

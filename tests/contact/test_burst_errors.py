@@ -100,7 +100,7 @@ def test_two_exact_runs_that_are_compared_share_neither_nodes_nor_segments():
         assert coarse[2] != fine[2]
 
 
-@pytest.mark.parametrize("number", [35, 4])
+@pytest.mark.parametrize("number", [35, 15])
 def test_a_check_of_a_part_sees_what_becomes_an_error_of_the_velocity_later(number):
     # 35: every contact sticks, and errors of the deformation turn into errors of the velocity after hundreds of cycles
     body, orbits, cycles = around_the_seed(number)
@@ -109,7 +109,7 @@ def test_a_check_of_a_part_sees_what_becomes_an_error_of_the_velocity_later(numb
     problem = burst_methods.rest_problem(body, driven)
     found = burst_methods.spot_checked(burst_methods.Burst(body, driven, problem, cycles, cycles, 1e-6, None))
     true = abs(found.run[0].state[2] * problem.speed - side * finest(body, orbits, cycles)) / problem.speed
-    assert 0.02 * found.error < true < found.error
+    assert 0.02 * found.error < true < 0.3 * found.error  # 0.4 and 0.6 by the velocity alone
 
 
 def test_a_fast_method_that_misses_its_tolerance_gives_way_to_the_exact_one():
