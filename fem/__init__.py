@@ -31,7 +31,7 @@ _PUBLIC = {
         "Bond covers fingers_off_stator Layer one_electrode outer_gaps plane_rule repeated_names Stator Transducer"
     ),
     "layout": "check_beside_pieces check_layout check_plan check_turned LENGTH_UNITS TURNED turned_rules",
-    "analytic.wave_compliance": "bound_compliance spring_shift travelling_compliance wave_compliance",
+    "analytic.wave_compliance": ("bound_compliance film_shift spring_shift travelling_compliance wave_compliance"),
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.layered_wave": (
         "bound_period bound_wave layered_waves LayeredWave principal_wave shorted_velocities shorted_velocity"

@@ -7,7 +7,8 @@ Sources:
 
 - side faces: `fem.surface_beam`;
 - finite aperture: `fem.surface_beam` where it is left out by choice, else `fem.Slowness`, the spectrum of a slit;
-- mass of the electrodes: perturbation theory (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapter 12).
+- mass and stiffness of the electrodes, and a coating: perturbation theory (Auld, Acoustic Fields and Waves in Solids,
+  vol. 2, 1973, chapter 12), `fem.film_shift`.
 """
 
 import math
@@ -39,7 +40,7 @@ NONLINEARITY, LISTED = 5.0, 0.01
 # Velocity of a prescribed wave without a wavelength, m/s: 2100 to 2300 in PZT, 3100 to 4000 in quartz and lithium
 # niobate (the free waves of the scenes rayleigh and lithium-niobate-*)
 USUAL_VELOCITY = 3000.0
-ALUMINIUM, FILM = 2700.0, 100e-9  # density in kg/m3 and thickness in m of the electrodes
+FILM, COATING = 100e-9, "AlN"  # thickness in m of the electrodes and of a coating, and the coating's material
 
 Effects = Iterator[tuple]  # values of the fields of `studies.record.blocks.Effect`
 AMPLITUDE = "u_z"  # the quantity that most effects change: the normal amplitude under the slider
@@ -51,7 +52,7 @@ def stator_effects(record: Record) -> Effects:
     yield from _aperture(record, beam)
     yield from _finger_ends(record, beam)
     yield from vacuum_effect(record)
-    yield from _electrode_mass(record)
+    yield from _electrodes(record)
 
 
 def _left_out_beam(record: Record):
@@ -213,18 +214,23 @@ def amplitude_per_power(record: Record) -> float | None:
     return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave.frequency_Hz)
 
 
-def _electrode_mass(record: Record) -> Effects:
-    constant, wave = amplitude_per_power(record), record.wave
-    if constant is None:
+def _electrodes(record: Record) -> Effects:
+    """Yield the effect of the electrodes' mass and stiffness, and of a hard coating where no layer is given."""
+    stator, frequency = model_of(record.scene).stator, record.wave.frequency_Hz
+    try:
+        metal = fem.film_shift(stator, fem.material("aluminium"), FILM, frequency)
+        coating = fem.film_shift(stator, fem.material(COATING), FILM, frequency)
+    except fem.ConvergenceError:  # no wave is bound, so that none is known to be perturbed
         return
-    omega = 2 * math.pi * wave.frequency_Hz
-    # |u|^2 per power and width
-    motion = constant**2 / wave.frequency_Hz * (1 + wave.surface_ratio**2)
-    slower = -wave.phase_velocity_m_per_s / 4 * ALUMINIUM * FILM * omega**2 * motion
-    # phase accumulated from the middle of the transducer to its end
-    phase = math.pi * record.scene.driven_transducer.finger_pairs * slower
-    how = "first-order perturbation of the velocity under the fingers, over half of the row"
-    yield "mass of 100 nm aluminium on the fingers", AMPLITUDE, phase, how
+    driven = record.scene.driven_transducer
+    if amplitude_per_power(record) is not None:
+        # phase accumulated from the middle of the transducer to its end
+        phase = math.pi * driven.finger_pairs * driven.metallisation * metal
+        how = "first-order perturbation of the velocity under the fingers, over half of the row"
+        yield "mass and stiffness of 100 nm aluminium on the fingers", AMPLITUDE, phase, how
+    if not stator.layers:
+        how = "first-order perturbation by a film of the stiffest usual coating, in proportion to its thickness"
+        yield f"coating of 100 nm {COATING}, if there is one", "the phase velocity", coating, how
 
 
 def surface_strain(record: Record, level: float) -> float:

@@ -26,6 +26,7 @@ from tests.fem.stators import comb, plate, solution, wave_of
 
 # Scalar angular spectrum of the seed's 20 mm aperture: mm from the transducer's centre, amplitude on the axis over that
 # of the section
+ELECTRODES = "mass and stiffness of 100 nm aluminium on the fingers"
 SPECTRUM = {50: 0.855, 60: 0.785, 65: 0.837, 80: 1.060, 100: 1.251, 130: 1.338}
 
 
@@ -125,9 +126,7 @@ def test_loads_are_left_out_where_the_amplitude_is_not_that_of_one_beam(motor):
     several = replace(motor, electrical=motor.electrical | {"sources": {"left": {}, "right": {}}})
     assert "load of the slider on the wave" not in {each["effect"] for each in model_error(several)}
     walls = replace(motor, scene=replace(motor.scene, stator=free))
-    assert not {"load of the slider on the wave", "mass of 100 nm aluminium on the fingers"} & {
-        each["effect"] for each in model_error(walls)
-    }
+    assert not {"load of the slider on the wave", ELECTRODES} & {each["effect"] for each in model_error(walls)}
 
 
 def test_closed_forms_of_the_seed(motor):
@@ -193,13 +192,22 @@ def test_the_permittivity_of_a_tilted_cut_is_that_of_its_principal_axes():
     assert size == pytest.approx(4.0 * 8.8541878e-12 / principal * 2 * (bare - metal) / bare, rel=1e-6)
 
 
-def test_electrode_mass_against_rayleigh_energy(motor):
-    """dv/v = -(v / 4) rho h omega^2 |u|^2 / (P / W), with u_z = C (P / (W f))^(1/2) and C = 1.75e-6 in hard PZT."""
-    omega, wave = 2 * math.pi * 2.2e6, motor.wave
-    motion = (1.75e-6) ** 2 / 2.2e6 * (1 + wave["surface_ratio"] ** 2)
-    expected = -wave["phase_velocity_m_per_s"] / 4 * 2700 * 100e-9 * omega**2 * motion
-    found = effect(motor, "mass of 100 nm aluminium on the fingers")["size"]
-    assert found == pytest.approx(math.pi * 10 * expected, rel=0.25)  # as phase over half of ten pairs
+def test_electrodes_are_the_film_of_the_layered_wave(motor):
+    """Half of ten pairs, half metallised: the velocity with 100 nm of insulating aluminium, from the recursion."""
+    solid = fem_objects.solid(motor.scene.stator)
+    solid = replace(solid, mechanical_quality=math.inf, dielectric_loss=0.0)
+    insulating = replace(fem.material("aluminium"), conducting=False)  # a conductor shorts the surface too
+    film = fem.Layer(solid=insulating, thickness=100e-9)
+    with_film = fem.principal_wave(fem.layered_waves(solid, [film], surface="open", frequency=2.2e6)).velocity
+    shift = with_film / fem.rayleigh(solid, "open").velocity - 1.0
+    assert effect(motor, ELECTRODES)["size"] == pytest.approx(math.pi * 10 * 0.5 * shift, rel=0.02)
+
+
+def test_a_coating_is_told_where_no_layer_is_given(motor):
+    """3.558 h/lambda (layered.md, section 4, with other constants of AlN)."""
+    found = effect(motor, "coating of 100 nm AlN, if there is one")
+    assert found["quantity"] == "the phase velocity"
+    assert found["size"] == pytest.approx(3.56 * 100e-9 / 992e-6, rel=0.05)
 
 
 def test_answer_and_files_hold_them(motor, tmp_path):

@@ -201,3 +201,25 @@ def test_conditions_that_do_not_exist_are_refused(options, words):
 def test_layers_that_cannot_be_are_refused(numbers, words):
     with pytest.raises(fem.InputError, match=words):
         Layer(solid=AlN, **numbers)
+
+
+@pytest.mark.parametrize(
+    ("film", "substrate", "slope"),
+    [(AlN, LN128, 2.393), (SiO2, LN128, -0.0465), (gold, LN128, -7.401), (AlN, PZT8, 3.558)],
+)
+def test_first_order_shift_by_a_film(film, substrate, slope):
+    """layered.md, section 4, whose formula leaves out u_y."""
+    stator = fem.Stator(solid=substrate, length=0.01, thickness=np.inf, ends="absorbing", above="vacuum")
+    wavelength = fem.rayleigh(substrate).velocity / 10e6
+    assert fem.film_shift(stator, film, 1e-4 * wavelength, 10e6) / 1e-4 == pytest.approx(slope, rel=6e-3)
+
+
+def test_first_order_shift_by_a_film_at_an_interface():
+    """Gold between SiO2 and silicon, against the recursion."""
+    metal = fem.Layer(solid=gold, thickness=1e-9)
+    top = fem.Layer(solid=SiO2, thickness=20e-6)
+    free = principal_wave(layered_waves(Si, [top], frequency=10e6)).velocity
+    moved = principal_wave(layered_waves(Si, [metal, top], frequency=10e6)).velocity
+    rest = {"length": 0.01, "thickness": np.inf, "ends": "absorbing", "above": "vacuum"}
+    stator = fem.Stator(solid=Si, layers=(top,), plane=1, **rest)
+    assert fem.film_shift(stator, metal.solid, 1e-9, 10e6) == pytest.approx(moved / free - 1.0, rel=0.03)
