@@ -190,7 +190,8 @@ def film_shift(stator: Stator, film: Solid, thickness: float, frequency: float) 
 
     (Auld, *Acoustic Fields and Waves in Solids* II (1973), chapter 12). The film's piezoelectricity is left out. Films
     that are much stiffer than the stator change v by up to 5 % less or more than this, and where the terms cancel by
-    20 % (SiO2 on 128YX lithium niobate); `layered_waves` has the whole answer.
+    20 % (SiO2 on 128YX lithium niobate); below layers the tractions are left out, 7 % below 0.05 wavelengths.
+    `layered_waves` has the whole answer.
 
     Parameters
     ----------
