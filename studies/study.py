@@ -176,27 +176,30 @@ Answered = (
 )
 
 
-def driven_contact(
-    scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False, planar: bool | None = False
-) -> Contact:
-    """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
-
-    ``tolerance``: of the slider velocity there, which sets the discretisation of the stator.  ``pillars``: True if the
-    study takes sliders on pillars; ``planar``: True if it takes those that move in the plane alone, None if it takes
-    both.
+def driven_contact(scene: str | Scene, *, tolerance: float = 1e-3, planar: bool | None = False) -> Contact:
+    """Return the contact of a scene with a slider on balls; the arguments are those of `contact_of_study`.
 
     Examples
     --------
     >>> driven_contact("twente-contact").scene.named(1e-8)
     '10 nm'
     """
+    scene = Scene.load(scene)
+    known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
+    scene.refuse_pillars(f"are not supported by this study: {known}")
+    return contact_of_study(scene, tolerance=tolerance, planar=planar)
+
+
+def contact_of_study(scene: str | Scene, *, tolerance: float = 1e-3, planar: bool | None = False) -> Contact:
+    """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
+
+    ``tolerance``: of the slider velocity there, which sets the discretisation of the stator.  ``planar``: True if the
+    study takes sliders that move in the plane alone, None if it takes both.
+    """
     model = build(Scene.load(scene))
     resolved_scene = model.scene
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
-    if not pillars:
-        known = "run, sweep, fit, design, datasheet, load_line and sensitivity take them"
-        resolved_scene.refuse_pillars(f"are not supported by this study: {known}")
     if planar is not None and resolved_scene.planar is not planar:
         _refuse_freedom(resolved_scene)
     if resolved_scene.wave is not None:

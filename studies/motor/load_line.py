@@ -17,7 +17,7 @@ from studies.record.plots import curve, family, finished
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.study import Answered, Panel, driven_contact, judged, of_record, study
+from studies.study import Answered, Panel, contact_of_study, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 
@@ -36,7 +36,7 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
     tolerance : float
         Of the slider velocity.
     """
-    driven = driven_contact(scene, tolerance=tolerance, pillars=True, planar=None)
+    driven = contact_of_study(scene, tolerance=tolerance, planar=None)
     if driven.scene.planar:
         from studies.motor.plane_load_line import plane_load_lines
 

@@ -41,7 +41,7 @@ def face_point(driven: Contact, state, level: float) -> Point:
         return Point()
     weights = np.broadcast_to(driven.slider.contacts(forces.normal.size).weight, forces.normal.shape)
     inertia = driven.moving_slider.mass * (2.0 * np.pi * frequency) ** 2
-    normal, tangential, delay = face_motion(forces, weights, inertia, _feet(driven) if driven.scene.on_pillars else 0.0)
+    normal, tangential, delay = face_motion(forces, weights, inertia, 0.0 if state.loaded is None else _feet(driven))
     point = Point(face_normal_m=normal, face_tangential_m=tangential)
     if normal > 0.0 and tangential > 0.0:
         point |= Point(face_delay_deg=delay)
@@ -88,7 +88,7 @@ def _feet(driven: Contact) -> np.ndarray:
 def _mean_plane(driven: Contact, state, weights: np.ndarray) -> Point:
     """Return the motion of the mean plane between the pillars."""
     rows = state.loaded
-    if rows is None or not driven.scene.on_pillars:
+    if rows is None:
         return Point()
     geometry, wave = pillars.layout(driven.scene.slider), rows.wave
     if geometry.x.size < 2 or wave.wavelength <= 0.0:
