@@ -92,7 +92,7 @@ def _run(scene: Scene, tolerance: float) -> Record:
     else:
         record = replace(free_wave_record(model, tolerance), left_out=left_out(model))
     if model.scene.uncertain is not None:
-        from studies.solve.uncertainty import with_bands
+        from studies.solve.uncertainty import with_bands  # imports scipy.stats, 0.3 s
 
         record = with_bands(record, model.written)
     record = with_model_error(replace(record, heat=record.heat | heated))

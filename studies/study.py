@@ -20,9 +20,12 @@ from studies.model.model import Model
 from studies.model.resolve import build
 from studies.model.scene_errors import as_run_errors
 from studies.record import Record
+from studies.record.files import write_run
+from studies.record.plots import saved
 from studies.record.text import labelled
 from studies.record.values import Columns
 from studies.refusal import SceneError, nearest
+from studies.report.explanation import plan
 from studies.results.content import plain, provenance, write_json
 from studies.runs import run as run_chain
 from studies.scene import Scene
@@ -252,8 +255,6 @@ def expected_seconds(name: str, scene: str | None, options: dict) -> float:
                 return known
     if scene is None or default is None:
         return seconds
-    from studies.report.explanation import plan
-
     own, usual = (plan(Scene.load(each), tolerance=1e-3)["expected"]["seconds"] for each in (scene, default.default))
     return seconds * own / usual
 
@@ -334,8 +335,6 @@ def run_study(
         options["scene"] = scene
     record = study_module.run(**(study_module.QUICK if quick else {}) | options)
     if isinstance(record, Record):
-        from studies.record.files import write_run
-
         write_run(record, folder, field=False)
         return record
     write_json(folder / "study.json", record.to_dict())
@@ -351,8 +350,6 @@ def draw_study(name: str, record: StudyRecord | Record, folder: Path) -> None:
     if hasattr(study_module, "draw"):
         study_module.draw(record, folder)
         return
-    from studies.record.plots import saved
-
     panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():
         saved(folder / f"{file}.png", lambda ax, panel=panel: study_module.figure(panel, ax))

@@ -8,7 +8,7 @@ slowest bulk wave of the half-space are bound; a faster one leaks and is refused
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -339,8 +339,6 @@ def _wave(impedance: LayeredImpedance, velocity: float, index: int, surface: str
 
 def _named(waves: Sequence[LayeredWave]):
     """Yield the waves with names: the sagittal ones are Rayleigh, Sezawa, sagittal 3 and so on."""
-    from dataclasses import replace
-
     counts = {"Love": 0, "Rayleigh": 0}
     for each in waves:
         counts[each.name] += 1

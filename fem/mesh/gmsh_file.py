@@ -1,5 +1,7 @@
 """What a file of gmsh holds, formats 2.2 and 4.1: its elements and the physical groups that they are in."""
 
+import contextlib
+import io
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -37,9 +39,6 @@ class Cells:
 
 def parsed(path: Path, content: bytes):
     """The file as meshio reads it."""
-    import contextlib
-    import io
-
     import meshio
 
     _check_complete(content)

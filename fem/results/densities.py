@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.discretize.spectral import gll_nodes, lagrange
 from fem.materials import Solid
 
 # components of the stress on a face whose normal is x and z, for the velocities along x, y and z (Voigt)
@@ -141,8 +142,6 @@ def upward_slope(values: np.ndarray, order: int, heights: np.ndarray) -> np.ndar
 
     At a node shared by two elements, whose slopes differ by the error of the discretisation, it is their mean.
     """
-    from fem.discretize.spectral import gll_nodes, lagrange
-
     _, slope = lagrange(order, gll_nodes(order))
     parts = [
         np.einsum("ij,xj...->xi...", slope / height, values[:, part * order : (part + 1) * order + 1])

@@ -10,16 +10,22 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+import fem
+from studies.export.averaged_motor import averaged_motor
 from studies.export.exported import Exported
+from studies.export.simulators import tables
 from studies.lab.csv_columns import csv_text
 from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.scan import Scan, scan_csv
 from studies.lab.scan_uff import scan_uff
 from studies.model.fem_objects import free_span
 from studies.model.model import Model
+from studies.record.files import write_run
+from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.refusal import SceneError, refuse_other
 from studies.report.explanation import band_seconds
+from studies.runs import run
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
@@ -114,9 +120,6 @@ def csv_files(scene: Scene, name: str, recording: Recording, *, tolerance: float
         if scene.burst is not None:
             files["burst.csv"] = _trace(scene, recording, encoder, tolerance)
             answer += (("encoder", "burst.csv: position and velocity over time"),)
-        from studies.export.averaged_motor import averaged_motor
-        from studies.export.simulators import tables
-
         motor = averaged_motor(scene, tolerance=tolerance)
         files |= tables(motor)
         forces = ", ".join(file for file in files if file.startswith("mean_"))
@@ -143,8 +146,6 @@ def expected_seconds(scene: Scene, recording: Recording, tolerance: float) -> fl
 
 def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance: float) -> Exported:
     """Return NAME.sNp, the S-parameters of all transducers with two combs, in the scene's order."""
-    import fem
-
     model = passband.driven_model(scene)
     resolved = model.scene
     reference = reference_impedance(50.0 if recording.z0 is None else recording.z0)
@@ -167,9 +168,6 @@ def touchstone_files(scene: Scene, name: str, recording: Recording, *, tolerance
 
 def vtu_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return field.vtu and the surface map of a scene with a driven stator."""
-    from studies.record.files import write_run
-    from studies.runs import run
-
     if not scene.transducer:
         scene.refuse("transducer", "is missing: the field of a driven stator is written")
     alone = replace(scene.with_source(burst=None), uncertain=None, slider=None)
@@ -235,18 +233,16 @@ def _frequencies(model: Model, band: str | None) -> np.ndarray:
 
 def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float) -> str:
     """Return what an encoder records of the scene's burst at its largest level, as CSV; the noise is added last."""
-    from studies.runs import run
-
     level = max(scene.levels)
     _, path = run(scene.at_level(level), tolerance=tolerance).trajectories[0]
     columns = {scene.level_column: np.full(len(path.time), level), quantity.time_s.column: path.time}
-    for seed_offset, head, curve in (
+    for seed_offset, head, values in (
         (1, quantity.position_m.column, travelled_distance(path.time, path.velocity)),
         (0, quantity.velocity_m_per_s.column, path.velocity),
     ):  # fmt: skip
-        columns[head] = recording.noisy(recorded(path.time, curve, path.time, **encoder), seed_offset)
+        columns[head] = recording.noisy(recorded(path.time, values, path.time, **encoder), seed_offset)
     filters = tuple(f"{name} {value:g} {'Hz' if name == 'bandwidth' else 's'}" for name, value in encoder.items())
-    without_start = {head: values[1:] for head, values in columns.items()}
+    without_start = {head: column[1:] for head, column in columns.items()}
     return csv_text(without_start, (scene.title, *filters, *recording.remark))
 
 
@@ -255,8 +251,6 @@ def _scan_answer(scan: Scan, remarks) -> tuple:
 
 
 def _draw(scan: Scan, ax):
-    from studies.record.plots import curve, finished
-
     along = {"frequency": quantity.frequency_Hz, "y": quantity.y_m}.get(scan.kind, quantity.x_m)
     up, sizes = quantity.amplitude_m_per_V, np.abs(scan.values)
     curve(ax, scan.coordinate * along.scale, sizes * up.scale, ".", "slip", "virtual vibrometer", size=2.5)

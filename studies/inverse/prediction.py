@@ -37,10 +37,12 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
 from studies.solve.bursts import followed_burst
+from studies.solve.loaded_wave import wave_velocity
 from studies.solve.predictor import Predictor
 from studies.solve.ripple import Known, NearbyContact, ripples
 from studies.solve.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
 from studies.solve.steady_states import steady_answers
+from studies.solve.wave_ripple import mean_velocity
 
 LOGGER = logging.getLogger(__name__)
 
@@ -193,8 +195,6 @@ class MeasurementPredictor(Predictor):
     def velocities(self, states: list[tuple[Contact, float]]) -> np.ndarray:
         """Return the steady velocity of each contact at a level, m/s; NaN where there is none."""
         if self.one_by_one:
-            from studies.solve.loaded_wave import wave_velocity
-
             return np.array([wave_velocity(driven, level) for driven, level in states])
         answers = steady_answers(states, self.tolerance)
         return as_array(answer.point.velocity_m_per_s for answer in answers)
@@ -205,8 +205,6 @@ class MeasurementPredictor(Predictor):
         if self.prescribed_wave:
             return velocities
         if self.one_by_one:
-            from studies.solve.wave_ripple import mean_velocity
-
             return np.array(
                 [mean_velocity(driven, *each, self.tolerance) for each in zip(levels, velocities, strict=True)]
             )

@@ -60,7 +60,7 @@ def _surface(model: Model, orbits: Callable[[], tuple], motion: Callable[[], Any
     """
     if not model.scene.on_pillars:
         return orbits()
-    from studies.model.slider_wave import passing_wave
+    from studies.model.slider_wave import passing_wave  # as above
 
     return passing_wave(model, motion)
 
@@ -114,7 +114,7 @@ class Contact:
         orbits, misfit = _surface(model, at_contacts, motion)
         amplitudes = abs(first.normal), abs(first.tangential)
         if isinstance(orbits, contact.PassingWave):
-            from studies.model.slider_wave import mean_amplitudes
+            from studies.model.slider_wave import mean_amplitudes  # as above
 
             amplitudes = mean_amplitudes(slider, orbits)
         return cls(

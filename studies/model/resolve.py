@@ -17,6 +17,7 @@ from typing import Any
 
 import fem
 from fem.parameters import refuses
+from studies.model.contact_moduli import pair_moduli
 from studies.model.contacts_of import contacts_of
 from studies.model.fem_objects import layers, stator, unturned
 from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
@@ -114,8 +115,6 @@ def resolved_slider(slider: Slider, block: Stator | Any) -> Slider:
     slider = contacts_of(slider).resolved(replace(slider, preload=slider.preload_force))
     if slider.ball is None:
         return slider
-    from studies.model.contact_moduli import pair_moduli
-
     normal, tangential = pair_moduli(slider.ball, stator(block).solids[-1])
     return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
 

@@ -6,6 +6,7 @@ transducer that increases through slip to intermittent contact. Run time: about 
 """
 
 from studies.record import Record
+from studies.record.run_pictures import velocity
 from studies.runs import run as run_chain
 from studies.scene import Scene
 
@@ -30,6 +31,4 @@ def run(scene: str | Scene = "twente", *, tolerance: float = 1e-3) -> Record:
 
 def figure(record: Record, ax):
     """Draw velocity against voltage, or against amplitude for a scene with a [wave]."""
-    from studies.record.run_pictures import velocity
-
     return velocity(record, ax)

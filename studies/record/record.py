@@ -20,6 +20,7 @@ from studies.record.blocks import (
 )
 from studies.record.point import Point
 from studies.record.quantities import quantity
+from studies.record.text import answer, notebook_table
 from studies.record.values import Columns, Values, as_array
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
@@ -263,7 +264,7 @@ class Record:
         >>> data["velocity_m_per_s"].attrs["units"], data["normal_amplitude_m"].attrs["units"]
         ('m/s', 'm')
         """
-        from studies.record.files import flat, labelled_column
+        from studies.record.files import flat, labelled_column  # imports this module
 
         points = [flat(point) for point in self.points]
         data = {
@@ -291,7 +292,7 @@ class Record:
         -------
         matplotlib Axes
         """
-        from studies.record.run_pictures import pictures
+        from studies.record.run_pictures import pictures  # imports this module
 
         if ax is None:
             from matplotlib import pyplot
@@ -322,8 +323,8 @@ class Record:
         RunError
             If another run writes there, or the disk is full.
         """
-        from studies.record.files import write_run
-        from studies.record.run_pictures import draw_run
+        from studies.record.files import write_run  # imports this module
+        from studies.record.run_pictures import draw_run  # imports this module
 
         with result_directory(folder, Origin(kind="run", name=self.scene.title or "untitled")) as result:
             write_run(self, result.folder, field=field)
@@ -342,14 +343,12 @@ class Record:
         RunError
             If the directory holds no run.
         """
-        from studies.record.files import read_run
+        from studies.record.files import read_run  # imports this module
 
         return cls(**read_run(Path(folder)))
 
     def __str__(self) -> Any:
         """Return what `sawmotor run` prints."""
-        from studies.record.text import answer
-
         return answer(self)
 
     def __repr__(self) -> Any:
@@ -372,6 +371,4 @@ class Record:
 
     def _repr_html_(self) -> str:
         """Return the points as a table for a notebook."""
-        from studies.record.text import notebook_table
-
         return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))

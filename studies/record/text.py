@@ -6,10 +6,12 @@ import io
 import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from typing import TYPE_CHECKING
 
 from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock, UncertaintyBlock
 from studies.record.quantities import quantity
+from studies.record.scan_comparison import scan_comparison
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -127,7 +129,6 @@ def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[
 
 def notebook_table(record: "Record", caption: str) -> str:
     """Return the points as a table in HTML, with a caption above and the warnings below."""
-    from html import escape
 
     def row(kind: str, cells: list[str]) -> str:
         return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
@@ -307,8 +308,6 @@ def comparison(block: dict):
     if not block:
         return
     if "scan" in block:
-        from studies.record.scan_comparison import scan_comparison
-
         yield from scan_comparison(block)
         return
     if "trace" in block:

@@ -7,6 +7,7 @@ condition is true.
 from collections.abc import Iterator
 
 import fem
+from studies.model.contact_moduli import direction_dependence
 from studies.model.model import Model
 from studies.scene import Scene
 from studies.solve.ring_up import RingUp
@@ -143,8 +144,6 @@ def _contact(model: Model) -> Conditions:
     for key, damper in (("contact", "damping in the contact, R_n1"), ("normal", NORMAL), ("tangential", TANGENTIAL)):
         yield getattr(slider.damping, key) == 0, f"{damper}: slider.damping.{key} is zero"
     if scene.stator is not None:
-        from studies.model.contact_moduli import direction_dependence
-
         sizes = direction_dependence(model.solid)
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
         fixed = scene.burst is not None and slider.travel is False

@@ -15,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.record import Record
+from studies.record.run_pictures import draw_run, pictures
 from studies.refusal import RunError
 
 # without searches for cyclic garbage, which take a twentieth of the time and of which this short process has no need
@@ -48,8 +49,6 @@ class Drawing:
     def draw(self, record: Record, folder: Path) -> None:
         """Draw the pictures of a record into a directory; raise an exception of the drawing process here."""
         if self.process is None:
-            from studies.record.run_pictures import draw_run
-
             return draw_run(record, folder)
         request = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
         answer, _ = self.process.communicate(request)
@@ -83,8 +82,6 @@ def serve() -> None:
 
 def _draw(record: Record, folder: Path) -> None:
     """Draw every second picture in a copy of this process, on another core; what the copy cannot draw is drawn here."""
-    from studies.record.run_pictures import draw_run, pictures
-
     names = list(pictures(record))
     halves = names[::2], names[1::2]
     copy = os.fork() if sys.platform == "linux" and halves[1] else None  # other systems' libraries forbid it

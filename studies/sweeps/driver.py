@@ -15,6 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from fem import set_workers
 from studies.record.status import Status
 from studies.refusal import RunError
 from studies.solve.predictor import Predictor
@@ -141,8 +142,6 @@ def solved_points(
     start_time, predictor = time.perf_counter(), _predictor(question)
     before = predictor.stators.seconds
     if threads is not None:
-        from fem import set_workers
-
         set_workers(threads)
         os.environ["SAWMOTOR_THREADS"] = str(threads)
     changes = [dict(zip(question.keys, each, strict=True)) for each in values]
