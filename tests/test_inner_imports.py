@@ -28,6 +28,7 @@ LIBRARIES = {
     "rich": "0.1 s; where progress is shown in a terminal",
     "hashlib": "3 ms of OpenSSL; where a file is written or a mesh read",
 }
+PARTS = {".plane": "of sliders that move in the plane; others start without it"}  # of a module's name
 PLACES = {
     "studies/command/": "a command imports what it runs when it is called: the others start without it",
     "studies/__main__.py": "the same, and a defect is reported even where an import fails",
@@ -47,7 +48,8 @@ def without_reason(text: str, place: str) -> list[str]:
             module = node.module if isinstance(node, ast.ImportFrom) else node.names[0].name
             above = lines[node.lineno - 2].strip() if node.lineno > 1 else ""
             said = "#" in lines[node.lineno - 1] or above.startswith("#")
-            if not (said or module.split(".")[0] in LIBRARIES or place.startswith(tuple(PLACES))):
+            known = module.split(".")[0] in LIBRARIES or any(part in module for part in PARTS)
+            if not (said or known or place.startswith(tuple(PLACES))):
                 found.append(f"{node.lineno}: {module}")
     return sorted(set(found))
 
