@@ -105,8 +105,9 @@ def contact_parameters(problem, i):
 
 @formula
 def full_friction(problem):
-    """Return mu times the preload, the friction of contacts that carry it and all slip."""
-    return problem.friction * problem.preload
+    """Return mu times preload and attraction, the friction of closed contacts that carry the preload and all slip."""
+    pull = problem.stiffness * problem.normal.pull * np.sum(problem.factors.stiffness)
+    return problem.friction * (problem.preload + pull)
 
 
 class SliderNumber(IntEnum):
@@ -167,7 +168,7 @@ def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem
     u_z, u_x = product(orbits.normal, unit), product(orbits.tangential, unit)
     paths = paths_of(u_z, u_x, slider.offsets(len(orbits)) / length)
     factors = ContactFactors(*slider.contact_factors(len(orbits)))
-    problem = in_units(own, length, omega, paths, factors, slider.tangential_law, slider.normal_law)
+    problem = in_units(own, length, omega, paths, factors, slider.tangential_law, slider.profile)
     return _with_longest(
         problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
         load=direction * problem.load, stick_band=slider.stick_band / problem.speed,

@@ -1,5 +1,6 @@
 """Rules of several parameters of a slider together, apart from the solvers: they also check the blocks of a scene."""
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,6 +12,8 @@ class SliderRules(Checks):
 
     law: Any
     shape: str
+    normal_law: Any = None
+    adhesion: Any = None
     stick_band: float
     reciprocal: bool
     special_friction: Any  # what the friction depends on beside the normal force, in words; empty for Coulomb's law
@@ -24,6 +27,8 @@ class SliderRules(Checks):
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
         if self.law == "hysteretic" and self.stick_band > 0:
             yield "stick_band", f"must be 0 with the hysteretic law, got {self.stick_band:g} m/s"
+        if self.law == "hysteretic" and self.normal_law is not None:
+            yield "law", 'must be "elastic" with slider.normal_law: the hysteretic law knows the smooth sphere only'
         plane = getattr(self, "freedom", "x")  # a scene without this key moves along x
         what = self.special_friction or ("" if plane == "x" else f'slider.freedom = "{plane}"')
         if not what:
@@ -35,6 +40,17 @@ class SliderRules(Checks):
             yield "reciprocal", f"must be false with {what}"
         elif self.stick_band > 0:
             yield "stick_band", f"must be 0 with {what}"
+
+    def check_adhesion(self) -> Iterator[tuple[str, str]]:
+        """Require balls at one height with the elastic law where there is adhesion."""
+        if self.adhesion is None:
+            return
+        if self.law == "hysteretic":
+            yield "adhesion", 'has no hysteretic law: choose "elastic"'
+        taken = {"shape": "sphere", "reciprocal": False, "tilt": "held", "backing": "rigid"}
+        for name, only in taken.items():
+            if getattr(self, name) != only:
+                yield name, f"cannot be {json.dumps(getattr(self, name))} where balls attract (slider.adhesion)"
 
     def check_backing(self) -> Iterator[tuple[str, str]]:
         """Require a slider that is held on a soft backing."""
@@ -50,10 +66,32 @@ class SliderRules(Checks):
         where = f'with slider.freedom = "{plane}"'
         if plane != "x" and self.special_friction:
             yield "friction", f"must be a number {where}"
+        for name in ("normal_law", "adhesion") if plane != "x" else ():
+            if getattr(self, name) is not None:
+                yield name, f"must be left out {where}: the contacts are smooth and dry there"
         if plane != "x" and self.backing == "soft":
             yield "backing", f'must be "rigid" {where}'
         if plane != "x" and self.tilt == "pitch":
             yield "tilt", f'must be "held" or "free" {where}'
+
+
+class AdhesionRules(Checks):
+    """Rules of `contact.Adhesion`."""
+
+    model: str
+    work: float | None
+    surface_tension: float | None
+    contact_angle: float
+
+    def check_model(self) -> Iterator[tuple[str, str]]:
+        """Require the numbers of the model, and no others."""
+        wet = self.model == "meniscus"
+        needs, others = ("surface_tension", ("work",)) if wet else ("work", ("surface_tension", "contact_angle"))
+        if getattr(self, needs) is None:
+            yield needs, f'is required and missing: the model is "{self.model}"'
+        for other in others:
+            if getattr(self, other):
+                yield other, f'must be left out: the model is "{self.model}"'
 
 
 class FrictionRules(Checks):

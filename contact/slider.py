@@ -18,9 +18,11 @@ from contact.body import height_under
 from contact.codes import Shape, Tangential
 from contact.exceptions import InputError
 from contact.law import elastic, hysteretic, normal
+from contact.law.adhesion import Adhesion
 from contact.law.falling import FallingFriction
 from contact.law.protocol import Law, slip_limit
-from contact.law.user import Contact, UserLaw, tried, user_law
+from contact.law.table import TabulatedForce
+from contact.law.user import Contact, UserForce, UserLaw, tried, user_law
 from contact.roots import bracketed
 from contact.rules import SliderRules
 
@@ -37,6 +39,7 @@ OWN = {
     "normal_stiffness": ("stiffness", "N/m"), "tangential_stiffness": ("stiffness", "N/m"), "weights": ("weight", ""),
 }  # fmt: skip
 ANY_SIGN = ("x", "y", "heights")
+USER_START, USER_END = 1e-2, 1e3  # of the table of a user's normal law, over the approach of a smooth contact at rest
 SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 
 
@@ -109,6 +112,11 @@ class Slider(SliderRules):
         Viscous dampers R_n2 and R_t on the slider's normal and tangential velocity, N s/m.
     shape : str
         "sphere" (default of contacts with a radius), or "punch": a flat cylindrical projection, such as a pillar.
+    normal_law : TabulatedForce or UserForce, optional
+        Normal force of each contact over its approach from first touch, of a rough surface or of one's own; None means
+        that of the smooth `shape`. A module or the path of a file becomes a `UserForce`.
+    adhesion : Adhesion, optional
+        Attraction of balls in contact; friction does not feel it. The balls must be equal and at one height.
     friction : FallingFriction or UserLaw, optional
         Friction law that depends on more than the normal force; None means Coulomb's law.
     tilt : str
@@ -156,6 +164,8 @@ class Slider(SliderRules):
     heights: Any = ()
     weights: Any = 1.0
     shape: Any = None
+    normal_law: Any = None
+    adhesion: Adhesion | None = None
     friction: FallingFriction | UserLaw | None = None
     tilt: str = "held"
     preload_at: tuple[float, float] = (0.0, 0.0)
@@ -192,6 +202,10 @@ class Slider(SliderRules):
         self._hold_body()
         if self.friction is not None:
             self._check_friction()
+        if self.normal_law is not None:
+            self._check_normal_law()
+        if self.adhesion is not None:
+            self._check_adhesion()
 
     def _set(self, name, value):
         object.__setattr__(self, name, value)
@@ -282,15 +296,64 @@ class Slider(SliderRules):
         else:
             _ = self._tried  # refuses a law that cannot be evaluated
 
+    def _check_normal_law(self):
+        """Raise unless the contacts are of the one kind that a table of their normal force holds for."""
+        if not isinstance(self.normal_law, TabulatedForce):
+            self._set("normal_law", UserForce.of(self.normal_law))
+            if self.radius is None or self.effective_modulus is None:
+                raise InputError("slider.radius", "and effective_modulus are required with a normal law of one's own")
+            _ = self._table
+        elif self.normal_law.shape != self.shape:
+            raise InputError(
+                "slider.normal_law", f'must begin as the shape does, "{self.shape}"', self.normal_law.shape
+            )
+        if np.ptp(self.normal_stiffness) > 0.0:
+            raise InputError("slider.radius", "must be equal for all contacts with a normal law of one's own")
+        if isinstance(self.friction, FallingFriction) and self.friction.high_pressure is not None:
+            rule = "must be left out with a normal law of one's own: it takes the pressure of a smooth contact"
+            raise InputError("slider.friction.high_pressure", rule)
+
+    def _check_adhesion(self):
+        """Raise unless all balls have one radius and one height."""
+        if not isinstance(self.adhesion, Adhesion):
+            raise InputError("slider.adhesion", "must be an Adhesion", self.adhesion)
+        if self.radius is None:
+            raise InputError("slider.radius", "is required with slider.adhesion")
+        if np.ptp(self.radius) > 0.0 or np.ptp(self.normal_stiffness) > 0.0:
+            raise InputError("slider.radius", "must be equal for all contacts with slider.adhesion")
+        if not self.level:
+            raise InputError("slider.heights", "must all be 0 with slider.adhesion, and the curvature too")
+
     @property
     def contact_shape(self) -> int:
         """SPHERE or PUNCH of `contact.law.normal`."""
         return normal.SHAPES.index(self.shape)
 
-    @property
-    def normal_law(self) -> normal.NormalLaw:
+    @cached_property
+    def profile(self) -> normal.NormalLaw:
         """The normal law over the stiffness, in SI units."""
-        return normal.LAWS[self.contact_shape]
+        own, unit = self.normal_law, self.stiffness_unit
+        law = normal.LAWS[self.contact_shape] if own is None else self._table.law(unit)
+        if self.adhesion is None:
+            return law
+        return law._replace(pull=self.adhesion.attraction(float(np.max(self.radius))) / unit)
+
+    @property
+    def _table(self) -> TabulatedForce:
+        """The table of the normal law; of a user's from a hundredth of the smooth approach up to 1000 times it."""
+        if not isinstance(self.normal_law, UserForce):
+            return self.normal_law
+        rest = self.preload / self.stiffness_unit or 1.0
+        smooth = float(normal.approach(rest, normal.LAWS[self.contact_shape]))
+        # a power of 2, so that preloads of a sweep share tables
+        unit = min(2.0 ** round(math.log2(smooth)), 1e-3 * float(np.max(self.radius)))
+        return self.normal_law.table(self._contact, USER_START * unit, USER_END * unit)
+
+    @property
+    def profile_key(self) -> tuple:
+        """What the `profile` is made of: sliders of one key have one law."""
+        own = self.normal_law is None and self.adhesion is None
+        return self.shape, self.normal_law, None if own else (self.stiffness_unit, self.profile.pull)
 
     @cached_property
     def _key(self) -> tuple:
@@ -380,14 +443,14 @@ class Slider(SliderRules):
     def _in_si(self, limit_slope=None):
         """Problem of a contact for the law's functions with lengths in m, times in s and forces divided by K."""
         return SimpleNamespace(
-            length=1.0, omega=1.0, friction=self.static_coefficient, normal=self.normal_law, law=self.tangential_law,
+            length=1.0, omega=1.0, friction=self.static_coefficient, normal=self.profile, law=self.tangential_law,
             limit_slope=self.slope_unit if limit_slope is None else limit_slope,
         )  # fmt: skip
 
     def static_friction(self, contacts: int) -> float:
         """Return the largest tangential force in N that the contacts hold under the preload without a wave."""
         if self.friction is None or not self.tangential_law.bent:
-            return self.static_coefficient * self.preload
+            return self.static_coefficient * (self.preload + self.attraction(contacts))
         return self.sliding_friction(contacts, 0.0)
 
     def sliding_friction(self, contacts: int, speed: float) -> float:
@@ -396,30 +459,42 @@ class Slider(SliderRules):
         return self.stiffness_unit * sum(float(law.sliding(si, each, speed)) for each in z if each > 0.0)
 
     def contact_radius(self, approach):
-        """Return the radius in m of the contact circle at an approach in m, or at one of each contact."""
-        return normal.contact_radius(approach, self.radius, self.contact_shape)
+        """Return the radius in m of the contact circle at an approach in m, or at one of each contact.
+
+        Of a sphere with a normal law of one's own, that of a circle with the same stiffness dP/dz = 2 E a.
+        """
+        if self.normal_law is None or self.shape == "punch":
+            return normal.contact_radius(approach, self.radius, self.contact_shape)
+        rate = normal.slope(np.asarray(approach), self.profile)
+        return self.stiffness_unit * rate / (2.0 * self._pressed_modulus)
 
     def pressure(self, approach):
         """Return the pressure in Pa at an approach in m, or at one of each contact.
 
         It is the maximum pressure of a sphere, 2 E a/(pi R), or the mean pressure of a punch, k_n z/(pi R^2), which is
-        2 E z/(pi R) on a half-space.
+        2 E z/(pi R) on a half-space. With a normal law of one's own it is 3 P/(2 pi a^2) and P/(pi R^2).
         """
         if self.radius is None:
             raise InputError("slider.radius", "is required for the pressure of the contacts")
         z = np.maximum(approach, 0.0)
+        if self.normal_law is not None:
+            radius, share = (self.radius, 1.0) if self.shape == "punch" else (self.contact_radius(z), 1.5)
+            force = self.stiffness_unit * normal.load(z, self.profile)
+            return share * force / (math.pi * np.maximum(radius, 1e-300) ** 2)
         length = z if self.shape == "punch" else self.contact_radius(z)
-        modulus = (
-            self.effective_modulus
-            if isinstance(self.normal_stiffness, Derived | DerivedArray)
-            else (self.normal_stiffness / (2.0 * self.radius))
-        )
-        return 2.0 * modulus * length / (math.pi * self.radius)
+        return 2.0 * self._pressed_modulus * length / (math.pi * self.radius)
+
+    @property
+    def _pressed_modulus(self):
+        """E in Pa of the pressure under a contact; of given stiffnesses that of a punch of the radius."""
+        if isinstance(self.normal_stiffness, Derived | DerivedArray):
+            return self.effective_modulus
+        return self.normal_stiffness / (2.0 * self.radius)
 
     def tangential_force(self, deformation, approach: float):
         """Return Q in N of the elastic law at deformations and an approach in m, limited by friction."""
         friction = self.friction_coefficient * self.normal_stiffness
-        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.normal_law)
+        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.profile)
 
     def _each(self, name: str, contacts: int) -> np.ndarray:
         """Return a value of `OWN` for each of so many contacts."""
@@ -522,9 +597,13 @@ class Slider(SliderRules):
             return f"side at {towards % 360.0:.0f} degrees from the wave's direction"
         return ""
 
+    def attraction(self, contacts: int) -> float:
+        """Return the attraction in N of so many closed contacts."""
+        return self.stiffness_unit * self.profile.pull * float(np.sum(self.contact_factors(contacts)[0]))
+
     def approach_under(self, force: float, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
-        law, target = self.normal_law, force / self.stiffness_unit
+        law, target = self.profile, (force + self.attraction(contacts)) / self.stiffness_unit
         if self.even and self.level:
             return float(normal.approach(target / contacts, law))
         heights, (share, _) = self.offsets(contacts), self.contact_factors(contacts)
@@ -569,7 +648,7 @@ class Slider(SliderRules):
             if self.static_friction(contacts) <= self.load:
                 return limits
             return np.minimum(-self.distance_to_rest(0.0 * z, self.load), limits)
-        reduced = max(self.preload - self.load / self.friction_coefficient, 0.0)
+        reduced = max(self.preload - self.load / self.friction_coefficient, -self.attraction(contacts))
         return c * np.minimum(z, self.rest_approach(contacts) - self.approach_under(reduced, contacts))
 
     def distance_to_rest(self, deformations: np.ndarray, load: float) -> float:
@@ -610,7 +689,7 @@ class Slider(SliderRules):
 
     def _spring(self, contacts, ratio):
         """Return the sum of the contacts' normal springs at rest, each times a ratio, N/m."""
-        each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.normal_law)
+        each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.profile)
         return self.stiffness_unit * float(np.sum(self.contact_factors(contacts)[0] * ratio * each))
 
 

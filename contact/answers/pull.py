@@ -53,5 +53,5 @@ def damper_pull(slider: Slider, orbits: Surface) -> tuple[float, float]:
     approach = heights[:, None] + size * np.cos(phase)
     damped = 1.0 - chi * listed.omega * size * np.sin(phase)
     stiffness = slider.contacts(len(listed)).normal_stiffness[:, None]
-    force = stiffness * load(approach, slider.normal_law) * damped
+    force = stiffness * load(approach, slider.profile) * damped
     return min(float(force.min()), 0.0), float(np.max(np.mean(force < 0.0, axis=1)))

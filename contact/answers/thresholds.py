@@ -45,7 +45,7 @@ from contact.choice import Answer
 from contact.error_estimate import averaged_threshold_error, bounds_error
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
-from contact.law.normal import approach
+from contact.law.normal import approach, plain
 from contact.law.user import UserLaw
 from contact.orbit import as_orbits, towards_plus
 from contact.periodic.sticking import least, normal_motion, room_to_stick
@@ -371,10 +371,27 @@ def _factor_at(height, slider, normal):
     K p(f unit) sum <p>, the sum that of the means at lengths over `unit`. Hence f unit is the approach of one contact
     under the force preload / sum <p>.
     """
+    if not plain(slider.profile):
+        return _factor_searched(height, slider, normal)
     unit = max(height, *normal)
-    law, (share, _) = slider.normal_law, slider.contact_factors(len(normal))
+    law, (share, _) = slider.profile, slider.contact_factors(len(normal))
     mean_sum = sum(part * mean_load(height / unit, each / unit, law) for part, each in zip(share, normal, strict=True))
     return float(approach(slider.preload / mean_sum / slider.stiffness_unit, law)) / unit
+
+
+def _factor_searched(height, slider, normal):
+    """Do the work of `_factor_at` where the normal force is not homogeneous; contacts are closed all the time."""
+    law, (share, _) = slider.profile, slider.contact_factors(len(normal))
+
+    def left(factor):
+        loads = (mean_load(factor * height, factor * each, law) for each in normal)
+        carried = slider.stiffness_unit * sum(part * each for part, each in zip(share, loads, strict=True))
+        return carried - slider.preload
+
+    high = slider.rest_approach(len(normal)) / height
+    while left(high) < 0.0:
+        high *= 2.0
+    return bracketed(left, 0.0, high)
 
 
 def _alike(orbits):
@@ -389,7 +406,7 @@ def _holding_margin(slider, orbits, factor):
     It is the smaller of two margins: half the width of the interval of allowed offsets over the slip limit at rest, and
     the distance of the load from the mean tangential forces at the largest and the smallest offsets.
     """
-    mu, law, (share, slopes) = slider.static_coefficient, slider.normal_law, slider.contact_factors(len(orbits))
+    mu, law, (share, slopes) = slider.static_coefficient, slider.profile, slider.contact_factors(len(orbits))
     scaled = orbits.scaled(factor)
     h = riding_height(slider, scaled)
     margin, largest, smallest = math.inf, 0.0, 0.0

@@ -70,7 +70,7 @@ def _sliding(slider):
     """Return mu times the mean elastic normal force of contacts that always slip, N."""
     friction = slider.friction_coefficient * slider.preload
     # the reciprocal force of a slipping contact is proportional to P and carries a part of the preload
-    law = slider.normal_law
+    law = slider.profile
     share = back_load(1.0, 0.0, law) / load(1.0, law)
     back = share * slider.friction_coefficient * slider.slope_unit
     return friction / (1.0 + back) if slider.reciprocal and slider.law == "elastic" else friction
@@ -89,6 +89,8 @@ def _dragged_speed(slider, contacts):
 
 def _dragged(slider, orbits):
     """Return True if the load pulls the slider so fast that no contact can stick."""
+    if slider.profile.pull > 0.0:  # the mean attraction depends on the part of the cycle in contact
+        return False
     if slider.friction is not None:  # the sliding force depends on the wave, so that there is no closed form
         return False
     if slider.reciprocal and np.ptp(slider.limit_slope) > 0.0:  # so does then the reciprocal forces' share of the load

@@ -229,7 +229,7 @@ def _add_piece(problem, path, rule, work, start, width, slip, offset):
         if slip != 0.0 and path.wave.normal_cos.size == 1:
             work.means[Mean.FRICTION] += kappa * width * _loss_at_nodes(problem, path, rule, work.nodes, slip)
         _add_harmonics(problem, path, rule, work, kappa * width)
-    work.means[Mean.NORMAL] += kappa * width * normal_sum
+    work.means[Mean.NORMAL] += kappa * width * (normal_sum - problem.normal.pull)
     work.means[Mean.TANGENTIAL] += kappa * width * tangential_sum
 
 
@@ -308,6 +308,9 @@ def _add_harmonics(problem, path, rule, work, scale):
             for k in range(wave.normal_cos.size):
                 rate += (k + 1) * (wave.normal_sin[k] * cos[k, j] - wave.normal_cos[k] * sin[k, j])
             normal[j] *= 1.0 + problem.contact_damping * rate
+    if problem.normal.pull > 0.0:
+        for j in range(rule.weight.size):
+            normal[j] -= rule.weight[j] * problem.normal.pull
     for k in range(force.normal_cos.size):
         a = b = d = e = 0.0
         for j in range(rule.weight.size):

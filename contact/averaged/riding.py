@@ -16,7 +16,7 @@ from contact.body import Coordinates, approach, circle, normal_amplitude
 from contact.codes import Shape, Tangential
 from contact.jit.compiled import compiled, formula, native, summed
 from contact.law.elastic import coulomb
-from contact.law.normal import NormalLaw, load, slope
+from contact.law.normal import NormalLaw, load, plain, slope
 from contact.law.normal import approach as approach_under
 from contact.problem import Problem, scaled
 from contact.slider import Slider
@@ -74,15 +74,16 @@ def _sums_over_arc(z, a, half, rule, normal):
 
 @compiled
 def _load_means(z, a, rule, normal):
-    """Return the cycle means of p(z + a cos phi) and of its derivative in z."""
+    """Return the cycle means of p(z + a cos phi), less the attraction, and of its derivative in z."""
     if z <= -a:
         return 0.0, 0.0
-    if normal.shape == Shape.PUNCH and normal.smooth:
+    if normal.shape == Shape.PUNCH and plain(normal):
         mean, _, half = punch_means(z, a)
         return mean, half / np.pi
     half = arc(z, a)
     force, rate = _sums_over_arc(z, a, half, rule, normal)
-    return force * half / np.pi, rate * half / np.pi
+    bend = normal.pull / np.sqrt(a * a - z * z) if normal.pull > 0.0 and z < a else 0.0
+    return (force - normal.pull) * half / np.pi, (rate * half - bend) / np.pi
 
 
 @native("f1 f1 t t f2", {"z": "n", "a": "n", "out": "2 n"})
@@ -126,13 +127,16 @@ def mean_normal_force(problem, h, rule):
 def riding(problem, rule):
     """Return the mean approach at which the cycle mean of sum P is the preload.
 
-    The mean load is convex in h, so that Newton's method falls from any h that is too large, until rounding stops it.
+    The mean load of smooth contacts is convex in h, so that Newton's method falls from any h that is too large, until
+    rounding stops it; the others are searched by `_riding_between`.
     """
     paths, target, n = problem.paths, problem.preload, problem.paths.height.size
     least, reach, number = np.inf, 0.0, 0.0
     for i in range(n):
         number += problem.factors.stiffness[i]
         least, reach = min(least, paths.height[i]), max(reach, normal_amplitude(paths, i))
+    if not plain(problem.normal):
+        return _riding_between(problem, rule, least, reach)
     # too large: the mean load is at least that of the mean approach, and no contact is lower than the lowest
     h = approach_under(target / (problem.stiffness * number), problem.normal) - least
     for _ in range(80):
@@ -142,6 +146,53 @@ def riding(problem, rule):
         if step < 1e-15 * (reach + abs(h)):
             break
     return h
+
+
+@compiled
+def _riding_between(problem, rule, least, reach):
+    """Return what `riding` returns, by a search between bounds, of contacts that attract or whose force is not convex.
+
+    With attraction there may be two heights: one with all contacts closed throughout, where a slider from rest stays
+    as long as it exists, and one of a slider that hops.
+    """
+    paths, law = problem.paths, problem.normal
+    number = closed = top = 0.0
+    for i in range(paths.height.size):
+        number += problem.factors.stiffness[i]
+        closed = max(closed, normal_amplitude(paths, i) - paths.height[i])
+        top = max(top, paths.height[i])
+    high = approach_under(problem.preload / (problem.stiffness * number) + law.pull, law) - least + reach
+    low = -reach - top
+    if law.pull > 0.0 and closed < high:
+        if mean_normal_force(problem, closed, rule)[0] <= problem.preload:
+            low = closed
+        else:
+            high = closed
+    h = 0.5 * (low + high)
+    for _ in range(200):
+        force, steepness = mean_normal_force(problem, h, rule)
+        if force > problem.preload:
+            high = h
+        else:
+            low = h
+        new = h - (force - problem.preload) / steepness if steepness > 0.0 else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - h) < 1e-15 * (reach + abs(h)) or high - low < 1e-15 * (reach + abs(h)):
+            return new
+        h = new
+    return h
+
+
+@compiled
+def mean_pull(problem, h):
+    """Return the cycle mean of the attraction of all contacts at constant approach."""
+    total = 0.0
+    for i in range(problem.paths.height.size):
+        a, z = normal_amplitude(problem.paths, i), approach(problem.paths, i, 0.0, Coordinates(-h, 0.0))
+        if z > -a:
+            total += problem.stiffness * problem.factors.stiffness[i] * problem.normal.pull * arc(z, a) / np.pi
+    return total
 
 
 @native("t t f1")

@@ -62,7 +62,7 @@ class RowCycle:
     """
 
     def __init__(self, slider: Slider, wave: PassingWave, loads: bool):
-        self.slider, self.wave, self.normal = slider, wave, slider.normal_law
+        self.slider, self.wave, self.normal = slider, wave, slider.profile
         self.g = wave.compliance_per_width if loads else 0.0
         self._set_classes(slider)
         self.turn = np.exp(-1j * wave.wavenumber * self.row_x)

@@ -238,15 +238,16 @@ def _by_law(sliders, which, averaged):
     """
     laws = [slider.tangential_law for slider in sliders]
     functions = [
-        (law._replace(numbers=None), slider.normal_law, slider.mass == math.inf)
+        (law._replace(numbers=None), slider.profile_key, slider.mass == math.inf)
         for law, slider in zip(laws, sliders, strict=True)
     ]
     for kind in dict.fromkeys(functions):
-        first, same = laws[functions.index(kind)], np.array([other == kind for other in functions])
+        at = functions.index(kind)
+        first, same = laws[at], np.array([other == kind for other in functions])
         numbers = np.array([(law if of_kind else first).numbers for law, of_kind in zip(laws, same, strict=True)])
         members = averaged[same[which[averaged, 0]]]
         if members.size:
-            yield first, numbers, kind[1], members, 0 if kind[2] else HARMONICS
+            yield first, numbers, sliders[at].profile, members, 0 if kind[2] else HARMONICS
 
 
 def _fill_closed(slider, orbits, factor, result):

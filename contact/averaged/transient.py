@@ -15,7 +15,7 @@ import numpy as np
 from contact.averaged.cycle_mean import clear, cycle, respond
 from contact.averaged.cycle_pieces import FORWARD, Counted, Cycle, Mean
 from contact.averaged.equilibrium import force_left, full_slip_speed, settle, work_arrays
-from contact.averaged.riding import Rule, mean_normal_force, riding
+from contact.averaged.riding import Rule, mean_normal_force, mean_pull, riding
 from contact.averaged.runge_kutta import CLASSICAL, Stages, integrate, runge_kutta_step, stages
 from contact.body import Coordinates, body_force, contact_force
 from contact.codes import Status
@@ -57,7 +57,8 @@ def _bounce_rates(bounce, time, y, out):
     h, w = y
     force, _ = mean_normal_force(bounce.problem, h, bounce.rule)
     own = body_force(bounce.problem, Coordinates(-w, 0.0))
-    out[0], out[1] = w, -own.normal - contact_force(bounce.problem, force + bounce.gain[0], w)
+    pull = mean_pull(bounce.problem, h) if bounce.problem.normal.pull > 0.0 else 0.0
+    out[0], out[1] = w, -own.normal - (contact_force(bounce.problem, force + pull + bounce.gain[0], w) - pull)
     return Status.DONE
 
 

@@ -182,7 +182,8 @@ class Motion:
         problem, state = self.problem, self.carried
         height, normal_velocity, speed = state.slider
         approaches = self._approaches(height)
-        stored = problem.stiffness * np.sum(problem.factors.stiffness * normal.energy(approaches, problem.normal))
+        work = normal.energy(approaches, problem.normal) - problem.normal.pull * np.maximum(approaches, 0.0)
+        stored = problem.stiffness * np.sum(problem.factors.stiffness * work)
         if self.memory is None:
             stored += spring_energy(problem, state, approaches)
         else:

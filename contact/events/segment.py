@@ -89,9 +89,10 @@ class Plane(IntEnum):
     U_X_RATE = 3
     Z = 4  # approach
     X = 5  # deformation
-    P = 6  # elastic normal force
+    P = 6  # elastic normal force, without attraction
     Q = 7  # tangential force
-    BACK = 8  # reciprocal normal force dW/dz, W the energy of the tangential spring (`law.elastic.spring`)
+    # reciprocal normal force dW/dz, W the energy of the tangential spring (`law.elastic.spring`), less the attraction
+    BACK = 8
     FRONT = 9  # front of the slip annulus, `law.hysteretic`
     LEVEL = 10  # moment M of the hysteretic memory at the node
 
@@ -242,6 +243,7 @@ def contact_forces(problem, grid, state, nodes, i, memory):
             own[Plane.P, i, j] = own[Plane.Q, i, j] = own[Plane.X, i, j] = 0.0
         return
     for j in range(n):
+        own[Plane.BACK, i, j] = -contact.stiffness * contact.normal.pull
         own[Plane.P, i, j] = contact.stiffness * load(own[Plane.Z, i, j], contact.normal)
     if regime == Regime.SLIP:
         for j in range(n):

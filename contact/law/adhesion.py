@@ -22,8 +22,10 @@ import numpy as np
 from contact import parameter_check
 from contact.exceptions import InputError
 from contact.roots import bracketed
+from contact.rules import AdhesionRules
 
 MODELS = ("DMT", "JKR")
+ADHESIONS = ("DMT", "meniscus")  # of a slider: an attraction that a contact has from first touch to its end
 DISTANCE = 0.3e-9  # m, between the surfaces in contact, of Tabor's number
 NODES = 48  # of a mean over a cycle; the force is smooth there
 
@@ -62,6 +64,47 @@ def meniscus_force(radius: float, surface_tension: float, contact_angle: float =
         rule = "must be from 0 to below pi/2, where the liquid wets the surfaces"
         raise InputError("adhesion.contact_angle", rule, contact_angle, "rad")
     return 4.0 * math.pi * surface_tension * radius * math.cos(contact_angle)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Adhesion(AdhesionRules):
+    """Attraction of the balls of a slider, constant in contact and absent outside.
+
+    The friction limit follows from the elastic part of the normal force alone, so that a slider that keeps contact
+    moves as under a preload that is larger by the attraction.
+
+    Attributes
+    ----------
+    model : str
+        "DMT" (Derjaguin, Muller and Toporov, 2 pi w R) or "meniscus" (4 pi gamma R cos theta).
+    work : float, optional
+        Work of adhesion w, J/m^2, positive; with "DMT".
+    surface_tension : float, optional
+        gamma, N/m, positive; with "meniscus".
+    contact_angle : float
+        theta of the liquid, rad, from 0 to below pi/2; with "meniscus".
+
+    Examples
+    --------
+    >>> round(1e3 * Adhesion(model="DMT", work=0.05).attraction(1e-3), 4)  # mN
+    0.3142
+    """
+
+    model: str
+    work: float | None = None
+    surface_tension: float | None = None
+    contact_angle: float = 0.0
+
+    def __post_init__(self):
+        parameter_check.choice("adhesion.model", self.model, ADHESIONS)
+        self._refuse("adhesion")
+        self.attraction(1.0)
+
+    def attraction(self, radius: float) -> float:
+        """Return the attraction of a ball of a radius in m, N."""
+        if self.surface_tension is not None:
+            return meniscus_force(radius, self.surface_tension, self.contact_angle)
+        return 2.0 * math.pi * parameter_check.positive("adhesion.work", self.work or 0.0, "J/m^2") * radius
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,11 +31,14 @@ class NormalLaw(NamedTuple):
     shape: int  # one of `codes.Shape`: p begins as that of this shape does, as onset z^m
     smooth: int  # 1: p is the power of z throughout
     onset: float
+    pull: float  # attraction of a closed contact over its stiffness; friction does not feel it
     force: Callable  # k p(z) of z >= 0
     slope: Callable
     energy: Callable
     approach: Callable
     scaled: Callable
+    unit_load: Callable
+    table: tuple | None = None  # `law.table.Table`
 
 
 @formula
@@ -72,6 +75,12 @@ def scaled(normal, length):
 def force(stiffness, z, normal):
     """Return P of z >= 0."""
     return normal.force(stiffness, z, normal)
+
+
+@formula
+def unit_load(normal, length):
+    """Return p in SI units of the unit of length of a scaled law."""
+    return normal.unit_load(normal, length)
 
 
 @formula
@@ -113,9 +122,30 @@ def smooth_approach(p, normal):
 
 
 @formula
-def unchanged(normal, length):
-    """Return a power law, which is the same in every unit of length."""
-    return normal
+def smooth_scaled(normal, length):
+    """Return the law of lengths in this unit: p of a sphere or punch is a power of z, the same in every unit."""
+    return with_pull(normal, normal.pull / smooth_force(1.0, length, normal))
+
+
+@formula
+def with_pull(normal, pull):
+    """Return the law with another attraction."""
+    return NormalLaw(
+        normal.shape, normal.smooth, normal.onset, pull, normal.force, normal.slope, normal.energy, normal.approach,
+        normal.scaled, normal.unit_load, normal.table,
+    )  # fmt: skip
+
+
+@formula
+def plain(normal):
+    """Return whether the force is that of a sphere or punch alone: convex, and one power of z."""
+    return normal.smooth == 1 and normal.pull == 0.0
+
+
+@formula
+def smooth_unit_load(normal, length):
+    """Return p of a length in m of a sphere or punch."""
+    return smooth_force(1.0, length, normal)
 
 
 @formula
@@ -134,10 +164,8 @@ def curvature(z, normal):
     return z * z * (slope(z + step, normal) - slope(z - step, normal)) / (4.0 * step * load(z, normal))
 
 
-SPHERE, PUNCH = LAWS = tuple(
-    NormalLaw(int(shape), 1, 1.0, smooth_force, smooth_slope, smooth_energy, smooth_approach, unchanged)
-    for shape in Shape
-)
+_SMOOTH = smooth_force, smooth_slope, smooth_energy, smooth_approach, smooth_scaled, smooth_unit_load
+SPHERE, PUNCH = LAWS = tuple(NormalLaw(int(shape), 1, 1.0, 0.0, *_SMOOTH) for shape in Shape)
 
 
 @formula

@@ -35,7 +35,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -43,8 +43,9 @@ from contact.codes import Tangential
 from contact.exceptions import InputError
 from contact.jit.compiled import callback, formula
 from contact.law import elastic
-from contact.law.normal import LAWS, load
+from contact.law.normal import LAWS, SHAPES, load, unit_load
 from contact.law.protocol import Law, slip_limit
+from contact.law.table import TabulatedForce
 from contact.law.whole_numbers import with_floats
 
 # the arguments of the functions of a file
@@ -81,8 +82,8 @@ class Contact(NamedTuple):
 
 
 @dataclass(frozen=True)
-class UserLaw:
-    """The text of a user's law; see the module's text for what it holds.
+class UserText:
+    """The text of a user's file of Python functions.
 
     Attributes
     ----------
@@ -90,32 +91,14 @@ class UserLaw:
         Of the file.
     source : str
         Its text.
-
-    Examples
-    --------
-    >>> text = "def sliding(approach, normal_force, slip_speed, contact): return 0.1 * normal_force"
-    >>> UserLaw("plain.py", text).functions["sliding"](1e-9, 2.0, 0.0, None)
-    0.2
     """
 
     name: str
     source: str
-
-    def __post_init__(self):
-        for name in RESERVED:
-            if name in self.functions:
-                rule = f"must not define {name}, but {self.name} does: it may have {', '.join(ARGUMENTS)}"
-                raise InputError("slider.law", rule)
-        for name, arguments in ARGUMENTS.items():
-            function = self.functions.get(name)
-            signature = f"{name}({', '.join(arguments)})"
-            if function is None and name == "sliding":
-                raise InputError("slider.law", f"must define {signature}, but {self.name} has none")
-            if function is not None and len(inspect.signature(_plain(function)).parameters) != len(arguments):
-                raise InputError("slider.law", f"must define {signature}, but {self.name} takes other arguments")
+    key: ClassVar[str] = "slider.law"  # of a scene that names the file
 
     @classmethod
-    def of(cls, source: "UserLaw | str | Path | ModuleType") -> "UserLaw":
+    def of(cls, source: "UserText | str | Path | ModuleType") -> Self:
         """Return the law of a file or of a module."""
         if isinstance(source, cls):
             return source
@@ -125,12 +108,41 @@ class UserLaw:
         try:
             return cls(path.name, path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError("slider.law", f"names {path}, which cannot be read: {error}") from None
+            raise InputError(cls.key, f"names {path}, which cannot be read: {error}") from None
 
     @property
     def functions(self) -> dict:
         """The functions of the file by name."""
-        return _functions(self.name, self.source)
+        return _functions(self.name, self.source, self.key)
+
+    def refuse_arguments(self, arguments: dict[str, tuple[str, ...]], required: str) -> None:
+        """Raise an InputError unless the file has the required function, and all with their arguments."""
+        for name, expected in arguments.items():
+            function = self.functions.get(name)
+            signature = f"{name}({', '.join(expected)})"
+            if function is None and name == required:
+                raise InputError(self.key, f"must define {signature}, but {self.name} has none")
+            if function is not None and len(inspect.signature(_plain(function)).parameters) != len(expected):
+                raise InputError(self.key, f"must define {signature}, but {self.name} takes other arguments")
+
+
+@dataclass(frozen=True)
+class UserLaw(UserText):
+    """The text of a user's law; see the module's text for what it holds.
+
+    Examples
+    --------
+    >>> text = "def sliding(approach, normal_force, slip_speed, contact): return 0.1 * normal_force"
+    >>> UserLaw("plain.py", text).functions["sliding"](1e-9, 2.0, 0.0, None)
+    0.2
+    """
+
+    def __post_init__(self):
+        for name in RESERVED:
+            if name in self.functions:
+                rule = f"must not define {name}, but {self.name} does: it may have {', '.join(ARGUMENTS)}"
+                raise InputError("slider.law", rule)
+        self.refuse_arguments(ARGUMENTS, "sliding")
 
     @property
     def floats(self) -> "UserLaw":
@@ -144,13 +156,13 @@ def _plain(function):
 
 
 @lru_cache(64)
-def _functions(name, source):
+def _functions(name, source, key):
     """Return the functions of a text, each one that kernels can call."""
     module = ModuleType(f"law_{_digest(source)}")
     try:
         exec(compile(source, name, "exec"), vars(module))
     except Exception as error:
-        raise InputError("slider.law", f"names {name}, which cannot be run: {type(error).__name__}: {error}") from None
+        raise InputError(key, f"names {name}, which cannot be run: {type(error).__name__}: {error}") from None
     functions = {
         key: formula(each)
         for key, each in vars(module).items()
@@ -158,6 +170,45 @@ def _functions(name, source):
     }
     vars(module).update(functions)
     return functions
+
+
+@dataclass(frozen=True)
+class UserForce(UserText):
+    """The text of a user's normal law: `force(approach, contact)` in N, at approaches in m from first touch.
+
+    It rises from 0, and at first touch as the shape's own does: as z^1.5 of a sphere, as z of a punch. `contact` holds
+    the same numbers as for a `UserLaw`. It is evaluated by Python and tabulated (`law.table`), so that one kernel
+    serves all such laws.
+
+    Examples
+    --------
+    >>> text = "def force(approach, contact): return 3e9 * approach**1.5"
+    >>> UserForce("stiff.py", text).functions["force"](1e-8, None)
+    0.003
+    """
+
+    key: ClassVar[str] = "slider.normal_law"
+
+    def __post_init__(self):
+        self.refuse_arguments({"force": ("approach", "contact")}, "force")
+
+    def table(self, contact: Contact, scale: float, end: float) -> TabulatedForce:
+        """Return the table of a contact; see `TabulatedForce.of`."""
+        return _table(self, contact, scale, end)
+
+
+@lru_cache(64)
+def _table(user, contact, scale, end):
+    function = user.functions["force"]
+
+    def force(approach):
+        try:
+            return float(function(approach, contact))
+        except Exception as error:
+            why = f"names {user.name}, whose force cannot be evaluated: {type(error).__name__}: {error}"
+            raise InputError(user.key, why) from None
+
+    return TabulatedForce.of(force, scale=scale, end=end, shape=SHAPES[int(contact.punch)])
 
 
 @lru_cache(64)
@@ -328,7 +379,7 @@ def _digest(source):
 @formula
 def force_unit(problem):
     """Return the force in N of a scaled force over kappa of 1."""
-    return problem.law.numbers[STIFFNESS] * load(problem.length, problem.normal)
+    return problem.law.numbers[STIFFNESS] * unit_load(problem.normal, problem.length)
 
 
 @formula

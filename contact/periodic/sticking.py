@@ -46,6 +46,7 @@ def normal_motion(problem: Problem, height: float, samples: int) -> NormalMotion
         z = approach(problem.paths, every, u_z, Coordinates(fast - h, 0.0))
         rate = approach_rate(u_z_rate, Coordinates(fast_rate, 0.0))
         normal_force = contact_force(contact, contact.stiffness * load(z, contact.normal), rate).sum(axis=0)
+        normal_force = normal_force - (contact.stiffness * contact.normal.pull).sum()
         rise = float((contact.stiffness * slope(z, contact.normal)).sum(axis=0).mean())
         step = (problem.preload - normal_force.mean()) / rise
         moved, fast_rate = _driven(normal_force, problem.normal_damping)

@@ -73,7 +73,7 @@ def scaled(
     ratio, period, change = common_period(waves.frequencies)
     if not commensurable:
         ratio = waves.frequencies / waves.frequencies.max()
-    stiffness = own.weight * own.normal_stiffness * float(normal.load(length, slider.normal_law)) / force
+    stiffness = own.weight * own.normal_stiffness * float(normal.load(length, slider.profile)) / force
     inverse = np.zeros(4)
     if not heavy:
         inverse[0] = 1.0
@@ -82,7 +82,7 @@ def scaled(
     damping = np.array([slider.normal_damping, *[slider.tangential_damping] * 2, slider.yaw_damping / length**2])
     problem = PlaneProblem(
         friction=float(slider.friction_coefficient), contact_damping=slider.contact_damping * omega * length,
-        normal=normal.scaled(slider.normal_law, length), inverse=inverse,
+        normal=normal.scaled(slider.profile, length), inverse=inverse,
         force=np.array([-slider.preload, -load[0], -load[1], -slider.torque / length]) / force,
         damping=damping / (slider.unit_mass * omega), x=(own.x - about[0]) / length, y=(own.y - about[1]) / length,
         height=own.height / length, stiffness=stiffness, limit_slope=np.array(own.limit_slope, float), ratio=ratio,

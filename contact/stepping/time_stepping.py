@@ -165,6 +165,7 @@ def _release(contact, passage, x, slip):
     if slip == 0.0:  # it must have slipped before
         sign, tangential = _leave_stick(contact, passage, x)
     normal = edges.edge_excess(s, h, first * (1.0 - contact.contact_damping * rate), second, contact.normal)
+    normal += contact.stiffness * contact.normal.pull * h * (s - 0.5)
     if not contact.law.rated:
         tangential += sign * contact.friction * edges.edge_excess(s, h, first, second, contact.normal)
     return 0.0, 0.0, normal, tangential
@@ -210,6 +211,7 @@ def _close(contact, passage):
     sign = 1.0 if drift > 0.0 else -1.0
     first, second = edges.contact_edge(contact, rate, passage.z_bend, h)
     normal = edges.edge_excess(1.0 - s, h, first * (1.0 + contact.contact_damping * rate), second, profile)
+    normal -= contact.stiffness * contact.normal.pull * h * (s - 0.5)
     ratio = min(sign * drift / (c * rate), 1.0)
     (share, steep), turn = edges.closing_share(ratio, profile), 0.0
     if ratio < 1.0:
@@ -297,6 +299,7 @@ def one_step(problem, k, work):
         if z_new > 0.0:
             point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
             normal_force += contact_force(contact, elastic_force(contact.stiffness, z_new, contact.normal), z_rate)
+            normal_force -= contact.stiffness * contact.normal.pull
             tangential_force += _traction(contact, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
@@ -361,6 +364,7 @@ def begin_steps(problem, state, per_cycle, work):
             contact = contact_parameters(problem, i)
             z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(contact, z)
             normal_force += contact_force(contact, elastic_force(contact.stiffness, z, contact.normal), z_rate)
+            normal_force -= contact.stiffness * contact.normal.pull
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
             if x != 0.0:

@@ -37,9 +37,10 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     """
     rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
     scene.refuse_pillars(rule)
-    if scene.slider is not None and scene.slider.heights:
-        rule = "must be absent: the tables of the averaged motor take contacts of one height"
-        scene.refuse("slider.heights", rule)
+    taken = {"heights": "contacts of one height", "normal_law": "smooth contacts", "adhesion": "dry contacts"}
+    for key, what in taken.items():
+        if scene.slider is not None and getattr(scene.slider, key):
+            scene.refuse(f"slider.{key}", f"must be absent: the tables of the averaged motor take {what}")
     driven = driven_contact(scene, tolerance=tolerance)
     if driven.slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"

@@ -44,7 +44,7 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
     """
     size = drive.amplitude
     height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size  # tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) solved for h
-    loads = [contact.mean_load(height, abs(orbit.normal), slider.normal_law) for orbit in drive.orbits]
+    loads = [contact.mean_load(height, abs(orbit.normal), slider.profile) for orbit in drive.orbits]
     preload = slider.normal_stiffness * sum(loads)
     exponent = force_exponent(slider)
     share = sum(loads) / (len(loads) * (height + size) ** exponent)

@@ -1,5 +1,7 @@
 """From a scene to balls or flat punches, each with its own place; see `contacts_of`."""
 
+import math
+
 import contact
 from studies.model.contact_moduli import direction_dependence
 from studies.model.model import Model
@@ -20,7 +22,17 @@ def slider_of(slider: Slider):
         stick_band=slider.stick_band, contact_damping=slider.damping.contact,
         normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
         shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
+        normal_law=slider.normal_law and contact.UserForce(slider.normal_law.name, slider.normal_law.source),
+        adhesion=_adhesion(slider),
     )  # fmt: skip
+
+
+def _adhesion(slider: Slider):
+    """Return the ``contact`` object of an attraction, None for none."""
+    if slider.adhesion is None:
+        return None
+    own = slider.adhesion.arguments(contact.Adhesion)
+    return contact.Adhesion(**own | {"contact_angle": math.radians(slider.adhesion.contact_angle)})
 
 
 def _friction(slider: Slider):

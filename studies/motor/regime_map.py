@@ -50,8 +50,8 @@ def run(
     driven = driven_contact(scene, tolerance=tolerance)
     resolved_scene, slider = driven.scene, driven.slider
     per_metre = driven.at(1.0 / driven.amplitude)  # orbits at an amplitude of 1 m, so that their factors are amplitudes
-    if slider.shape != "sphere" or slider.heights:
-        resolved_scene.refuse("slider", "must stand on balls of equal height for a map of regimes")
+    if slider.shape != "sphere" or slider.heights or slider.normal_law or slider.adhesion:
+        resolved_scene.refuse("slider", "must stand on smooth dry balls of equal height for a map of regimes")
     operating_preload = slider.preload
     refuse_frictionless(resolved_scene)
     share = resolved_scene.slider.share  # contacts that move alike are computed as one, with its part of the preload

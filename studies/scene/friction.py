@@ -56,7 +56,10 @@ class LawText(Block):
 
 
 class LawFile(Rule):
-    """A Python file with a tangential law, read as its source."""
+    """A Python file with a law, read as a block with its source."""
+
+    def __init__(self, text: type[Any] = LawText):
+        self.text = text
 
     expected = 'a file such as "my_law.py", from the scene\'s folder'
 
@@ -66,7 +69,7 @@ class LawFile(Rule):
     def read(self, path: Any, value: Any) -> Any:
         try:
             with open(value, encoding="utf-8") as file:
-                return LawText(name=value.replace("\\", "/").rsplit("/", 1)[-1], source=file.read())
+                return self.text(name=value.replace("\\", "/").rsplit("/", 1)[-1], source=file.read())
         except (OSError, UnicodeDecodeError) as error:
             why = getattr(error, "strerror", None) or "it is no UTF-8 text"
             raise SceneError(path, f"names the file {shown(value)}, which cannot be read: {why}") from None

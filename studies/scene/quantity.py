@@ -33,6 +33,8 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "N m": ("a torque", "1 uN m", {"N m": 0, "mN m": -3, "uN m": -6, "nN m": -9, "N*m": 0}),
     "kg/m^3": ("a density", "7.6 g/cm^3", {"kg/m^3": 0, "g/cm^3": 3}),
     "1/m": ("a curvature", "0.01 1/m", {"1/m": 0, "1/mm": 3}),
+    "J/m^2": ("a work of adhesion", "0.05 J/m^2", {"J/m^2": 0, "mJ/m^2": -3}),
+    "N/m": ("a surface tension", "0.072 N/m", {"N/m": 0, "mN/m": -3}),
     "1/Pa": ("a compliance", "2.5e-12 1/Pa", {"1/Pa": 0, "1/GPa": -9}),
     "C/m^2": ("a piezoelectric stress constant", "12 C/m^2", {"C/m^2": 0}),
     "C/N": ("a piezoelectric strain constant", "300 pC/N", {"C/N": 0, "pC/N": -12, "m/V": 0, "pm/V": -12}),

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from studies.scene import plane
+from studies.scene.adhesion import Adhesion, NormalLawText
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.friction import Friction, LawFile, LawText
 from studies.scene.numbers import FixedList, Listed, Quantity, as_pair, surface_position
@@ -12,7 +13,7 @@ from studies.scene.pillars import Pillars
 from studies.scene.rule import FLAG, TEXT, Count, choice
 
 OFFSET = FixedList((Quantity("m", negative=True),) * 2, "[x, y] in m")
-ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
+ALONE = ("radius", "contacts", "heights", "normal_law", "adhesion")  # keys that pillars replace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,6 +135,18 @@ class Slider(Block):
         "Tangential contact law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin and Deresiewicz, "
         "with memory; or a Python file with a user's law (contact/README.md).",
     ] = "elastic"
+    normal_law: Annotated[
+        NormalLawText | None,
+        LawFile(NormalLawText) | Within(NormalLawText),
+        "A Python file with the normal force of a contact over its approach from first touch, force(approach, contact) "
+        "(contact/README.md). Absent: that of a smooth ball or punch.",
+    ] = None
+    adhesion: Annotated[
+        Adhesion | None,
+        Within(Adhesion),
+        'Attraction of balls in contact, such as { work = "0.05 J/m^2", model = "DMT" } or { surface_tension = '
+        '"0.072 N/m", model = "meniscus" }. Absent: none.',
+    ] = None
     reciprocal: Annotated[
         bool, FLAG, "true: the tangential spring also acts on the normal motion, so that energy is conserved."
     ] = False
@@ -230,6 +243,8 @@ class Slider(Block):
     def check_heights(self) -> Any:
         if self.heights is None:
             return
+        if self.adhesion is not None:
+            yield "heights", "must be absent with slider.adhesion, which holds for balls at one height"
         number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
         if number == 0:
             yield "heights", "needs slider.contacts as a list of positions, one per height"

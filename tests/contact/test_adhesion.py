@@ -1,13 +1,25 @@
 """Adhesive spheres against the values of an independent program, exact relations and refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from contact import InputError
+from contact import (
+    Adhesion,
+    InputError,
+    burst,
+    mean_motion,
+    release_amplitude,
+    riding_height,
+    stall,
+    steady,
+    threshold_amplitude,
+)
 from contact.law.adhesion import AdhesiveSphere, meniscus_force, tabor_number
+from tests.contact.motors import orbit, slider
 
 R, E, PRELOAD = 1e-3, 64e9, 0.87309e-3
 # work J/m^2; radius um and stiffness over Hertz's at the preload, approach at the end nm, release amplitude nm, loss J
@@ -89,3 +101,92 @@ def test_numbers():
 def test_refusals(call, sentence):
     with pytest.raises(InputError, match=sentence):
         call()
+
+
+# u_z nm; mean velocity m/s without, with w = 0.05 and 0.1 J/m^2, and with a meniscus of water, by another program
+SPEEDS = [
+    (2.0, 0.005205413, 0.003786650, 0.002790847, 0.002136737),
+    (3.0, 0.012188264, 0.009986348, 0.008282401, 0.007078834),
+    (10.0, 0.068365875, 0.066550407, 0.064717926, 0.063085817),
+]
+KINDS = (
+    None, Adhesion(model="DMT", work=0.05), Adhesion(model="DMT", work=0.1),
+    Adhesion(model="meniscus", surface_tension=0.072),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("u", "speeds"), [(row[0], row[1:]) for row in SPEEDS])
+def test_the_speeds_of_attracted_balls(u, speeds):
+    ball = slider(preload=PRELOAD, mass=math.inf, normal_damping=0.0, tangential_damping=0.0)
+    for adhesion, speed in zip(KINDS, speeds, strict=True):
+        found = mean_motion(replace(ball, adhesion=adhesion), orbit(1e-9 * u, 0.67))
+        assert float(found.velocity) == pytest.approx(speed, rel=3e-7)
+
+
+@pytest.mark.parametrize("adhesion", KINDS[1:], ids=lambda each: f"{each.model} {each.work}")
+def test_without_hops_an_attraction_is_a_preload(adhesion):
+    ball = slider(preload=PRELOAD, load=1e-6, contact_damping=1e-2)
+    pulled, pressed = replace(ball, adhesion=adhesion), replace(ball, preload=PRELOAD + adhesion.attraction(R))
+    unit = orbit(1e-9)
+    assert threshold_amplitude(pulled, unit) == pytest.approx(threshold_amplitude(pressed, unit), rel=1e-9)
+    assert release_amplitude(pulled, unit) == pytest.approx(release_amplitude(pressed, unit), rel=1e-9)
+    stalls = [stall(each, orbit(3e-9), tolerance=1e-3).value for each in (pulled, pressed)]
+    assert stalls[0] == pytest.approx(stalls[1], rel=1e-8)
+    one, other = (steady(each, orbit(3e-9), tolerance=1e-6) for each in (pulled, pressed))
+    assert one.velocity == pytest.approx(other.velocity, rel=1e-10)
+    for method, close in (("exact", 1e-10), ("stepped", 1e-8), ("averaged", 1e-7)):
+        options = {"duration": 2e-5, "after": 5e-6, "tolerance": 1e-3, "samples": 5, "method": method}
+        one, other = (burst(each, orbit(2e-9), **options) for each in (pulled, pressed))
+        assert one.velocity_at_burst_end == pytest.approx(other.velocity_at_burst_end, rel=close)
+
+
+def test_a_hopping_ball_is_pulled_as_long_as_it_touches():
+    ball, wave = slider(preload=PRELOAD, adhesion=KINDS[3]), orbit(10e-9)
+    h, pull = riding_height(ball, wave), KINDS[3].attraction(R)
+    half = math.acos(-h / 10e-9)
+    elastic = quad(lambda phi: (h + 10e-9 * math.cos(phi)) ** 1.5, 0.0, half, epsabs=0.0, epsrel=1e-11)[0] / math.pi
+    assert 4.0 / 3.0 * E * math.sqrt(R) * elastic - pull * half / math.pi == pytest.approx(PRELOAD, rel=1e-9)
+    found = steady(ball, wave, tolerance=1e-6)
+    assert found.regime == "intermittent"
+    assert found.velocity == pytest.approx(float(mean_motion(ball, wave).velocity), rel=1e-7)
+    books = found.ledger
+    spent = books.slip + books.leak + books.normal_damper + books.tangential_damper
+    assert books.wave == pytest.approx(spent, rel=1e-9)
+    options = {"duration": 2e-5, "after": 0.0, "tolerance": 1e-3, "samples": 5}
+    exact = burst(ball, wave, method="exact", **options).velocity_at_burst_end
+    unit = wave.omega * abs(wave.tangential) / 10.0
+    for method in ("stepped", "averaged"):
+        other = burst(ball, wave, method=method, **options)
+        assert abs(other.velocity_at_burst_end - exact) < 1.01 * other.relative_error * unit
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"law": "hysteretic"}, r'slider\.adhesion has no hysteretic law: choose "elastic"'),
+        ({"shape": "punch", "radius": 1e-6}, r'slider\.shape cannot be "punch" where balls attract'),
+        ({"reciprocal": True}, r"slider\.reciprocal cannot be true"),
+        ({"heights": (0.0, 1e-9)}, r"slider\.heights must all be 0"),
+        ({"radius": [1e-3, 2e-3]}, r"slider\.radius must be equal"),
+    ],
+)
+def test_sliders_that_attraction_does_not_take(changed, sentence):
+    with pytest.raises(InputError, match=sentence):
+        slider(adhesion=KINDS[1], **changed)
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"model": "JKR", "work": 0.05}, r"adhesion\.model"),
+        ({"model": "DMT"}, r"adhesion\.work is required"),
+        ({"model": "DMT", "work": -0.05}, r"adhesion\.work must be"),
+        ({"model": "meniscus", "work": 0.05}, r"adhesion\.surface_tension is required"),
+        ({"model": "meniscus", "surface_tension": 0.07, "work": 0.05}, r"adhesion\.work must be left out"),
+        ({"model": "meniscus", "surface_tension": 0.07, "contact_angle": 1.6}, r"adhesion\.contact_angle"),
+        ({"model": "DMT", "work": 0.05, "contact_angle": 0.1}, r"adhesion\.contact_angle must be left out"),
+    ],
+)
+def test_adhesions_are_refused(given, sentence):
+    with pytest.raises(InputError, match=sentence):
+        Adhesion(**given)

@@ -95,6 +95,15 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.torque": ["-1 uN m", 0],
     "slider.incline": [["1 deg", -2]],
     "slider.law": ["hysteretic"],
+    "slider.normal_law": [{"name": "stiff.py", "source": "def force(approach, contact): return 3e9 * approach**1.5"}],
+    "slider.adhesion": [
+        {"work": "0.05 J/m^2", "model": "DMT"},
+        {"surface_tension": "72 mN/m", "contact_angle": "30 deg", "model": "meniscus"},
+    ],
+    "slider.adhesion.model": ["DMT"],
+    "slider.adhesion.work": ["0.05 J/m^2", "50 mJ/m^2", 0.05],
+    "slider.adhesion.surface_tension": ["0.072 N/m"],
+    "slider.adhesion.contact_angle": ["30 deg", 0],
     "slider.position": ["80 mm", ["80 mm", "-2 mm"], "80 +- 0.1 mm"],
     "slider.travel": [False],
     "slider.reciprocal": [True],
@@ -164,6 +173,10 @@ def changed(path: str, value) -> dict:
         table["piece"] = [{"file": "groove.msh", "length_unit": "mm", "position": "40 mm"}]
     if path == "slider.heights":
         table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
+    if path.startswith("slider.adhesion."):
+        wet = path.endswith(("surface_tension", "contact_angle"))
+        dry = {"work": 0.05, "model": "DMT"}
+        table["slider"]["adhesion"] = {"surface_tension": 0.072, "model": "meniscus"} if wet else dry
     if path.startswith("slider.pillars") or path in OF_PILLARS:
         own = {"slider.pillars.file": {"diameter": "20 um"}, "slider.pillars.area": dict(list(PILLARS.items())[:2])}
         del table["slider"]["radius"], table["slider"]["contacts"]
