@@ -18,12 +18,13 @@ from contact.answers.load_line import mean_traction
 from contact.averaged.sweep import mean_motion
 from contact.exceptions import ConvergenceError
 from contact.slider import Slider
-from contact.wave import Surface, coupling, crest_direction
+from contact.wave import Surface, crest_direction
 
-STEP = 2e-3  # of v (relative) and of s; fourth-order differences of forces that are accurate to 1e-11
-# The same of v for many contacts on a passing wave, with forces accurate to 1e-12: the longer the step, the more of
-# them begin to stick within it. With 50 pillars the derivative is 0.2 % off with 2e-3 and 4e-10 with 1e-4 or 5e-4.
-COUPLED_STEP = 2e-4
+# Of v (relative) and of s, for differences of fourth order of forces that are accurate to 1e-11. The longer the step,
+# the more contacts begin to stick within it. With 2e-3, 50 pillars are 0.2 % off, 50 balls in two of six draws 0.1 and
+# 0.3 % (`tests/contact/test_derivatives.py`), and a ball near its threshold loses all digits; with 2e-4 or a quarter of
+# it none of 24 draws is more than 2e-6 off.
+STEP = 2e-4
 
 
 def velocity_derivative(family: Callable[[float], tuple[Slider, Surface]], *, step: float = STEP) -> float:
@@ -65,8 +66,7 @@ def velocity_derivative(family: Callable[[float], tuple[Slider, Surface]], *, st
         drag = slider.tangential_damping * velocity + load_sign * slider.load
         return float(mean_traction(slider, orbits, [velocity])[0]) - drag
 
-    size = COUPLED_STEP if coupling(slider, orbits) else STEP
-    by_velocity = _slope(lambda x: residual(0.0, v + x), size * abs(v))
+    by_velocity = _slope(lambda x: residual(0.0, v + x), STEP * abs(v))
     if by_velocity == 0.0:
         raise ConvergenceError("not applicable", "the equilibrium is not regular: the slider is at its threshold")
     return float(-_slope(lambda s: residual(s, v), step) / by_velocity)

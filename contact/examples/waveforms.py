@@ -1,4 +1,4 @@
-"""Forces within a cycle of the steady motion: the mean normal force is the preload, mean friction that of the damper."""
+"""Forces within a cycle of the steady motion: mean normal force and preload, mean friction and damper are equal."""
 
 import numpy as np
 
