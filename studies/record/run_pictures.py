@@ -94,9 +94,12 @@ def draw_run(record: "Record", folder: Path, names: Sequence[str] | None = None)
 
 
 def velocity(record: "Record", ax):
-    """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
+    """Draw steady velocity against voltage or amplitude, by regime, with threshold and release.
+
+    Of a slider in the plane, the velocity across is drawn too; of one on an axle, its rotation instead.
+    """
     unit, scale = quantity(record.level).axis, quantity(record.level).scale
-    axes = quantity(record.level), quantity.velocity_m_per_s
+    axes = quantity(record.level), main_motion(record)
     where = ", at the position" if any(point.mean_velocity_m_per_s is not None for point in record.points) else ""
     for regime, mark in MARKS.items():
         points = [point for point in record.points if point.regime == regime]
@@ -104,7 +107,9 @@ def velocity(record: "Record", ax):
             ax.plot(*_shown(points, *axes), mark, color=COLOURS[regime], label=regime + where)
     if len(record.points) <= MAX_LABELLED:
         _values(ax, record, axes)
-    _ripple(record, ax)
+    _ripple(record, ax, axes[1])
+    if axes[1] == quantity.velocity_m_per_s:
+        _across(record, ax, axes[0])
     missed = [point for point in record.points if (point.relative_error or 0.0) > record.tolerance]
     if missed:
         ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
@@ -119,7 +124,7 @@ def velocity(record: "Record", ax):
         if limit is not None and limit <= 1.2 * max(record.scene.levels):
             options = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
             ax.axvline(limit * scale, color=COLOURS["line"], **options)
-    speeds = [point.velocity_m_per_s for point in record.points if point.velocity_m_per_s is not None]
+    speeds = [point[axes[1].column] for point in record.points if axes[1].column in point]
     if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
         ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
@@ -130,7 +135,24 @@ def velocity(record: "Record", ax):
     alone = len(regimes) == len(ax.get_legend_handles_labels()[0]) == 1  # nothing for a legend to tell apart
     if alone:
         title = f"{title}\nevery point: {regimes.pop()}"
-    return finished(ax, unit, quantity.velocity_m_per_s.axis, title, columns=0 if alone else 3)
+    return finished(ax, unit, axes[1].axis, title, columns=0 if alone else 3)
+
+
+def main_motion(record: "Record") -> Quantity:
+    """Return the quantity of a point that says how the slider moves: along x, or about its axle."""
+    return quantity.velocity_m_per_s if record.scene.slider.axis is None else quantity.rotation_rpm
+
+
+def _across(record: "Record", ax, level: Quantity) -> None:
+    """Draw the velocity across of a slider in the plane, and its mean over place."""
+    points = sorted((p for p in record.points if p.lateral_velocity_m_per_s is not None), key=lambda point: point.level)
+    if not points:
+        return
+    curve(ax, *_shown(points, level, quantity.lateral_velocity_m_per_s), "x", "second", "across (y)", size=6.0)
+    means = [point for point in points if point.mean_lateral_velocity_m_per_s is not None]
+    if means:
+        at = _shown(means, level, quantity.mean_lateral_velocity_m_per_s)
+        curve(ax, *at, ":", "second", "across, mean over place")
 
 
 def _values(ax, record: "Record", axes: tuple[Quantity, Quantity]) -> None:
@@ -146,8 +168,14 @@ def _values(ax, record: "Record", axes: tuple[Quantity, Quantity]) -> None:
     ax.plot([0.0], [0.0], linestyle="none")  # the origin lies within the axes
 
 
-def _ripple(record: "Record", ax) -> None:
-    """Shade the range of the velocity over half a wavelength, and draw its mean over place."""
+def _ripple(record: "Record", ax, motion: Quantity) -> None:
+    """Shade the range of the velocity over half a wavelength, and draw its mean over place; of a rotor over a turn."""
+    if motion == quantity.rotation_rpm:
+        points = sorted((p for p in record.points if p.mean_rotation_rpm is not None), key=lambda point: point.level)
+        shown = _shown(points, quantity(record.level), quantity.mean_rotation_rpm)
+        if points:
+            curve(ax, *shown, "-." if len(points) > 1 else "_", "line", "mean over a turn", size=10.0)
+        return
     points = sorted((p for p in record.points if p.mean_velocity_m_per_s is not None), key=lambda point: point.level)
     if not points:
         return

@@ -302,3 +302,30 @@ def test_a_legend_stands_only_where_it_tells_regimes_apart(levels, title):
     else:
         assert legend is None
         assert ax.get_title() == f"{scene.title}\n{title}"
+
+
+def of_plane(name, **columns):
+    """Return the record of a scene in the plane whose points have these columns."""
+    scene = Scene.load(name)
+    rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+    points = [
+        {"voltage_V": 20.0 * (k + 1), "velocity_m_per_s": 0.0, "regime": "slip"} | row for k, row in enumerate(rows)
+    ]
+    return Record(scene=scene, tolerance=1e-3, points=tuple(points))
+
+
+def test_velocity_of_a_rotor_is_its_rotation():
+    record = of_plane("rotor", rotation_rpm=[-40.0, -120.0], mean_rotation_rpm=[-35.0, -114.0])
+    ax = pictures(record)["velocity"](new_figure(6, 4)[1])
+    assert ax.get_ylabel() == quantity.rotation_rpm.axis
+    drawn = {line.get_label(): line.get_ydata().tolist() for line in ax.lines}
+    assert drawn["slip"] == [-40.0, -120.0]
+    assert drawn["mean over a turn"] == [-35.0, -114.0]
+    assert not ax.texts  # not "at rest"
+
+
+def test_velocity_in_the_plane_has_both_directions():
+    record = of_plane("twente-planar", velocity_m_per_s=[-0.03, -0.08], lateral_velocity_m_per_s=[0.01, 0.02])
+    drawn = {line.get_label(): line.get_ydata() for line in pictures(record)["velocity"](new_figure(6, 4)[1]).lines}
+    assert drawn["slip"] == pytest.approx([-30.0, -80.0])
+    assert drawn["across (y)"] == pytest.approx([10.0, 20.0])
