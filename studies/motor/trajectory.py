@@ -125,10 +125,10 @@ def figure(record: Panel, ax):
     """Draw the path of the centre with the contacts at its ends, or the yaw against time."""
     data = record.data
     if record.name == "yaw":
-        time = quantity.time_s
+        time, up = quantity.time_s, quantity.yaw_rad
         for name, values, colour in family(data["yaw_rad"]):
-            curve(ax, np.asarray(data["time_s"][name]) * time.scale, np.degrees(values), "-", colour, name)
-        return finished(ax, time.axis, "yaw (deg)", record.title)
+            curve(ax, np.asarray(data["time_s"][name]) * time.scale, np.asarray(values) * up.scale, "-", colour, name)
+        return finished(ax, time.axis, up.axis, record.title)
     along, across = quantity.x_m, quantity.y_m
     for name, x, colour in family(data["x_m"]):
         curve(ax, np.asarray(x) * along.scale, np.asarray(data["y_m"][name]) * across.scale, "-", colour, name)

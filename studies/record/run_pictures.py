@@ -148,11 +148,12 @@ def _across(record: "Record", ax, level: Quantity) -> None:
     points = sorted((p for p in record.points if p.lateral_velocity_m_per_s is not None), key=lambda point: point.level)
     if not points:
         return
-    curve(ax, *_shown(points, level, quantity.lateral_velocity_m_per_s), "x", "second", "across (y)", size=6.0)
+    at, across = _shown(points, level, quantity.lateral_velocity_m_per_s)
+    curve(ax, at, across, "x", "second", "across (y)", size=6.0)
     means = [point for point in points if point.mean_lateral_velocity_m_per_s is not None]
     if means:
-        at = _shown(means, level, quantity.mean_lateral_velocity_m_per_s)
-        curve(ax, *at, ":", "second", "across, mean over place")
+        at, across = _shown(means, level, quantity.mean_lateral_velocity_m_per_s)
+        curve(ax, at, across, ":", "second", "across, mean over place")
 
 
 def _values(ax, record: "Record", axes: tuple[Quantity, Quantity]) -> None:
@@ -172,9 +173,9 @@ def _ripple(record: "Record", ax, motion: Quantity) -> None:
     """Shade the range of the velocity over half a wavelength, and draw its mean over place; of a rotor over a turn."""
     if motion == quantity.rotation_rpm:
         points = sorted((p for p in record.points if p.mean_rotation_rpm is not None), key=lambda point: point.level)
-        shown = _shown(points, quantity(record.level), quantity.mean_rotation_rpm)
+        at, mean = _shown(points, quantity(record.level), quantity.mean_rotation_rpm)
         if points:
-            curve(ax, *shown, "-." if len(points) > 1 else "_", "line", "mean over a turn", size=10.0)
+            curve(ax, at, mean, "-." if len(points) > 1 else "_", "line", "mean over a turn", size=10.0)
         return
     points = sorted((p for p in record.points if p.mean_velocity_m_per_s is not None), key=lambda point: point.level)
     if not points:
