@@ -33,13 +33,14 @@ class SliderRules(Checks):
         what = self.special_friction or ("" if plane == "x" else f'slider.freedom = "{plane}"')
         if not what:
             return
+        special = f"with {what}"
         if self.law == "hysteretic":
             one_way = "" if plane == "x" else ': the hysteretic law has one direction: choose "elastic"'
-            yield "law", f'must be "elastic" with {what}{one_way}'
+            yield "law", f'must be "elastic" {special}{one_way}'
         elif self.reciprocal:
-            yield "reciprocal", f"must be false with {what}"
+            yield "reciprocal", f"must be false {special}"
         elif self.stick_band > 0:
-            yield "stick_band", f"must be 0 with {what}"
+            yield "stick_band", f"must be 0 {special}"
 
     def check_adhesion(self) -> Iterator[tuple[str, str]]:
         """Require balls at one height with the elastic law where there is adhesion."""

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import first_order_error, speed_scale
-from contact.exceptions import ConvergenceError, InputError
+from contact.exceptions import ConvergenceError
 from contact.plane.averaged import ANSWER, CHECK, Averaged
 from contact.plane.fixed_steps import FixedSteps
 from contact.plane.full_motion import FullMotion, motion_at_rest, with_heights
@@ -20,6 +20,7 @@ from contact.plane.steady_state import refuse
 from contact.plane.trajectory import PlaneTrajectory
 from contact.plane.waves import Surface, SurfaceWaves, surface_under
 from contact.slider import Slider
+from contact.wave import refuse_infinite_mass
 
 METHODS = ("auto", "exact", "stepped", "averaged")
 # Nodes and tolerance of the exact motion and of the one that it is compared with, which differs in both, by the
@@ -76,8 +77,7 @@ def burst(
     parameter_check.count("samples", samples, 1)
     parameter_check.choice("method", method, METHODS)
     refuse(slider)
-    if slider.mass == math.inf:
-        raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
+    refuse_infinite_mass(slider)
     waves = surface_under(slider, surface)
     at = np.linspace(0.0, duration + after, samples + 1)[1:]
     if 0.0 < after:

@@ -30,6 +30,7 @@ from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
 CLOSE = 1e-13  # of an event, in phase
+PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
 MAX_TRIES = 60  # trials of the length of one segment
@@ -447,6 +448,8 @@ def _first_event(problem, first, last, length, kind, state, work):
                 if new < -1e-13:
                     share = old / (old - new) if old > 0.0 else 0.0
                     place = phase_old + share * (phase - phase_old)
+                    if which == Guard.PASS and place < PASSED:
+                        break
                     if place < at or found < 0:
                         found, what, at, crossing = i, which, place, 1 if j < n - 1 else 2
                     break
@@ -623,7 +626,7 @@ def advance(problem, first, last, until, state, work):
         for i in range(first, last):
             if state.begins[i] == 1:
                 kind = Map.BEGIN
-        begun, low, high, target, guard, done, error = kind, 0.0, np.inf, -1, 0, False, 0.0
+        begun, low, high, target, guard, done, error, passes = kind, 0.0, np.inf, -1, 0, False, 0.0, 0
         for _ in range(MAX_TRIES):
             if not _solve(problem, first, last, length, kind, state, work):
                 length, kind, target, high, low = 0.4 * length, begun, -1, np.inf, 0.0
@@ -649,6 +652,15 @@ def advance(problem, first, last, until, state, work):
                 continue
             if i >= 0 and (i != target or which != guard):
                 target, guard, low, high = i, which, 0.0, np.inf
+            if guard == Guard.PASS:  # a bend of the force, not an event: near is enough
+                passes += 1
+                if passes > 4 and i < 0:
+                    error = _error(problem, first, last, state, work)
+                    if error <= work.tolerance or length < 1e-7:
+                        done = True
+                        break
+                    length, kind, target = length * _shorter(error, work), begun, -1
+                    continue
             value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
             rate = _guard_rate(problem, target, guard, length, kind, work)
             if crossing == 1 or value < 0.0:

@@ -83,7 +83,7 @@ class _Cycle:
                 inside = left if margin(left) > 0.0 else left + 1e-4 * (right - left)
                 if margin(inside) <= 0.0:
                     inside, right = left, left
-                end = brentq(margin, inside, right, xtol=1e-20, rtol=4e-16) if right > inside else left
+                end = brentq(margin, inside, right, xtol=1e-20, rtol=1e-15) if right > inside else left
                 after = "slip"
                 break
             left = right
@@ -172,7 +172,7 @@ class _Cycle:
                     left += step
                 if (left + step > stop and c.approach(min(left + step, stop)) <= 0.0) or left >= stop:
                     return None
-                t = brentq(c.approach, left, left + step, xtol=1e-22, rtol=4e-16)
+                t = brentq(c.approach, left, left + step, xtol=1e-22, rtol=1e-15)
                 _, z_rate, w, _ = c.kinematics(t)
                 e, state = np.zeros(2), "slip" if math.hypot(*w) > c.c * z_rate else "stick"
                 alpha = math.atan2(w[1], w[0])
@@ -212,21 +212,22 @@ def mean_load(contact: PlaneContact, period: float) -> float:
         if contact.approach(0.5 * (a + b)) > 0.0:
             total += quad(
                 lambda x, a=a, b=b: contact.load(contact.approach(a + (b - a) * math.sin(x) ** 2))
-                * (b - a) * math.sin(2.0 * x), 0.0, 0.5 * math.pi, epsrel=1e-11, limit=200,
+                * (b - a) * math.sin(2.0 * x), 0.0, 0.5 * math.pi, epsabs=0.0, epsrel=1e-11, limit=200,
             )[0]  # fmt: skip
     return total / period
 
 
 @njit(cache=True)
-def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, state):
+def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed, state):
     """Move state (z, x, y, psi, rates) for so many cycles of the first frequency; return 0.
 
-    body: mass, inertia, preload, F_x, F_y, M, R_n, R_t, chi; balls (n, 6): x, y, height, k, c, mu.
+    fixed: x and y are held by an axle; body: mass, 1/inertia, preload, F_x, F_y, M, R_n, R_t, chi;
+    balls (n, 6): x, y, height, k, c, mu.
     """
     n, h = balls.shape[0], 2.0 * math.pi / omega[0] / per_cycle
     old, z_old = np.zeros((n, 2)), np.zeros(n)
     e, force = np.zeros((n, 2)), np.zeros(4)
-    inverse = np.array([1.0 / body[0], 1.0 / body[0], 1.0 / body[0], body[1]])
+    inverse = np.array([1.0 / body[0], 0.0 if fixed else 1.0 / body[0], 0.0 if fixed else 1.0 / body[0], body[1]])
     damping, push = np.array([body[6], body[7], body[7], 0.0]), np.array([-body[2], -body[3], -body[4], -body[5]])
     for step in range(cycles * per_cycle + 1):
         t = step * h
@@ -275,7 +276,7 @@ def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, state
     return 0
 
 
-def in_steps(cycles, frequencies, amplitudes, rise, body, balls, punch, start, sizes=(1024, 2048, 4096)):
+def in_steps(cycles, frequencies, amplitudes, rise, body, balls, punch, start, sizes=(1024, 2048, 4096), fixed=False):
     """Return (state, error) after so many cycles from `start` (8,), extrapolated over the step size.
 
     The rule is of first order; the error is half the change by the last extrapolation.
@@ -285,7 +286,7 @@ def in_steps(cycles, frequencies, amplitudes, rise, body, balls, punch, start, s
         state = np.array(start, float)
         _steps(
             cycles, per_cycle, 2.0 * np.pi * np.array(frequencies), np.ascontiguousarray(amplitudes), rise,
-            np.array(body, float), np.array(balls, float), punch, state,
+            np.array(body, float), np.array(balls, float), punch, fixed, state,
         )  # fmt: skip
         runs.append(state)
     first, second = 2.0 * runs[1] - runs[0], 2.0 * runs[2] - runs[1]

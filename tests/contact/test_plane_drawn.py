@@ -1,0 +1,105 @@
+"""Stated errors of motions in the plane on drawn sliders, against integrators that share nothing with the product."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact.plane import burst, mean_forces, steady
+from tests.contact.plane_motors import drawn
+from tests.oracles.contact_plane import PlaneContact, cycle_means, in_steps
+
+
+def forces_on_body(slider, waves, state, rtol):
+    """Return the mean forces (F_x, F_y, moment) of the contacts at a steady state, and its loads, by the oracle."""
+    own = slider.contacts(waves.count)
+    about = slider.axis if slider.freedom == "axle" else (0.0, 0.0)
+    x, y = own.x - about[0], own.y - about[1]
+    period = 1.0 / np.gcd.reduce(np.round(waves.frequencies).astype(int))
+    at_axis = state.velocity * (slider.freedom != "axle")
+    total, loads = np.zeros(3), np.zeros(waves.count)
+    for i in range(waves.count):
+        velocity = at_axis + state.yaw_rate * np.array([-y[i], x[i]])
+        contact = PlaneContact(
+            float(own.normal_stiffness[i]), slider.friction_coefficient, float(own.limit_slope[i]),
+            tuple(waves.frequencies), waves.amplitudes[:, i], float(state.heights[i]), tuple(velocity),
+            slider.shape == "punch",
+        )  # fmt: skip
+        loads[i], q_x, q_y, _ = cycle_means(contact, period, rtol)
+        total += q_x, q_y, x[i] * q_y - y[i] * q_x
+    return total, loads
+
+
+def beyond_the_stated_error(seed, rtol):
+    """Return the deviation of a drawn steady state over twice its stated error and the oracle's; None where held."""
+    slider, waves = drawn(seed)
+    state = steady(slider, waves, tolerance=1e-6)
+    if state.held:
+        return None
+    free = {"xy": [0, 1], "xy yaw": [0, 1, 2], "axle": [2]}[slider.freedom]
+    at = np.array([*(state.velocity * (slider.freedom != "axle")), state.yaw_rate])
+    step = 1e-4 * np.array([waves.peak_speed, waves.peak_speed, waves.peak_speed / 5e-3])
+
+    def product(motion):
+        means = mean_forces(slider, waves, motion[:2], motion[2])
+        return np.array([*means.force, means.torque])
+
+    damping = np.diag([slider.tangential_damping, slider.tangential_damping, slider.yaw_damping])
+    columns = [(product(at + step * row) - product(at - step * row)) / (2 * step[k]) for k, row in enumerate(np.eye(3))]
+    slope = (np.array(columns).T - damping)[np.ix_(free, free)]
+    load = np.array([*slider.load, slider.torque])
+    (fine, loads), (rough, _) = (forces_on_body(slider, waves, state, each) for each in (rtol, 30 * rtol))
+    assert loads.sum() == pytest.approx(slider.preload, rel=1e-6)
+    miss = np.abs(np.linalg.solve(slope, (load + damping @ at - fine)[free]))
+    own = np.abs(np.linalg.solve(slope, (fine - rough)[free]))
+    stated = np.array([*state.error, state.yaw_error])[free]
+    # both components count against the larger of both errors, as in `relative_error`
+    size = np.array([1.0, 1.0, np.hypot(slider.x, slider.y).max()])[free]
+    bound = 2.0 * np.linalg.norm(size * stated) + np.linalg.norm(size * own) + 1e-10 * state.reference
+    return float(np.linalg.norm(size * miss) / bound)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 4])
+def test_a_drawn_steady_motion_is_within_its_error(seed):
+    over = beyond_the_stated_error(seed, 1e-8)
+    assert over is None or over < 1.0
+
+
+@pytest.mark.slow
+def test_sixty_drawn_steady_motions_are_within_their_errors():
+    ratios = {seed: beyond_the_stated_error(seed, 1e-9) for seed in range(60)}
+    moving = {seed: each for seed, each in ratios.items() if each is not None}
+    assert len(moving) > 40
+    assert not {seed: each for seed, each in moving.items() if each >= 1.0}
+
+
+def test_sixty_drawn_bursts_are_within_their_errors():
+    beyond = {}
+    for seed in range(60):
+        slider, waves = drawn(seed, mass=2e-7)
+        slider = replace(slider, load=(0.0, 0.0))  # under a load the contacts start deformed, the oracle's do not
+        cycles, first = 12, float(waves.frequencies[0])
+        run = burst(
+            slider, waves, duration=cycles / first, after=0.0, tolerance=1e-6, samples=1, method="exact",
+            rise_time=3 / first,
+        )  # fmt: skip
+        own = slider.contacts(waves.count)
+        free = slider.freedom
+        body = (
+            slider.mass, 0.0 if free == "xy" else 1.0 / slider.inertia, slider.preload, *slider.load, slider.torque,
+            slider.normal_damping, slider.tangential_damping, slider.contact_damping,
+        )  # fmt: skip
+        balls = np.stack([own.x, own.y, own.height, own.normal_stiffness * own.weight, own.limit_slope,
+                          np.full(waves.count, slider.friction_coefficient)], axis=1)  # fmt: skip
+        start = np.zeros(8)
+        start[0] = -slider.rest_approach(waves.count)
+        state, error = in_steps(
+            cycles, waves.frequencies, waves.amplitudes, 3 / first, body, balls, slider.shape == "punch", start,
+            sizes=(512, 1024, 2048), fixed=free == "axle",
+        )  # fmt: skip
+        miss, bound = np.abs(run.rates[-1] - state[5:]), 2.0 * run.error + 2.0 * error[5:]
+        speed = 1e-3 * waves.peak_speed * np.array([1.0, 1.0, 200.0])
+        assert np.all(error[5:] < 1e-1 * speed), seed  # the oracle says something
+        if np.any(miss > bound + 1e-9 * speed):
+            beyond[seed] = miss, bound
+    assert not beyond
