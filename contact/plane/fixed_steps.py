@@ -15,7 +15,7 @@ from contact.jit.compiled import native
 from contact.law.elastic import spring_force
 from contact.law.normal import load
 from contact.plane.full_motion import clipped, rest_deformations, rest_position, without_waves
-from contact.plane.problem import Body, Surface, fill_surface
+from contact.plane.problem import Body, Surface, fill_surface, turned_by
 from contact.plane.scaling import Scaled
 
 
@@ -28,7 +28,6 @@ class StepState(NamedTuple):
     e: np.ndarray  # (n, 2)
     before: np.ndarray  # (n, 6): surface
     after: np.ndarray  # (n, 6)
-    arm: np.ndarray  # (n, 2)
     z: np.ndarray  # (n,)
     total: np.ndarray  # (1,): phase
 
@@ -43,7 +42,7 @@ def take_steps(problem, length, steps, state):
         for k in range(4):
             push = problem.inverse[k] * (force[k] + problem.force[k] - problem.damping[k] * p[k])
             p[k] += 0.5 * length * push
-        way_x, way_y = length * p[Body.X], length * p[Body.Y]
+        way_x, way_y, yaw = length * p[Body.X], length * p[Body.Y], q[Body.YAW]
         for k in range(4):
             q[k] += length * p[k]
             force[k] = 0.0
@@ -51,10 +50,11 @@ def take_steps(problem, length, steps, state):
         for i in range(n):
             new = state.after[i]
             x, y = c * problem.x[i] - s * problem.y[i], s * problem.x[i] + c * problem.y[i]
-            d_x = new[Surface.X] - state.before[i, Surface.X] - way_x - (x - state.arm[i, 0])
-            d_y = new[Surface.Y] - state.before[i, Surface.Y] - way_y - (y - state.arm[i, 1])
+            turn_x, turn_y = turned_by(problem, i, yaw, q[Body.YAW])
+            d_x = new[Surface.X] - state.before[i, Surface.X] - way_x - turn_x
+            d_y = new[Surface.Y] - state.before[i, Surface.Y] - way_y - turn_y
             z_old, z = state.z[i], problem.height[i] + new[Surface.Z] - q[Body.HEIGHT]
-            state.arm[i, 0], state.arm[i, 1], state.z[i] = x, y, z
+            state.z[i] = z
             for k in range(6):
                 state.before[i, k] = new[k]
             if z <= 0.0:
@@ -99,7 +99,7 @@ class FixedSteps:
         problem, n = units.problem, units.problem.x.size
         state = StepState(
             np.zeros(4), np.zeros(4), np.zeros(4), np.zeros((n, 2)), np.zeros((n, 6)), np.zeros((n, 6)),
-            np.stack([problem.x, problem.y], axis=1).copy(), np.zeros(n), np.zeros(1),
+            np.zeros(n), np.zeros(1),
         )  # fmt: skip
         state.q[Body.HEIGHT] = rest_position(problem)
         fill_surface(problem, 0, n, 0.0, state.before)

@@ -25,7 +25,7 @@ from contact.jit.compiled import compiled, native
 from contact.law.elastic import back_load, spring_force
 from contact.law.normal import load
 from contact.plane.collocation import Map, Nodes, radau
-from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface
+from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface, turned_by
 
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
@@ -327,14 +327,14 @@ def _fill_contact(problem, i, first, state, work):
             return True
         if not _slip_angles(problem, i, state.alpha[i], first, work):
             return False
-    start = work.start[i]
     for j in range(n):
         row = stage[j, i]
         if regime == Regime.STICK:
+            turn_x, turn_y = turned_by(problem, i, state.q[Body.YAW], work.q[j, Body.YAW])
             row[Stage.E_X] = state.e[i, 0] + (work.surface[j, i, Surface.X] - work.before[i, Surface.X])
             row[Stage.E_Y] = state.e[i, 1] + (work.surface[j, i, Surface.Y] - work.before[i, Surface.Y])
-            row[Stage.E_X] -= (work.q[j, Body.X] - state.q[Body.X]) + (row[Stage.ARM_X] - start[Stage.ARM_X])
-            row[Stage.E_Y] -= (work.q[j, Body.Y] - state.q[Body.Y]) + (row[Stage.ARM_Y] - start[Stage.ARM_Y])
+            row[Stage.E_X] -= (work.q[j, Body.X] - state.q[Body.X]) + turn_x
+            row[Stage.E_Y] -= (work.q[j, Body.Y] - state.q[Body.Y]) + turn_y
         elif regime == Regime.SLIP:
             row[Stage.E_X] = c * row[Stage.Z] * row[Stage.N_X]
             row[Stage.E_Y] = c * row[Stage.Z] * row[Stage.N_Y]
@@ -428,9 +428,10 @@ def _first_event(problem, first, last, length, kind, state, work):
             old, phase_old = _guard(problem, i, regime, which, work.start[i]), 0.0
             rate_old, x_old, y_old = work.start[i, Stage.Z_RATE], work.start[i, Stage.E_X], work.start[i, Stage.E_Y]
             if state.begins[i] == 1:
-                old = 0.0
                 if which == Guard.PASS:
                     continue
+                if which != Guard.STICK:
+                    old = 0.0
             if which == Guard.PASS and old <= 1e-11:
                 continue
             for j in range(n):
@@ -654,7 +655,7 @@ def advance(problem, first, last, until, state, work):
                 target, guard, low, high = i, which, 0.0, np.inf
             if guard == Guard.PASS:  # a bend of the force, not an event: near is enough
                 passes += 1
-                if passes > 4 and i < 0:
+                if passes > 4 and crossing != 1:
                     error = _error(problem, first, last, state, work)
                     if error <= work.tolerance or length < 1e-7:
                         done = True

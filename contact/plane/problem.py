@@ -92,3 +92,14 @@ def fill_surface(problem, first, last, phase, out):
                 u = a * c + b * s
                 out[i, k] += e * u
                 out[i, 3 + k] += e * nu * (b * c - a * s) + e_rate * u
+
+
+@compiled
+def turned_by(problem, i, before, after):
+    """Return how far a turn from one yaw to another moves contact i.
+
+    A difference of two positions would round at 1e-16 of the arm, which is 1e5 of the lengths here.
+    """
+    half = 0.5 * (after - before)
+    size, c, s = 2.0 * np.sin(half), np.cos(before + half), np.sin(before + half)
+    return -size * (s * problem.x[i] + c * problem.y[i]), size * (c * problem.x[i] - s * problem.y[i])
