@@ -77,6 +77,10 @@ def refuse(slider: Slider) -> None:
     slider.refuse_other_laws(" in the plane")
     for name, unit in (("preload", "N"), ("friction_coefficient", "")):
         parameter_check.positive(f"slider.{name}", getattr(slider, name), unit)
+    if slider.adhesion is not None:
+        raise InputError(
+            "slider.adhesion", "must be left out in the plane: a contact without attraction is known there"
+        )
     if slider.backing != "rigid":
         raise InputError("slider.backing", 'must be "rigid" in the plane')
 
