@@ -34,24 +34,36 @@ def solid(block: Stator):
 
 
 @lru_cache(256)
-def relative_frequency(block: Stator, temperature: float) -> float:
+def relative_frequency(block: Stator, temperature: float, frequency: float) -> float:
     """Return the frequency of a stator's surface wave at a temperature in degC, fingers fixed to it, over the cold one.
 
-    Cold: of the constants as they are. In the lengths before the expansion velocity and frequency change alike.
+    Cold: of the constants as they are. In the lengths before the expansion velocity and frequency change alike, at the
+    wavelength of the cold wave at ``frequency`` (Hz), which matters to layers alone.
     """
     coefficient = frequency_coefficient(block)
     if coefficient is not None:
         return 1.0 + coefficient * (temperature - reference_temperature(block))
-    warm, cold = (solid(each) for each in (replace(block, temperature=temperature), block.cold))
-    return fem.rayleigh(warm, "vacuum").velocity / fem.rayleigh(cold, "vacuum").velocity
+    warm, cold = (stator(each) for each in (replace(block, temperature=temperature), block.cold))
+    if not block.layer:
+        return fem.rayleigh(warm.solid, "vacuum").velocity / fem.rayleigh(cold.solid, "vacuum").velocity
+    velocity = fem.bound_wave(cold, frequency, "vacuum").velocity
+    stack = [
+        fem.Layer(solid=each.solid, bond=each.bond, wavelengths=each.thickness * frequency / velocity)
+        for each in warm.layers
+    ]
+    waves = fem.layered_waves(warm.solid, stack, surface="vacuum", frequency=frequency)
+    return fem.principal_wave(waves).velocity / velocity
 
 
 def layers(block: Stator) -> tuple:
     """Return the ``fem.Layer`` objects of a stator block, from its material up."""
     made = []
     for index, each in enumerate(block.layer):
+        warm = None if block.temperature is None else crystal_at(block, block.temperature, index)
         with stator_keys(f"stator.layer.{index}.material"):
-            rotated = fem.rotated(crystal(each.material), each.cut)
+            whole, stretch = warm or (crystal(each.material), 0.0)
+            rotated = fem.rotated(whole, each.cut)
+            rotated = fem.in_cold_lengths(rotated, stretch) if stretch else rotated
         bond = None if each.bond is None else fem.Bond(normal=each.bond.normal, tangential=each.bond.tangential)
         share = wavelengths_of(each.thickness) if isinstance(each.thickness, str) else None
         thickness = {"thickness": each.thickness} if share is None else {"wavelengths": share}

@@ -62,7 +62,9 @@ def knows_temperature(block: Stator) -> bool:
     """Return whether the effect of the temperature on the stator's wave is known."""
     if frequency_coefficient(block) is not None:
         return True
-    return not block.layer and "temperature" in thermal_table(block.material)
+    return all(
+        "temperature" in thermal_table(each) for each in (block.material, *(own.material for own in block.layer))
+    )
 
 
 def reference_temperature(block: Stator) -> float:
@@ -72,25 +74,31 @@ def reference_temperature(block: Stator) -> float:
 
 
 @lru_cache(256)
-def crystal_at(block: Stator, temperature: float) -> tuple[Any, float]:
+def crystal_at(block: Stator, temperature: float, layer: int | None = None) -> tuple[Any, float]:
     """Return the ``fem.Solid`` of a stator at a temperature in degC, in the crystal's frame, and its stretch along x.
 
-    With a coefficient of the frequency alone the density carries it, and the stretch is 0.
+    With a coefficient of the frequency alone the density carries it, and the stretch is 0.  ``layer``: number of the
+    layer whose solid it is; a layer is stretched along x as the stator's material, and the stress of that in it is left
+    out.
     """
+    own, key = (block.material, "stator.temperature") if layer is None else (
+        block.layer[layer].material, f"stator.layer.{layer}.material"
+    )  # fmt: skip
     coefficient = frequency_coefficient(block)
     if coefficient is not None:
-        cold = crystal(block.material)
+        cold = crystal(own)
         growth = 1.0 + coefficient * (temperature - reference_temperature(block))
         if not growth > 0.0:
             rule = f"must be nearer to {reference_temperature(block):g} degC"
             raise SceneError("stator.temperature", f"{rule}: no frequency is left at {temperature:g} degC")
         return replace(cold, density=cold.density / growth**2), 0.0
-    if not knows_temperature(block):
-        rule = f"needs coefficients, and {crystal(block.material).name} has none: give stator.temperature_coefficient"
-        raise SceneError("stator.temperature", f"{rule}, or a material with a block temperature")
+    if "temperature" not in thermal_table(own):
+        rule = "needs coefficients" if layer is None else "needs temperature coefficients for stator.temperature"
+        rule = f"{rule}, and {crystal(own).name} has none: give stator.temperature_coefficient"
+        raise SceneError(key, f"{rule}, or a material with a block temperature")
     table = thermal_table(block.material)
-    with stator_keys("stator.temperature"):
-        return solid_at(block.material, temperature), fem.expansion_along(table, block.cut, temperature)
+    with stator_keys(key):
+        return solid_at(own, temperature), fem.expansion_along(table, block.cut, temperature)
 
 
 def solid_at(material: str | PiezoelectricSolid | IsotropicSolid, temperature: float):

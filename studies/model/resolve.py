@@ -75,6 +75,7 @@ def _check_temperature(model: Model) -> Iterator[Any]:
         return
     if not block.is_steady:
         model.solid  # noqa: B018  a cached property, which refuses it
+        layers(block)
         return
     material = thermal_table(block.material)
     missing = {
@@ -88,7 +89,8 @@ def _check_temperature(model: Model) -> Iterator[Any]:
     for rule, wrong in missing.items():
         if wrong:
             yield "stator.temperature", f'of "steady" {rule}'
-    crystal_at(block, reference_temperature(block))
+    for layer in (None, *range(len(block.layer))):
+        crystal_at(block, reference_temperature(block), layer)
 
 
 def _built(model: Model, spread: bool | None) -> Model:

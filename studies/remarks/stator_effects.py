@@ -18,6 +18,7 @@ from contextlib import suppress
 import numpy as np
 
 import fem
+from studies.model.materials import frequency_coefficient, thermal_table
 from studies.model.model import model_of
 from studies.record import Record
 from studies.scene.blocks import Transducer
@@ -53,6 +54,7 @@ def stator_effects(record: Record) -> Effects:
     yield from _finger_ends(record, beam)
     yield from vacuum_effect(record)
     yield from _electrodes(record)
+    yield from _thermal_stress(record)
 
 
 def _left_out_beam(record: Record):
@@ -231,6 +233,21 @@ def _electrodes(record: Record) -> Effects:
     if not stator.layers:
         how = "first-order perturbation by a film of the stiffest usual coating, in proportion to its thickness"
         yield f"coating of 100 nm {COATING}, if there is one", "the phase velocity", coating, how
+
+
+def _thermal_stress(record: Record) -> Effects:
+    """Yield what the stress of layers that expand otherwise than the stator's material does to their stiffness."""
+    block = record.scene.stator
+    temperature = (
+        block.temperature if record.heat.steady_temperature_degC is None else record.heat.steady_temperature_degC
+    )
+    if not block.layer or temperature is None or frequency_coefficient(block) is not None:
+        return
+    along = fem.expansion_along(thermal_table(block.material), block.cut, temperature)
+    strains = [fem.expansion_along(thermal_table(each.material), each.cut, temperature) - along for each in block.layer]
+    worst = max(strains, key=abs)
+    how = f"strain of {worst:.2g} along x, times the nonlinearity parameter of solids, about {NONLINEARITY:g}"
+    yield "thermal stress of the layers", "their stiffness", NONLINEARITY * worst, how
 
 
 def surface_strain(record: Record, level: float) -> float:

@@ -521,8 +521,6 @@ class Stator(Block):
         return self if self.temperature is None else replace(self, temperature=None)
 
     def check_layers(self) -> Any:
-        if self.layer and self.temperature is not None:
-            yield "temperature", "must be absent with layers: the stator's wave at a temperature is that of one solid"
         if self.layer and self.diffraction:
             yield "diffraction", "must not be true with layers: the field in three dimensions is that of one solid"
 

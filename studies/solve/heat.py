@@ -207,30 +207,34 @@ def limits(scene: Scene, block: HeatBlock) -> HeatBlock:
     return found
 
 
-def drift(block: Stator, rise: float) -> float | None:
-    """Return the relative change of the best frequency from the ambient temperature by a rise in K; None if unknown."""
+def drift(block: Stator, rise: float, frequency: float) -> float | None:
+    """Return the relative change of the best frequency from the ambient temperature by a rise in K; None if unknown.
+
+    ``frequency``: of the drive, Hz.
+    """
     coefficient, ambient = frequency_coefficient(block), block.ambient
     if coefficient is not None:
         return coefficient * rise
     if not knows_temperature(block) or rise > KNOWN_RISE:
         return None
-    return relative_frequency(block, ambient + rise) / relative_frequency(block, ambient) - 1.0
+    warm, cold = (relative_frequency(block, each, frequency) for each in (ambient + rise, ambient))
+    return warm / cold - 1.0
 
 
-def frequency_slope(block: Stator) -> float:
-    """Return the temperature coefficient of the best frequency at the ambient temperature, 1/K."""
+def frequency_slope(block: Stator, frequency: float) -> float:
+    """Return the temperature coefficient of the best frequency at the ambient temperature, 1/K; ``frequency`` in Hz."""
     coefficient = frequency_coefficient(block)
     if coefficient is not None:
         return coefficient
     ambient = block.ambient
-    ahead, here, behind = (relative_frequency(block, ambient + step) for step in (STEP, 0.0, -STEP))
+    ahead, here, behind = (relative_frequency(block, ambient + step, frequency) for step in (STEP, 0.0, -STEP))
     return (ahead - behind) / (2 * STEP * here)
 
 
 def _effects(record: Record, block: HeatBlock) -> HeatBlock:
     """Return what the temperature does to the frequency; nothing without temperature coefficients."""
     scene, stator = record.scene, record.scene.stator
-    change, body = drift(stator, block.fingers_rise_K), plate(stator)
+    change, body = drift(stator, block.fingers_rise_K, scene.frequency), plate(stator)
     if change is None or body is None:
         return HeatBlock()
     pairs = scene.driven_transducer.finger_pairs
@@ -238,7 +242,7 @@ def _effects(record: Record, block: HeatBlock) -> HeatBlock:
     quality = stator.mechanical_quality or crystal(stator.material).mechanical_quality
     if stator.ends != "absorbing" and math.isfinite(quality):
         number = fem.foldover_number(
-            quality=quality, frequency_coefficient=frequency_slope(stator), resistance=body.resistance,
+            quality=quality, frequency_coefficient=frequency_slope(stator, scene.frequency), resistance=body.resistance,
             peak_power=(scene.drive.duty or 1.0) * block.power_W,
         )  # fmt: skip
         effects |= HeatBlock(foldover_number=number)

@@ -86,7 +86,7 @@ def steady_temperature(model: Model, tolerance: float) -> SteadyTemperature:
         return _agreed(model, tolerance, 0.0, None)
     frequencies, held = _response(model, tolerance)
     rises = _rises(stator)
-    met = scene.frequency / _frequency_factors(stator, rises)
+    met = scene.frequency / _frequency_factors(stator, rises, scene.frequency)
     if met.min() < frequencies[0] * (1 - ROUNDING) or met.max() > frequencies[-1] * (1 + ROUNDING):
         raise RunError(f"the stator has no answer at all frequencies from {met.min():.6g} to {met.max():.6g} Hz")
     at = np.interp(met, frequencies, held)
@@ -97,7 +97,7 @@ def steady_temperature(model: Model, tolerance: float) -> SteadyTemperature:
         raise RunError(f"there is no steady temperature up to {limit:.3g} degC: lower the voltage or cool the stator")
     slope = float(np.interp(stable[0], rises, np.gradient(at, rises)))
     found = _agreed(model, tolerance, stable[0], slope)
-    coefficient = frequency_slope(stator)
+    coefficient = frequency_slope(stator, scene.frequency)
     return replace(
         found, others=tuple(stator.ambient + rise for rise in stable[1:]),
         folds=fem.drive_folds(frequencies, held, coefficient),
@@ -167,11 +167,12 @@ def _plate(stator: Stator) -> fem.HeatedPlate:
     return body
 
 
-def _frequency_factors(stator: Stator, rises: np.ndarray) -> np.ndarray:
-    """Return the resonances' frequency at rises in K over that at the ambient temperature."""
+def _frequency_factors(stator: Stator, rises: np.ndarray, frequency: float) -> np.ndarray:
+    """Return the resonances' frequency, near ``frequency`` in Hz, at rises in K over that at ambient temperature."""
     ambient = stator.ambient
     nodes = np.linspace(0.0, rises[-1], FITTED)
-    values = [relative_frequency(stator, ambient + each) / relative_frequency(stator, ambient) for each in nodes]
+    cold = relative_frequency(stator, ambient, frequency)
+    values = [relative_frequency(stator, ambient + each, frequency) / cold for each in nodes]
     return np.polynomial.Polynomial.fit(nodes, values, FITTED - 1)(rises)
 
 

@@ -111,14 +111,30 @@ def test_metal_below_cools(motor):
 def test_a_rise_beyond_the_coefficients_has_no_drift_and_a_small_one_that_of_the_frequency(motor):
     """128YX: -77 ppm/K in vacuum, from the coefficients of the constants."""
     chip = replace(motor.scene.stator, material="LiNbO3 (Kovacs)", orientation="128YX")
-    assert drift(chip, 2.0) == pytest.approx(-154e-6, rel=1e-2)
-    assert drift(chip, 5000.0) is None
-    assert frequency_slope(chip) == pytest.approx(drift(chip, 0.1) / 0.1, rel=1e-3)
-    assert drift(motor.scene.stator, 2.0) is None
-    coated = {"layer": [{"material": "fused silica", "thickness": "10 um"}]}
-    layered = Stator.from_table("stator", chip.to_table() | coated)  # of which the frequency decides
-    assert drift(layered, 2.0) is None
-    assert drift(replace(layered, temperature_coefficient=-5e-5), 2.0) == pytest.approx(-1e-4, rel=1e-12)
+    f = 10e6
+    assert drift(chip, 2.0, f) == pytest.approx(-154e-6, rel=1e-2)
+    assert drift(chip, 5000.0, f) is None
+    assert frequency_slope(chip, f) == pytest.approx(drift(chip, 0.1, f) / 0.1, rel=1e-3)
+    assert drift(motor.scene.stator, 2.0, f) is None
+
+
+def test_the_drift_of_layers_is_that_of_each_at_the_temperature(motor):
+    chip = replace(motor.scene.stator, material="LiNbO3 (Kovacs)", orientation="128YX")
+
+    def coated(material: str, thickness: str) -> Stator:
+        film = {"layer": [{"material": material, "orientation": "128YX", "thickness": thickness}]}
+        return Stator.from_table("stator", chip.to_table() | film)
+
+    f = 10e6
+    same = coated("LiNbO3 (Kovacs)", "10 um")  # a film of the chip's own solid
+    assert drift(same, 2.0, f) == pytest.approx(drift(chip, 2.0, f), rel=1e-6)
+    # SiO2 becomes stiffer where lithium niobate becomes softer: the frequency rises less the thicker it is
+    drifts = [drift(coated("fused silica", each), 2.0, f) for each in ("1 nm", "20 um", "80 um")]
+    assert drifts[0] == pytest.approx(drift(chip, 2.0, f), rel=1e-3)
+    assert drifts[0] < drifts[1] < drifts[2]
+    assert drift(coated("AlN", "100 nm"), 2.0, f) is None  # no coefficients in the catalogue
+    known = replace(coated("AlN", "100 nm"), temperature_coefficient=-5e-5)
+    assert drift(known, 2.0, f) == pytest.approx(-1e-4, rel=1e-12)
 
 
 def driven(record, **drive):

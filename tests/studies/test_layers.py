@@ -99,7 +99,8 @@ REFUSED = [
     ([SILICA | {"bond": {"normal": 1e15, "tangential": -1.0}}], {}, "stator.layer.0.bond.tangential", "positive"),
     ([SILICA], {"drive": {"frequency": "center"}, "period": 0.4e-3}, "stator.layer.0.thickness",
      "must be a length in m where drive.frequency"),
-    ([SILICA], {"stator": {"temperature": 60.0}}, "stator.temperature", "must be absent with layers"),
+    ([{"material": "AlN", "thickness": "100 nm"}], {"stator": {"temperature": 60.0}}, "stator.layer.0.material",
+     r"needs temperature coefficients for stator.temperature, and AlN \(Tsubouchi\) has none"),
     ([SILICA], {"stator": {"diffraction": True}}, "stator.diffraction", "must not be true with layers"),
     ([{"material": "gold", "thickness": "1 um"}], {}, "transducer.plane", "must not touch a metal layer.*gold"),
     ([SILICA, {"material": "Al", "thickness": "1 um"}], {"plane": 1}, "transducer.plane", "metal layer.*aluminium"),
@@ -141,3 +142,23 @@ def fem_response(stator):
     resolution = fem.Resolution(order=8, edge_layers=0, absorber=3)
     section = discretise(stator, resolution, wavelength=stator.slowest_wavelength(10e6), surface_scale=np.inf)
     return fem.force_response(guided_modes(section, 10e6), "z").surface_wave[1]
+
+
+def test_layers_at_a_temperature_have_their_own_constants():
+    """Solved in the lengths before the expansion, as the stator's material: one factor on every layer."""
+    scene = chip([SILICA], stator={"temperature": 60.0})
+    warm = fem_objects.stator(resolved(scene).stator)
+    table = fem.catalogue_table("LiNbO3 (Kovacs)")
+    stretch = 1.0 + fem.expansion_along(table, "128YX", 60.0)
+    silica = fem.solid_at("fused silica", 60.0)
+    assert warm.layers[0].solid.stiffness == pytest.approx(stretch * silica.stiffness, rel=1e-12)
+    assert warm.layers[0].solid.density == pytest.approx(stretch**3 * silica.density, rel=1e-12)
+    assert warm.layers[0].solid.stiffness[0, 0] > fem.material("fused silica").stiffness[0, 0]
+    record = run(scene, tolerance=1e-2)
+    cold = run(chip([SILICA]), tolerance=1e-2)
+    slower = record.wave.phase_velocity_m_per_s / cold.wave.phase_velocity_m_per_s - 1.0
+    assert -40 * 80e-6 < slower < -20 * 40e-6
+    stress = next(each for each in record.model_error if each["effect"] == "thermal stress of the layers")
+    assert stress["quantity"] == "their stiffness"
+    assert stress["size"] == pytest.approx(-5 * 35 * 15e-6, rel=0.02)  # from 25 degC; 128YX expands along x by 15.4 ppm/K, SiO2 by 0.5
+    assert "thermal stress of the layers" not in {each["effect"] for each in cold.model_error}
