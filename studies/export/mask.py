@@ -2,9 +2,10 @@
 
 Each transducer has two combs. The busbar of the comb "+" lies on the upper side of the transducer (the +y side at an
 angle of 0), the busbar of the comb "-" on the lower side. The fingers of both combs overlap along the aperture, and
-each finger ends one gap before the busbar of the other comb. A pad touches the outer edge of each busbar. Open strips
-("o") have no busbar. Crosses mark the corners of the chip. The outline of the chip has a separate layer. As in the
-scene, x is measured from the left end of the chip and y from its centre line.
+each finger ends one gap before the busbar of the other comb. A pad touches the outer edge of each busbar. Where layers
+lie on the fingers, each pad has an opening through them, for a second mask. Open strips ("o") have no busbar. Crosses
+mark the corners of the chip. The outline of the chip has a separate layer. As in the scene, x is measured from the left
+end of the chip and y from its centre line.
 """
 
 from collections.abc import Iterator
@@ -24,9 +25,10 @@ from studies.scene.blocks import Transducer
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 
-LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
+LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "openings": 4, "marks": 10, "outline": 20}
 # in periods: largest default side of a pad, and smallest distance of a pad from the edge of the chip
 PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5
+OPENING = 0.9  # side of an opening over that of its pad, which thus covers its edges if the two masks are displaced
 MIN_GRID_STEPS = 10  # of the lithography's grid across the narrowest finger
 SHOWN_SPANS = 3  # grooves and strips that the warning lists
 
@@ -163,6 +165,9 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
             side = min(PAD_PERIODS * block.wavelength, last - first, _pad_room(block, side_sign, outer, length, width))
         if side > 0.0:
             yield polygon("pads", sign, -side / 2, side / 2, *sorted((side_sign * outer, side_sign * (outer + side))))
+            if block.plane != "surface":
+                half, middle = OPENING * side / 2, side_sign * (outer + side / 2)
+                yield polygon("openings", sign, -half, half, middle - half, middle + half)
 
 
 def _axes(block: Transducer) -> tuple[np.ndarray, np.ndarray]:

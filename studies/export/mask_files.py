@@ -14,6 +14,7 @@ from studies.record.quantities import quantity
 from studies.refusal import SceneError, needed
 from studies.scene import Scene
 
+PARTS = ("fingers", "busbars", "pads", "openings")  # that the answer counts
 COMBS = {"+": "plus", "-": "minus", "o": "open"}  # in the name of a layer
 MAX_COORDINATE = 2**31 - 1  # largest coordinate of a GDSII file, in units of its precision
 GDS_PRECISION = 1e-9  # m
@@ -89,7 +90,8 @@ def layer_table(mask: Mask) -> str:
 
 
 def _exported(drawn: Mask, files) -> Exported:
-    counts = {layer: sum(each.layer == layer for each in drawn.polygons) for layer in ("fingers", "busbars", "pads")}
+    counts = {layer: sum(each.layer == layer for each in drawn.polygons) for layer in PARTS}
+    counts = {layer: number for layer, number in counts.items() if number or layer != "openings"}
     shift, widening = (round(each * 1e9, 3) for each in (drawn.shift, drawn.width_error))  # nm
     answer = (
         ("mask", f"{drawn.title}: chip {drawn.length * 1e3:g} mm x {drawn.width * 1e3:g} mm, unit 1 um"),
@@ -114,6 +116,10 @@ def draw(mask: Mask, ax) -> None:
             face = "none" if comb == "" else colour
             label = {"": None, "o": "open strips"}.get(comb, f"comb {comb}")
             ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors=colour, linewidths=0.4, label=label))
+    openings = [each.corners * 1e3 for each in mask.polygons if each.layer == "openings"]
+    if openings:
+        label = "openings of the layers above"
+        ax.add_collection(PolyCollection(openings, facecolors="white", edgecolors="black", linewidths=0.4, label=label))
     ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
     ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
     ax.set_aspect("equal")

@@ -197,3 +197,16 @@ def test_a_mask_says_which_grooves_and_electrodes_of_meshed_pieces_it_leaves_out
     assert main(["export", "reflector", "--format", "dxf", "--no-plot", "--out", str(tmp_path / "mask")]) == 0
     said = " ".join(capsys.readouterr().err.split())
     assert "leaves out grooves and strips (26.35 to 26.6 mm, 27.85 to 28.1 mm, 29.35 to 29.6 mm, ...) of" in said
+
+
+def test_fingers_below_layers_have_openings_inside_their_pads():
+    """For the second mask of coated-128yx; without layers above, none."""
+    buried, bare = mask(Scene.load("coated-128yx")), mask(Scene.load("lithium-niobate-128yx"))
+    assert not any(each.layer == "openings" for each in bare.polygons)
+    pads, openings = ([each for each in buried.polygons if each.layer == layer] for layer in ("pads", "openings"))
+    assert [each.comb for each in openings] == [each.comb for each in pads] == ["+", "-"]
+    for pad, opening in zip(pads, openings, strict=True):
+        low, high = pad.corners.min(axis=0), pad.corners.max(axis=0)
+        assert np.all(opening.corners > low + 0.04 * (high - low))
+        assert np.all(opening.corners < high - 0.04 * (high - low))
+        assert np.ptp(opening.corners[:, 0]) == pytest.approx(0.9 * np.ptp(pad.corners[:, 0]), abs=2e-8)

@@ -160,5 +160,7 @@ def test_layers_at_a_temperature_have_their_own_constants():
     assert -40 * 80e-6 < slower < -20 * 40e-6
     stress = next(each for each in record.model_error if each["effect"] == "thermal stress of the layers")
     assert stress["quantity"] == "their stiffness"
-    assert stress["size"] == pytest.approx(-5 * 35 * 15e-6, rel=0.02)  # from 25 degC; 128YX expands along x by 15.4 ppm/K, SiO2 by 0.5
+    assert stress["size"] == pytest.approx(
+        -5 * 35 * 15e-6, rel=0.02
+    )  # from 25 degC; 128YX expands along x by 15.4 ppm/K, SiO2 by 0.5
     assert "thermal stress of the layers" not in {each["effect"] for each in cold.model_error}
