@@ -22,7 +22,7 @@ import fem
 from studies.papers.published import Unknown
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 
@@ -33,6 +33,8 @@ PATH = Unknown(name="power left after the path", taken=0.9, swept=(0.8, 1.0))
 READING = Unknown(name="20.5 V: peak over stated value", taken=1.0, swept=(0.5, 1.0))
 DISTANCES = 400  # in half a wavelength, after which the phase of a reflection repeats
 AGREEMENT = 0.15
+# KAKEN 15H03943, report of 2018: the wave is that on a plate of sapphire whose end is pressed on the chip's surface
+MOTION, PLATE = 4.7e-9, "sapphire"
 QUICK = {"scales": (1.0, 1.015), "electrodes": ("connected",), "tolerance": 0.3}
 PUBLISHED = {
     "gain": ("KAKEN 22360101: reflectors put 1.7 times the power into the wave", 1.7, "", 1.0),
@@ -41,7 +43,7 @@ PUBLISHED = {
     "standing_wave_ratio": ("KAKEN 22360101: standing-wave ratio 1.2 before the second transducer", 1.2, "", 1.0),
     "recovered": ("KAKEN 22360101: 65 % of the power is recovered", 0.65, "", 1.0),
     "input_ratio": ("Asai and Kurosawa: 1/7 of the input power for the same wave", 1 / 7, "", 1.0),
-    "motion_m_per_V": ("KAKEN 15H03943: 20.5 V give 4.7 nm", 4.7e-9 / 20.5, "nm/V", 1e9),
+    "motion_m_per_V": ("KAKEN 15H03943: 20.5 V give 4.7 nm", MOTION / 20.5, "nm/V", 1e9),
 }  # fmt: skip
 
 
@@ -79,7 +81,7 @@ def run(
         "load_ohm": "; resistance across a reactance or in series with it",
         "recovered": f"; {PATH}",
         "input_ratio": f"; {PATH}; transducers of the KAKEN stator, theirs are not known here",
-        "motion_m_per_V": f"; {READING}; not pressed on anything",
+        "motion_m_per_V": f"; {READING}; the chip's own surface, that of the sapphire plate pressed on it is below",
     }
     findings = []
     for key, (low, high) in bands.items():
@@ -96,6 +98,7 @@ def run(
         min(apart), high=AGREEMENT,
         remark=f"strips {best['electrodes']}, period {best['scale']:g} of the fingers'; path and load free",
     ))  # fmt: skip
+    findings.append(pressed_plate([20.5 * each for each in bands["motion_m_per_V"]]))
     names, values, *_ = zip(*PUBLISHED.values(), strict=True)
     columns |= {"names": list(names), "published": list(values),
                 "low": [bands[key][0] for key in PUBLISHED], "high": [bands[key][1] for key in PUBLISHED]}  # fmt: skip
@@ -121,6 +124,27 @@ def figure(panel: Panel, ax):
     ax.set_yticks(range(len(names)), names, fontsize="x-small")
     ax.set_ylim(len(names) - 0.5, -0.5)
     return finished(ax, "predicted over published", "", panel.title, columns=2)
+
+
+def pressed_plate(amplitudes: list[float]) -> Finding:
+    """Return the stiffness per area of the contact through which a chip moves the sapphire plate pressed on it.
+
+    The chip's wave (k_1) pulls the plate by springs K per area: its wave (k_2) grows as -i Gamma_2 K u_1 exp(-i k_1 x)
+    and is out of step after pi/|k_1 - k_2|, so that over any length |u_2| <= 2 Gamma_2 K |u_1| / |k_1 - k_2| (coupled
+    modes, to first order). ``amplitudes``: least and largest |u_1| of the bare chip at 20.5 V, m.
+    """
+    chip = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    plate = fem.rotated(fem.material(PLATE), "Z")
+    velocities = [fem.rayleigh(each).velocity for each in (chip, plate)]
+    out_of_step = 2 * np.pi * FREQUENCY * abs(1 / velocities[0] - 1 / velocities[1])
+    least = [MOTION / each * out_of_step / (2 * fem.wave_compliance(plate)) for each in amplitudes[::-1]]
+    return judged(
+        "KAKEN 15H03943: a plate of sapphire pressed on the chip moves by 4.7 nm",
+        "least stiffness of the contact (N/m^3)", least[0], holds=None, expected="not stated",
+        remark=f"{least[0]:.2g} to {least[1]:.2g} N/m^3 for a chip that moves {amplitudes[1] * 1e9:.2g} to "
+        f"{amplitudes[0] * 1e9:.2g} nm; waves of {velocities[0]:.5g} and {velocities[1]:.5g} m/s are out of step after "
+        f"{np.pi / out_of_step * 1e6:.3g} um; sapphire's cut is not stated (Z is taken), its contact's length neither",
+    )  # fmt: skip
 
 
 def p_matrix_of(electrodes: str | None, scale: float, pairs: int, tolerance: float):

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem import rotation_matrix
+from studies.model.model import model_of
 from studies.report.free_surface import MIN_COMPONENT
 from studies.view.run_field import RunField
 
@@ -61,6 +62,18 @@ def balls(run: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
         crest = abs(run.beam.motion(x, y)[2] if spreads else run.surface(along)[1])
         listed.append(Ball(x=along, y=y, radius=run.radius, crest=crest))
     return tuple(listed)
+
+
+def interfaces(run: RunField) -> tuple[float, ...]:
+    """Return z in m of the lower faces of the stator's layers, from the surface down."""
+    layers = model_of(run.scene).plain.layers[::-1]
+    return tuple(-float(each) for each in np.cumsum([each.thickness for each in layers]))
+
+
+def finger_height(run: RunField) -> float:
+    """Return z in m of the plane of the fingers."""
+    plane = model_of(run.scene).stator.plane
+    return interfaces(run)[plane - 1] if plane else 0.0
 
 
 def crystal_axes(run: RunField) -> tuple[tuple[str, float, float], ...]:

@@ -13,6 +13,7 @@ The displacement is enlarged by a factor that the picture states. Lengths are in
 
 import textwrap
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -128,7 +129,8 @@ class Picture:
                 self.parts.append(drawn)
                 for sheet in sheets(self.run, drawn, self.shade, solid=self.solid):
                     self._add_sheet(sheet)
-                motion = drawn.surface
+                motion = partial(drawn.at_height, z=overlays.finger_height(self.run))
+                self._add_interfaces(drawn)
             self._add_electrodes(motion)
         self._add_colour_bar()
         self.set_phase(self.phase)
@@ -179,7 +181,7 @@ class Picture:
 
     def _add_electrodes(self, motion: Callable) -> None:
         """Add the strips of the electrodes; ``motion`` returns their displacement at points (x, y) in m."""
-        lift = 0.02 * self.run.wavelength if self.solid else 0.0
+        lift = overlays.finger_height(self.run) + (0.02 * self.run.wavelength if self.solid else 0.0)
         for electrode in overlays.electrodes(self.run):
             corners = strips(self.run, electrode, spreads=self.spreads)
             rest = np.insert(corners, 2, lift, axis=-1)
@@ -190,6 +192,18 @@ class Picture:
                 style="surface" if self.solid else "wireframe",  # in a view along y, a strip is a line
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
+
+    def _add_interfaces(self, drawn: SectionPart) -> None:
+        """Add a line along each interface of the stator's layers."""
+        side = -0.5 * self.run.aperture if self.solid else 0.0  # of the face of the solid that is seen
+        for number, z in enumerate(overlays.interfaces(self.run)):
+            rest = np.stack([drawn.x, np.full(len(drawn.x), side), np.full(len(drawn.x), z)], axis=-1)
+            line = self.pyvista.lines_from_points(MM * rest)
+            self.plotter.add_mesh(
+                line, color="black", lighting=False, copy_mesh=False, line_width=1, name=f"interface {number}",
+                reset_camera=False,
+            )  # fmt: skip
+            self._moving.append(_Moving(line, rest, drawn.at_height(rest[:, :2], z)))
 
     def _part_of(self, frame: Frame) -> SectionPart:
         """Return the part of the section that a view or the solid shows."""

@@ -78,7 +78,14 @@ class SectionPart:
 
     def surface(self, at: np.ndarray) -> np.ndarray:
         """Return the displacement of the surface at points (x, y) in m, shape (k, 3)."""
-        u_x, u_z = (np.interp(at[:, 0], self.x, each) for each in self.displacement[:, -1].T)
+        return self.at_height(at, 0.0)
+
+    def at_height(self, at: np.ndarray, z: float) -> np.ndarray:
+        """Return the displacement at points (x, y) and one height z in m, shape (k, 3)."""
+        above = int(np.clip(np.searchsorted(self.z, z), 1, len(self.z) - 1))
+        share = (z - self.z[above - 1]) / (self.z[above] - self.z[above - 1])
+        along = (1.0 - share) * self.displacement[:, above - 1] + share * self.displacement[:, above]
+        u_x, u_z = (np.interp(at[:, 0], self.x, each) for each in along.T)
         return np.stack([u_x, 0.0 * u_x, u_z], axis=-1)
 
 

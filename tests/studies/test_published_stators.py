@@ -52,3 +52,16 @@ def _susceptance(row, strips, distance):
     back = np.exp(-2j * row.wavenumbers[0] * distance) * strips.scattering[far, far]
     arriving = back * row.excitation[0] / (1 - row.scattering[0, 0] * back)
     return (row.admittance + row.detection[0] * arriving).imag
+
+
+def test_the_pressed_plate_moves_as_stated_at_its_largest():
+    """The driven wave of the plate integrated along the contact, with the stiffness that the study states."""
+    finding = study.pressed_plate([2.6e-9, 5.2e-9])
+    chip = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    plate = fem.rotated(fem.material("sapphire"), "Z")
+    k = [2 * np.pi * study.FREQUENCY / fem.rayleigh(each).velocity for each in (chip, plate)]
+    x = np.linspace(0, 3e-3, 60001)
+    pulled = fem.wave_compliance(plate) * finding.found * 5.2e-9 * np.exp(-1j * (k[0] - k[1]) * x)
+    grown = np.concatenate([[0], np.cumsum((pulled[1:] + pulled[:-1]) / 2) * (x[1] - x[0])])
+    assert abs(grown).max() == pytest.approx(4.7e-9, rel=1e-4)
+    assert finding.confirmed is None

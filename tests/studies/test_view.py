@@ -11,6 +11,7 @@ import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import meshio
@@ -23,12 +24,13 @@ from PIL import Image
 
 from studies import view
 from studies.__main__ import main
+from studies.model.resolve import resolved
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report import surface_map
 from studies.runs import run
-from studies.scene import Scene
-from studies.view import field_data, gallery_pictures, movie, section, wave_page
+from studies.scene import Scene, read_table
+from studies.view import field_data, gallery_pictures, movie, overlays, section, wave_page
 from studies.view.options import Wanted
 from studies.view.overlays import electrodes, shown_fingers
 from studies.view.picture import Picture, validity
@@ -832,3 +834,26 @@ def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, motor):
         wanted = Wanted(**{option: str(tmp_path / "no" / file)}, frames=2, size=(300, 200), span=(13.5e-3, 14e-3))
         with pytest.raises(SceneError, match=f"--{option} cannot write .*no/{file}': No such file"):
             view.view(computed, wanted)
+
+
+def test_interfaces_and_buried_fingers_lie_where_the_layers_end():
+    table = read_table("coated-128yx")
+    table["stator"]["layer"] = [
+        {"material": "fused silica", "thickness": "20 um"}, {"material": "PZT-8", "thickness": "3 um"},
+    ]  # fmt: skip
+    table["transducer"][0]["plane"] = 2
+    run = SimpleNamespace(scene=resolved(Scene.from_table("", table)))
+    assert overlays.interfaces(run) == pytest.approx((-3e-6, -23e-6))
+    assert overlays.finger_height(run) == pytest.approx(-23e-6)
+    bare = SimpleNamespace(scene=resolved(Scene.load("lithium-niobate-128yx")))
+    assert overlays.interfaces(bare) == ()
+    assert overlays.finger_height(bare) == 0.0
+
+
+def test_the_motion_at_a_height_lies_between_the_nodes():
+    motion = np.stack([np.outer([1.0, 2.0], [1.0, 3.0]), np.outer([0.0, 1.0], [2.0, 4.0])], axis=-1)
+    x, z, none = np.array([0.0, 1.0]), np.array([-2.0, 0.0]), np.zeros((2, 2))
+    part = SectionPart(x=x, z=z, displacement=motion, mean=none, amplitude=none, inside=none == 0)
+    at = np.array([[0.5, 0.0]])
+    assert part.at_height(at, -0.5)[0] == pytest.approx([1.5 * 2.5, 0.0, 0.5 * 3.5])
+    assert part.surface(at)[0] == pytest.approx([1.5 * 3.0, 0.0, 0.5 * 4.0])
