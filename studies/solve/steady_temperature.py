@@ -149,7 +149,7 @@ def _response(model: Model, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     scene, stator = model.scene, model.scene.stator
     cold = model.at_temperature(stator.ambient)
     quality = stator.mechanical_quality or crystal(stator.material).mechanical_quality
-    met = scene.frequency / _frequency_factors(stator, _rises(stator))
+    met = scene.frequency / _frequency_factors(stator, _rises(stator), scene.frequency)
     margin = BESIDE * scene.frequency / quality if math.isfinite(quality) else 0.0
     low, high = met.min() - margin, met.max() + margin
     wanted = PER_WIDTH * (high - low) / (scene.frequency / quality) if math.isfinite(quality) else MAX_SAMPLES
