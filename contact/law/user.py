@@ -183,7 +183,7 @@ class UserForce(UserText):
     Examples
     --------
     >>> text = "def force(approach, contact): return 3e9 * approach**1.5"
-    >>> UserForce("stiff.py", text).functions["force"](1e-8, None)
+    >>> UserForce("plain.py", text).functions["force"](1e-8, None)
     0.003
     """
 
