@@ -16,17 +16,23 @@ GOALS = {
     "velocity": ((quantity.velocity_m_per_s,), False),  # at the slider's position
     "mean_velocity": ((quantity.mean_velocity_m_per_s,), False),  # over half a wavelength about it
     "thrust": ((quantity.thrust_N,), False),
+    "rotation": ((quantity.rotation_rpm,), False),
+    "torque": ((quantity.stall_torque_N_m,), False),
     "efficiency": ((quantity.motor_efficiency, quantity.contact_efficiency), False),
     "step_resolution": ((quantity.step_m,), True),
 }
 # outcomes that a constraint may name, beside keys of the scene
 BOUNDED = {
     "velocity": quantity.velocity_m_per_s, "mean_velocity": quantity.mean_velocity_m_per_s,
-    "ripple": quantity.velocity_ripple, "thrust": quantity.thrust_N, "contact_pressure": quantity.contact_pressure_Pa,
+    "lateral_velocity": quantity.lateral_velocity_m_per_s, "rotation": quantity.rotation_rpm,
+    "torque": quantity.stall_torque_N_m, "ripple": quantity.velocity_ripple, "thrust": quantity.thrust_N,
+    "contact_pressure": quantity.contact_pressure_Pa,
     "stick_margin": quantity.stick_margin, "normal_amplitude": quantity.normal_amplitude_m,
     "power_W": quantity("sweep.power_W"),
 }  # fmt: skip
-SIGNED = (BOUNDED["velocity"].column, BOUNDED["mean_velocity"].column)  # their size is compared with the bound
+SIGNED = tuple(
+    BOUNDED[name].column for name in ("velocity", "mean_velocity", "lateral_velocity", "rotation", "torque")
+)  # their size is compared with the bound
 MINIMISED = (
     "power_W",
     "ripple",

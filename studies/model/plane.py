@@ -133,6 +133,10 @@ class Sum:
 
     parts: tuple[tuple[Any, float], ...]  # what has ``at(x, y)``, and its factor
 
+    def at_rest(self) -> "Sum":
+        """Return the surface without a drive."""
+        return Sum(parts=tuple((surface, 0.0) for surface, _ in self.parts))
+
     def at(self, x: np.ndarray, y: np.ndarray) -> plane.SurfaceWaves:
         """Return the waves at places in m from the slider's first place; those of one frequency are added."""
         together: dict[float, Any] = {}

@@ -15,6 +15,12 @@ def as_run_errors(where: str = "") -> Iterator[None]:
         yield
     except (fem.ConvergenceError, contact.ConvergenceError) as error:
         raise RunError(" ".join(f"{where} {error}".split())) from None
+    except contact.InputError as error:
+        if error.key != "slider.freedom":
+            raise
+        raise SceneError(
+            error.key, "of a slider in the plane has no answer here: it is that of motion along x"
+        ) from None
 
 
 @contextmanager

@@ -54,7 +54,7 @@ def run(scene: Scene, *, duration: float = DURATION, tolerance: float = 1e-2) ->
         start, begin = (legs[-1].end, float(legs[-1].time[-1])) if legs else (at_rest(), 0.0)
         legs.append(body.path(driven_by(sources, levels), start, begin, duration, name, coasts=False))
     LOGGER.info("coast")
-    still = driven_by(sources, dict.fromkeys(sources, 0.0))
+    still = driven_by(sources, dict.fromkeys(sources, level)).at_rest()
     last = legs[-1]
     legs.append(body.path(still, last.end, float(last.time[-1]), LONGEST_COAST, "coast", coasts=True))
     return _panels(driven, legs), _findings(driven, sources, body, level, legs, tolerance), _answer(legs)

@@ -103,6 +103,7 @@ class Point(Values):
     # sweep.*
     frequency_Hz: Number = None
     thrust_N: Number = None
+    stall_torque_N_m: Number = None
     contact_efficiency: Number = None
     motor_efficiency: Number = None
     threshold_factor: Number = None

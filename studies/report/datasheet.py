@@ -12,7 +12,7 @@ import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.record.text import leaving, sentences
 from studies.refusal import RunError
+from studies.report.datasheet_rows import Row
 from studies.runs import run
 from studies.scene import Scene
 from studies.solve.burst_steps import Steps
@@ -59,30 +60,6 @@ GROUPS = {
 }
 
 
-class Row(NamedTuple):
-    """One line of the datasheet."""
-
-    group: str  # key of `GROUPS`
-    name: str
-    value: float  # in SI units
-    unit: str
-    error: float | None = None  # relative; None for an input of the scene or a count
-    condition: str = ""  # conditions in addition to the rated level
-    model_error: float | None = None  # relative, due to neglected effects; None if unknown
-
-    def texts(self) -> dict[str, str]:
-        """Return name, value, error and condition as the table and the page show them."""
-        value = si(self.value, self.unit, 4)
-        if self.unit == "1":
-            value = f"{100 * self.value:.3g} %" if self.value > 1e-3 else f"{self.value:.3g}"
-        error = "" if self.error is None else "< 0.0001 %"
-        if self.error and self.error > 5e-7:
-            error = f"\u00b1 {float(f'{100 * self.error:.1g}'):g} %"  # without an exponent: 30 instead of 3e+01
-        if self.model_error:
-            error += f", model {float(f'{100 * self.model_error:.2g}'):g} %"
-        return {"name": self.name, "value": value, "error": error, "condition": self.condition}
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Datasheet:
     """The datasheet of a motor and the computed motions behind it."""
@@ -93,8 +70,8 @@ class Datasheet:
     rows: tuple[Row, ...]
     lines: dict  # by level: contact.LoadLine of one computed ball
     balls: float  # number of balls that one computed ball represents
-    # Start from rest at the rated level and the stop after it
-    start_stop: "Trajectory"
+    # Start from rest at the rated level and the stop after it; None in the plane, whose rows state both
+    start_stop: "Trajectory | Any" = None
     steps: tuple  # contact.Step of the shortest burst for each size in `STEPS`, None where there is none
 
     def __str__(self) -> str:
@@ -159,6 +136,8 @@ def datasheet(
         if record.shortfall:
             raise RunError(record.shortfall)
         driven = contact_of_run(record)
+        if scene.planar:
+            return _in_plane(record, driven)
         moving = record.moving_levels if driven.passing else driven.above(1.0)
         if not moving:
             record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
@@ -186,9 +165,25 @@ def datasheet(
         return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
 
 
+def _in_plane(record: Record, driven: Contact) -> Datasheet:
+    """Return the datasheet of a slider in the plane, rated at the largest level."""
+    from studies.report.plane_datasheet import plane_rows
+
+    rated = max(record.scene.levels)
+    point = next(each for each in record.points if each.level == rated)
+    if point.regime == "stick":
+        record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
+    rows, remarks = plane_rows(record, driven, rated)
+    rows += (Row("resonance", "drive frequency", float(record.scene.frequency), "Hz"), *_contact_resonances(driven))
+    record = replace(record, warnings=(*record.warnings, *remarks))
+    return Datasheet(record=record, driven=driven, rated=rated, rows=rows, lines={}, balls=1.0, steps=())
+
+
 def _without_load(scene: Scene) -> Scene:
     """Return the scene whose run the datasheet describes: without a burst, and without a load and its tolerance."""
     scene = scene.with_source(burst=None)
+    if scene.slider.planar:
+        scene = replace(scene, slider=replace(scene.slider, torque=0.0, incline=None))
     if scene.slider.load == 0.0:
         return scene
     pairs = tuple(pair for pair in scene.uncertain or () if pair[0] != "slider.load")
@@ -470,13 +465,18 @@ def _heat_limits(block: HeatBlock) -> Iterator[Row]:
 
 def _resonances(record: Record, driven: Contact) -> Iterator[Row]:
     """Yield the rows on the drive's frequency and the resonances of the slider on its contacts."""
-    scene, contacts, slider = record.scene, driven.contacts, driven.moving_slider
+    scene = record.scene
     yield Row("resonance", "drive frequency", float(scene.frequency), "Hz")
     if scene.transducer:
         LOGGER.info("stator: search for the strongest wave")
         best = resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
         yield Row("resonance", "frequency of the strongest wave", float(best), "Hz", FREQUENCY_ERROR, condition)
+    yield from _contact_resonances(driven)
+
+
+def _contact_resonances(driven: Contact) -> Iterator[Row]:
+    contacts, slider = driven.contacts, driven.moving_slider
     for name, frequency, springs in (
         ("bounce of the slider", slider.normal_resonance(contacts), "normal"),
         ("tangential ring", slider.tangential_resonance(contacts), "tangential"),

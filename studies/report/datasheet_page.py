@@ -18,7 +18,12 @@ PICTURE = (4.1, 3.4)  # inches
 def page(sheet: Datasheet) -> str:
     """Return the HTML page of a datasheet."""
     record = sheet.record
-    drawn = {"speed against drive": speed, "speed against load": load_lines, "start and stop": start_and_stop}
+    if sheet.start_stop is None:
+        from studies.report.plane_drawing import drawings_of_sheet
+
+        drawn = drawings_of_sheet(sheet)
+    else:
+        drawn = {"speed against drive": speed, "speed against load": load_lines, "start and stop": start_and_stop}
     return rendered(
         TEMPLATE,
         title=record.scene.title or "A motor",

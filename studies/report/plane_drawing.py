@@ -8,6 +8,7 @@ import numpy as np
 from studies.record.plots import COLOURS, arrow
 from studies.record.point import Point
 from studies.record.quantities import quantity
+from studies.record.run_pictures import velocity
 from studies.scene import Scene
 from studies.scene.plane import AXLE
 
@@ -79,3 +80,8 @@ def _motion(scene: Scene, point: Point) -> str:
         return turning
     speed = math.hypot(point.velocity_m_per_s or 0.0, point.lateral_velocity_m_per_s or 0.0)
     return f"{quantity.velocity_m_per_s.with_unit(speed)}{', ' + turning if turning else ''}"
+
+
+def drawings_of_sheet(sheet) -> dict:
+    """Return the functions that draw a datasheet's pictures on an Axes, by caption."""
+    return {"speed against drive": lambda sheet, ax: velocity(sheet.record, ax)}

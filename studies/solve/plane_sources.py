@@ -84,6 +84,18 @@ def _of_source(model: Model, name: str, tolerance: float) -> Mapped:
     return Mapped(surface=surface, wavelength=abs(motion.wave.phase_velocity) / motion.wave.frequency)
 
 
+def travelled(driven: Contact, level: float) -> Sum:
+    """Return the waves at a level for a slider that travels: of a stator from maps."""
+    surface = driven.surface
+    if not isinstance(surface, StatorSurface):
+        return Sum(parts=((surface, level),))
+    parts = []
+    for frequency, motion in zip(surface.frequencies, surface.motions, strict=True):
+        one, wave = replace(surface, frequencies=(frequency,), motions=(motion,)), motion().wave
+        parts.append((Mapped(surface=one, wavelength=abs(wave.phase_velocity) / wave.frequency), level))
+    return Sum(parts=tuple(parts))
+
+
 def driven_by(sources: Mapping[str, Any], levels: Mapping[str, float]) -> Sum:
     """Return the surface motion of some sources, each at its level."""
     return Sum(parts=tuple((sources[name], level) for name, level in levels.items()))

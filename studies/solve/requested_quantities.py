@@ -29,6 +29,7 @@ ALSO = {
     ),
     "limits": ("threshold_factor", "release_factor"),
     "thrust": ("thrust_N",),
+    "torque": ("stall_torque_N_m",),
     "pressure": ("contact_pressure_Pa", "stick_margin"),
     "start-up": ("start_up_time_s",),
     "step": ("step_m",),
@@ -72,6 +73,10 @@ def requested_quantities(
     Forces and powers are totals over all contacts. ``averaged``: True computes the start-up by averaging wherever that
     is applicable, whatever its error.
     """
+    if driven.scene.planar:
+        from studies.solve.plane_quantities import plane_quantities
+
+        return plane_quantities(also, tolerance, driven, answer)
     point = _ripple(driven, answer, tolerance) if "ripple" in also else Point()
     slider, orbits, known = driven.slider, driven.at(driven.level), answer.point
     limited = {"limits", "pressure"} & set(also) and not driven.passing

@@ -134,6 +134,14 @@ class Design:
         return {name: _digest(part) for name, part in parts.items()}
 
 
+def _refuse_in_plane(table: dict, also) -> None:
+    """Raise a SceneError for a quantity that has no answer for a slider in the plane."""
+    if table["slider"].get("axis") is not None or table["slider"].get("freedom", "x") != "x":
+        from studies.solve.plane_quantities import refuse_in_plane
+
+        refuse_in_plane(also)
+
+
 def designed(table: dict, over, *, tolerance, also=()) -> Design:
     """Return the design of a sweep of a scene's TOML document; the other arguments are those of `studies.sweeps`.
 
@@ -147,6 +155,8 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
             raise SceneError("also", f"must be of {', '.join(ALSO)}, got {word!r}")
     if "pillars" in table.get("slider", {}):
         refuse_of_pillars(also)
+    elif also and not {"freedom", "axis"}.isdisjoint(table.get("slider", {})):
+        _refuse_in_plane(table, also)
     axes = []
     for part in over if isinstance(over, list) else [over or {}]:
         axes += [axis(key, values) for key, values in part.items()] if isinstance(part, dict) else [point_axis(part)]
