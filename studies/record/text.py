@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock, UncertaintyBlock
 from studies.record.quantities import quantity
 from studies.record.scan_comparison import scan_comparison
+from studies.scene.plane import AXLE
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -24,6 +25,7 @@ COLUMNS = (
     "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime", "relative_error",
     "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed
+OF_CENTRE = ("velocity_m_per_s", "lateral_velocity_m_per_s")  # which an axle holds
 SHARES = {
     "delivered": "W_per_V2",
     "network": "network_W_per_V2",
@@ -118,7 +120,8 @@ def table(rows: list[list[str]]) -> list[str]:
 
 def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
     """Return the heads and the rows of a run's points; a quantity that no point has is left out."""
-    shown = [quantity(key) for key in COLUMNS if any(key in point for point in record.points)]
+    left_out = OF_CENTRE if record.scene.planar and record.scene.slider.freedom == AXLE else ()
+    shown = [quantity(key) for key in COLUMNS if key not in left_out and any(key in point for point in record.points)]
     keys = [each.column for each in shown]
     rows = [
         [each.text(point[key]) if key in point else missing for each, key in zip(shown, keys, strict=True)]
@@ -149,12 +152,13 @@ def _wave(record: "Record"):
     if not electrical:
         return
     size = abs(wave.normal_m_per_V)
-    amplitude = f"{quantity.normal_m_per_V.with_unit(size)} at the slider's position"
+    where = "under the first contact" if record.scene.planar else "at the slider's position"
+    amplitude = f"{quantity.normal_m_per_V.with_unit(size)} {where}"
     ratio = f"standing-wave ratio {wave.standing_wave_ratio:.3g}"
     yield "wave", f"{amplitude}, {_stated(wave, 'phase_velocity_m_per_s')}, {ratio}"
     if wave.section_normal_m_per_V is not None:
         change = abs(wave.section_normal_m_per_V) / size - 1
-        yield "diffraction", f"the plane section would give {percent(change)} at the slider's position"
+        yield "diffraction", f"the plane section would give {percent(change)} {where}"
     yield "admittance", _stated(electrical, "admittance_S")
     yield from _source(electrical, record.scene.drive)
 

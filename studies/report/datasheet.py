@@ -137,11 +137,14 @@ def datasheet(
             raise RunError(record.shortfall)
         driven = contact_of_run(record)
         if scene.planar:
-            return _in_plane(record, driven)
-        moving = record.moving_levels if driven.passing else driven.above(1.0)
+            moving = [point.level for point in record.points if point.regime != "stick"]
+        else:
+            moving = record.moving_levels if driven.passing else driven.above(1.0)
         if not moving:
             record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
         rated = moving[-1]
+        if scene.planar:
+            return _in_plane(record, driven, rated)
         levels = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
         try:
             answer = _contact(driven, rated, levels)
@@ -165,14 +168,10 @@ def datasheet(
         return Datasheet(record=record, driven=driven, rated=rated, rows=rows, **answer)
 
 
-def _in_plane(record: Record, driven: Contact) -> Datasheet:
-    """Return the datasheet of a slider in the plane, rated at the largest level."""
+def _in_plane(record: Record, driven: Contact, rated: float) -> Datasheet:
+    """Return the datasheet of a slider in the plane."""
     from studies.report.plane_datasheet import plane_rows
 
-    rated = max(record.scene.levels)
-    point = next(each for each in record.points if each.level == rated)
-    if point.regime == "stick":
-        record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
     rows, remarks = plane_rows(record, driven, rated)
     rows += (Row("resonance", "drive frequency", float(record.scene.frequency), "Hz"), *_contact_resonances(driven))
     record = replace(record, warnings=(*record.warnings, *remarks))

@@ -171,8 +171,11 @@ class Scene(Block):
 
     @property
     def positions(self) -> tuple[tuple[float, float], ...]:
-        """Positions (x, y) in m at which the motion is computed: the slider's centre, then the contacts."""
-        first = () if self.slider is None else (self.slider.center,)
+        """Positions (x, y) in m at which the motion is computed: the slider's centre, then the contacts.
+
+        In the plane those of the contacts alone: a rotor has none at its centre.
+        """
+        first = () if self.slider is None or self.planar else (self.slider.center,)
         return tuple(dict.fromkeys((*first, *self.contact_positions)))
 
     @property
