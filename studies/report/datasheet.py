@@ -139,7 +139,7 @@ def datasheet(
         if scene.planar:
             moving = [point.level for point in record.points if point.regime != "stick"]
         else:
-            moving = record.moving_levels if driven.passing else driven.above(1.0)
+            moving = list(record.moving_levels if driven.passing else driven.above(1.0))
         if not moving:
             record.scene.refuse(record.scene.level_key, "must hold a value at which the slider moves")
         rated = moving[-1]
