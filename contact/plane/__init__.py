@@ -9,7 +9,7 @@ from importlib import import_module
 
 _PUBLIC = {
     "bursts": "burst",
-    "stalling": "drift_per_degree stall stall_curve stall_torque StallCurve yaw_stability",
+    "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
     "trajectory": "PlaneTrajectory",

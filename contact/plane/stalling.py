@@ -15,6 +15,7 @@ from contact.error_estimate import averaged_stall_error
 from contact.exceptions import InputError
 from contact.plane.averaged import CHECK, Averaged, balanced, rest_force
 from contact.plane.scaling import FREE, refuse_slow_beat
+from contact.plane.state import PlaneState
 from contact.plane.steady_state import refuse, steady
 from contact.plane.waves import Surface, SurfaceWaves, places, surface_under
 from contact.slider import Slider
@@ -139,3 +140,15 @@ def yaw_stability(slider: Slider, surface: Surface, *, step: float = 1e-3) -> fl
         x, y = places(slider, (0.0, 0.0, psi))
         rates.append(steady(replace(slider, x=x, y=y), surface.at(x, y), tolerance=1e-6).yaw_rate)
     return (rates[1] - rates[0]) / (2.0 * step)
+
+
+def spin_moment(slider: Slider, state: PlaneState) -> np.ndarray:
+    """Return the largest moment in N m by which each contact resists spin about its own axis, left out of the motion.
+
+    It is the integral of mu p r over the contact: (3 pi/16) mu P a for the pressure of Hertz, (pi/4) mu P a for that of
+    a flat punch (Johnson, *Contact Mechanics*, eqs 4.22 and 3.34; Contensou 1963). The radius is that of the mean
+    approach.
+    """
+    radius = slider.contact_radius(np.maximum(state.heights, 0.0))
+    share = math.pi / 4.0 if slider.shape == "punch" else 3.0 * math.pi / 16.0
+    return share * slider.friction_coefficient * state.normal_loads * radius

@@ -2,7 +2,7 @@
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balance
 from contact.plane.cycle import Extra
 from contact.plane.motion import Sum
 from contact.plane.scaling import refuse_slow_beat, slowest_beat
+from contact.plane.shooting import CHECK as CHECK_SHOOTING
+from contact.plane.shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.state import Band, PlaneState, Powers
 from contact.plane.waves import Surface, SurfaceWaves, surface_under
 from contact.slider import Slider
@@ -33,7 +35,7 @@ def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = 
     tolerance : float
         Allowed error of the speed, relative to max(|V|, omega |u_t|/10).
     method : str
-        "averaged" or "auto".
+        "averaged" (first order in (f_n/f)^2), "exact" (the full motion that repeats, by shooting) or "auto".
 
     Raises
     ------
@@ -59,10 +61,49 @@ def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = 
     parameter_check.choice("method", method, METHODS)
     waves = surface_under(slider, surface)
     refuse(slider)
-    refuse_slow_beat(slider, waves)
+    if method != "exact":
+        refuse_slow_beat(slider, waves)
+    elif slider.mass == math.inf:
+        raise ConvergenceError("not applicable", "a slider of infinite mass has the averaged motion: method averaged")
     averaged = Averaged.of(slider, waves)
     root = balanced(averaged)
-    return _state(averaged, waves, root, tolerance, begun)
+    state = _state(averaged, waves, root, tolerance, begun)
+    # a slider of infinite mass does not move within a cycle, and one that is held does not move
+    follows = slider.mass != math.inf and not root.held
+    if follows and (method == "exact" or (method == "auto" and state.status != "ok")):
+        return _exact(averaged, waves, root, state, tolerance, begun)
+    return state
+
+
+def _exact(averaged, waves, root, mean: PlaneState, tolerance, begun) -> PlaneState:
+    """Return the state of the full motion that repeats, by two computations that differ in order and tolerance."""
+    slider, units = averaged.slider, averaged.scaled
+    fine, at = periodic(averaged, root, waves)
+    rough, _ = periodic(averaged, root, waves, how=CHECK_SHOOTING, near=at)
+    scale = np.array([1.0, 1.0, averaged.arm])
+    unknown, change = fine.velocity * scale, np.abs(fine.velocity - rough.velocity) * scale + fine.change
+    velocity, yaw_rate = rigid_motion(averaged, unknown)
+    speed = float(np.linalg.norm(averaged.rigid @ unknown, axis=1).max()) * units.speed
+    speed = speed if slider.freedom == "axle" else float(np.hypot(*velocity))
+    reference = speed_scale(speed, waves.peak_speed)
+    sums, load = sums_of(fine), -averaged.problem.force[1:] @ fine.velocity
+    reasons = ("the full motion in the plane that repeats, by shooting",)
+    answer = Answer(value=speed, error=float(np.linalg.norm(change)) * units.speed, reasons=reasons)
+    wave = float(sums[:, [Sum.WAVE_NORMAL, Sum.WAVE_TANGENTIAL]].sum())
+    powers = Powers(
+        wave=wave * units.power, slip=float(sums[:, Sum.SLIP].sum()) * units.power,
+        dampers=lost_in_dampers(fine) * units.power, load=float(load) * units.power,
+        law=float(sums[:, Sum.LEAK].sum()) * units.power,
+    )  # fmt: skip
+    return replace(
+        mean, answer=answer.judged(tolerance, reference), velocity=velocity, yaw_rate=yaw_rate,
+        error=change[:2] * units.speed, yaw_error=float(change[2]) * units.omega / averaged.arm,
+        force=sums[:, [Sum.ALONG_X, Sum.ALONG_Y]].sum(axis=0) * units.force,
+        torque=float(sums[:, Sum.MOMENT].sum()) * units.force * units.length, powers=powers,
+        normal_loads=sums[:, Sum.NORMAL] * units.force, reference=reference, method="exact",
+        statistics=mean.statistics | {"multiplier": float(np.abs(fine.multipliers[0]))},
+        seconds=time.perf_counter() - begun,
+    )  # fmt: skip
 
 
 def mean_motion(slider: Slider, surface: Surface) -> PlaneState:

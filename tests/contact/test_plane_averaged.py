@@ -15,6 +15,7 @@ from contact.plane import (
     drift_per_degree,
     mean_forces,
     mean_motion,
+    spin_moment,
     stall,
     stall_curve,
     stall_torque,
@@ -205,3 +206,14 @@ def test_a_load_beyond_friction_runs_away_and_the_scalar_questions_refuse_the_pl
         steady(ball(load=(0.0, 1.1 * MU * F)), beams(10, 0), tolerance=1e-3)
     with pytest.raises(InputError, match=r"slider.freedom must be \"x\""):
         mean_along_x(ball(), Orbit(frequency=2.2e6, normal=1e-8, tangential=-6.7e-9j))
+
+
+def test_the_spin_left_out_is_small():
+    state = mean_motion(*CASES["P1b"][:2])
+    moment = spin_moment(ball(), state)
+    radius = math.sqrt(1e-3 * float(state.heights[0]))
+    # Contensou's moment by the integral of mu p r over Hertz's pressure
+    r = np.linspace(0.0, radius, 20001)
+    pressure = 1.5 * F / (math.pi * radius**2) * np.sqrt(1.0 - (r / radius) ** 2)
+    assert moment[0] == pytest.approx(MU * np.trapezoid(pressure * 2.0 * math.pi * r**2, r), rel=1e-5)
+    assert moment[0] < 5e-4 * MU * F * 5.3e-3

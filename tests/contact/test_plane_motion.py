@@ -7,7 +7,8 @@ import pytest
 
 from contact import Orbit
 from contact import burst as burst_along_x
-from contact.plane import SurfaceWaves, burst
+from contact import steady as steady_along_x
+from contact.plane import SurfaceWaves, burst, steady
 from tests.contact.plane_motors import R_X, ball, beams
 
 T = 1 / 2.2e6
@@ -108,3 +109,27 @@ def test_an_averaged_burst_follows_the_exact_one_of_a_heavy_slider():
     exact, mean = (burst(slider, waves, **given, method=each) for each in ("exact", "averaged"))
     assert np.all(np.abs(exact.velocity[-1] - mean.velocity[-1]) < 2 * (exact.error + mean.error)[:2])
     assert np.hypot(*exact.velocity[-1]) > 1e-3
+
+
+@pytest.mark.parametrize("nm", [3, 10])
+def test_the_motion_that_repeats_is_the_scalar_one_along_a_line(nm):
+    slider = ball(mass=0.089e-3, normal_damping=0.5, tangential_damping=1e-4)
+    orbit = Orbit(frequency=2.2e6, normal=nm * 1e-9, tangential=-1j * R_X * nm * 1e-9)
+    scalar = steady_along_x(replace(slider, freedom="x", load=0.0), orbit, tolerance=1e-8, method="exact")
+    exact = steady(slider, beams(nm, 0), tolerance=1e-7, method="exact")
+    mean = steady(slider, beams(nm, 0), tolerance=1e-3)
+    assert exact.velocity[0] == pytest.approx(scalar.velocity, rel=5e-9)
+    assert abs(exact.powers.residual) < 1e-7 * exact.power
+    assert exact.statistics["multiplier"] < 1.0
+    miss = np.abs(mean.velocity - exact.velocity)
+    assert mean.method == "averaged"
+    assert np.all(miss < 2 * mean.error)
+    assert miss.max() > 10 * exact.error.max()
+
+
+def test_the_motion_that_repeats_turns_as_the_averaged_one():
+    slider, waves = three_balls(mass=1e-4, inertia=8e-10, normal_damping=20.0, contact_damping=0.0)
+    exact, mean = (steady(slider, waves, tolerance=1e-2, method=each) for each in ("exact", "averaged"))
+    assert np.all(np.abs(exact.velocity - mean.velocity) < 2 * mean.error)
+    assert abs(exact.yaw_rate - mean.yaw_rate) < 2 * mean.yaw_error + 0.01 * abs(mean.yaw_rate)
+    assert exact.torque == pytest.approx(slider.torque + slider.yaw_damping * exact.yaw_rate, rel=1e-4)
