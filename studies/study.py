@@ -60,7 +60,7 @@ STUDIES = {
     "force_response": ("stator", 8),
     "network": ("stator", 25),
     "gallery": ("motor", 75),
-    "published_motors": ("papers", 40),
+    "published_motors": ("papers", 60),
     "published_stators": ("papers", 5),
     "error_vs_time": ("evidence", 85),
     "calibration": ("evidence", 570),

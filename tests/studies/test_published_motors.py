@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from studies.papers import published_kurosawa as model
 from studies.papers import published_motors as study
+from studies.papers import published_rotors as rotors
 from studies.papers.published import Comparison, Unknown, comparisons, corners, left_aside
 from studies.record.plots import SIZE
 from studies.study import Panel
@@ -63,7 +64,7 @@ def test_a_published_range_is_compared_as_a_range():
 
 
 def test_every_row_compares_a_motor_with_its_own_prediction():
-    """The seed's row holds the paper's two amplitudes; Shilton's motor, which is not computed, has no row."""
+    """The seed's row holds the paper's two amplitudes; Shilton's run-up, which is not computed, has no row."""
     seed = compared("Feenstra and Breedveld", "release amplitude")
     assert (seed["published_low"], seed["published_high"]) == (3e-9, 10e-9)
     assert seed["verdict"] == "the whole band lies within the published range"
@@ -74,6 +75,25 @@ def test_the_torque_needs_the_friction_that_its_remark_states():
     """5.37 pN m over 41.1 uN times 0.5 mm."""
     verdict = compared("Tjeung 2011", "torque, at most")["verdict"]
     assert verdict.endswith(f"; needs a friction coefficient of {5.37e-9 / (41.1e-6 * 0.5e-3):.2f} at least")
+
+
+def test_rotors_are_those_of_two_integrators():
+    """One ball, and a ring of balls over two beams, by an event-driven integrator and one of fixed steps.
+
+    The ring of `published_rotors` has 8 contacts, that of the oracle is dense.
+    """
+    case = {
+        "radius": 1e-3, "preload": 0.87309e-3, "friction": 0.08, "modulus": 64e9, "frequency": 2.2e6, "ratio": 0.67,
+        "amplitude": 10e-9, "beams": "two", "arm": 6e-3, "mass": 1e-3,
+    }  # fmt: skip
+    assert rotors.rolling_speed(case) * 2 * math.pi / 60 * 1e-3 == pytest.approx(0.0683658806, rel=1e-5)
+    ring = case | {"preload": rotors.CONTACTS * 0.87309e-3}
+    for amplitude, speed, torque in ((3e-9, 0.0040941355, 3.12542911e-5), (10e-9, 0.046385, 6.91668571e-5)):
+        found = rotors.rotor_speed(ring | {"amplitude": amplitude}) * 2 * math.pi / 60
+        assert found * 6e-3 == pytest.approx(speed, rel=0.1)
+        # a dense ring of n contacts stalls at n b (2/pi) Q0
+        least = 1e-3 * 6e-3 * found / (rotors.CONTACTS * 2 / math.pi * torque)
+        assert rotors.run_up_time(ring | {"amplitude": amplitude}) == pytest.approx(least, rel=0.1)
 
 
 def test_every_model_of_the_table_exists_and_is_used():
@@ -143,7 +163,8 @@ def test_the_study_says_what_agrees_and_what_does_not():
     assert verdicts["Kurosawa 1998", "contact radius at its pressure"].startswith("within")
     assert verdicts["Kurosawa 1998", "speed at its amplitude"].startswith("outside")
     assert verdicts["Kurosawa 1998", "speed from 180 V"].endswith("says little")
-    assert not any("Shilton" in motor for motor in data["motor"])
+    assert not any("run-up" in quantity for motor, quantity in verdicts if "Shilton" in motor)
+    assert verdicts["Cheng 2003", "speed"].endswith("says little")
     written = study.tables(record)
     rows = list(csv.DictReader(io.StringIO(written["published_motors.csv"])))
     assert [float(each["predicted"]) for each in rows] == data["predicted"]
