@@ -628,7 +628,14 @@ class Slider(SliderRules):
 
     def rest_approach(self, contacts: int) -> float:
         """Return minus the slider's position under the preload without a wave, the approach of a height of 0, m."""
-        return self.approach_under(self.preload, contacts)
+        if contacts not in self._at_rest:
+            self._at_rest[contacts] = self.approach_under(self.preload, contacts)
+        return self._at_rest[contacts]
+
+    @cached_property
+    def _at_rest(self) -> dict[int, float]:
+        """The values of `rest_approach` by the number of contacts: a sweep asks for them at every point."""
+        return {}
 
     def rest_approaches(self, contacts: int) -> np.ndarray:
         """Return the approach of each contact under the preload without a wave, m; zero if it does not touch."""

@@ -173,10 +173,11 @@ def refuse_infinite_mass(slider: Slider) -> None:
         raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
 
 
-def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider, Orbits]:
-    """Return a slider and the orbit under each of its contacts; those that are equal and in one row are one of them.
+def prescribed(slider: Slider, orbits, *, in_time: bool = False, each: bool = False) -> tuple[Slider, Orbits]:
+    """Return a slider and the orbit under each of its contacts.
 
-    ``in_time``: True if the motion is followed in time, which needs a finite mass.
+    On a passing wave those that are equal and in one row are one of them, unless ``each`` is True: the answer has a
+    value for each contact. ``in_time``: True if the motion is followed in time, which needs a finite mass.
 
     Raises
     ------
@@ -193,6 +194,8 @@ def prescribed(slider: Slider, orbits, *, in_time: bool = False) -> tuple[Slider
     if not isinstance(orbits, PassingWave):
         return slider, as_orbits(orbits)
     under = orbits.orbits_at(np.broadcast_to(slider.x, (slider.count,)))
+    if each:
+        return slider, under
     return _merged(slider, under, np.zeros((1, slider.count)))  # at one x all move alike
 
 

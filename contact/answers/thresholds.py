@@ -150,7 +150,7 @@ def releases(slider: Slider, orbits: Surface) -> tuple[Answer | None, ...]:
     >>> [round(each.value, 3) for each in releases(slider, (orbit, orbit))]
     [2.959, 2.206]
     """
-    slider, listed = prescribed(slider, orbits)
+    slider, listed = prescribed(slider, orbits, each=True)
     _, listed = towards_plus(listed)
     count, first = len(listed), release(slider, listed)
     touch = slider.rest_approach(count) + slider.offsets(count) > 0.0

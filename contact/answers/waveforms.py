@@ -93,7 +93,7 @@ def contact_history(
     -------
     History
     """
-    slider, listed = prescribed(slider, orbits, in_time=True)
+    slider, listed = prescribed(slider, orbits, in_time=True, each=True)
     parameter_check.choice("stage", stage, STAGES)
     parameter_check.non_negative("skip", skip, "cycles")
     parameter_check.positive("cycles", cycles, "cycles")

@@ -201,11 +201,10 @@ class CoupledSearch:
     def begin_at(self, near: WaveRows) -> None:
         """Start the next search from a motion of the same contacts."""
         state = near.state
-        if len(state.forward) == len(self.cycle.forward):
-            size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
-            if self.loads:
-                self.equilibrium.unknowns = state.unknowns.copy()
-            if self.loads == near.loading and self.loads:
+        if self.loads and len(state.forward) == len(self.cycle.forward):
+            self.equilibrium.unknowns = state.unknowns.copy()
+            if near.loading:
+                size = self.wave.amplitude / near.wave.amplitude
                 self.cycle.begin(state.forward * size, state.backward * size)
         self.moves, self.truncation = state.velocity_over_omega != 0.0, near.truncation
 

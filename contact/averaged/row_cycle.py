@@ -154,8 +154,7 @@ class RowCycle:
 
     @waves.setter
     def waves(self, values):
-        if self.g > 0.0:
-            self.forward, self.backward = values.reshape(2, -1)
+        self.forward, self.backward = values.reshape(2, -1)
 
     def wave_step(self, forces: MeanForces, slope=None):
         """Return the step of `waves` towards the amplitudes that the forces leave.
@@ -163,8 +162,6 @@ class RowCycle:
         `slope` holds the derivatives of the rows' forces from `tangent`. If it is None, the forces are taken as
         proportional to the amplitudes.
         """
-        if self.g == 0.0:
-            return np.empty(0, complex)
         amplitude = np.stack([self.forward, self.backward], axis=1)
         slope = self._proportional(forces) if slope is None else slope
         new_amplitude = march(self.turn, self._driving(forces), slope, amplitude, self.g, self.incident)
@@ -185,8 +182,6 @@ class RowCycle:
 
     def tangent(self, approach, w: float, side: float, forces: MeanForces):
         """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""
-        if self.g == 0.0:
-            return None
         driving, size = self._driving(forces).view(float), max(self.wave.amplitude, 1e-300)
         slope = np.empty((self.turn.size, 4, 4))
         amplitudes = self.forward, self.backward

@@ -153,7 +153,7 @@ def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForc
     The phases of the harmonics refer to t = 0 of the orbits' complex amplitudes. The force of a contact that always
     sticks depends on its history; its deformation is taken as the least possible one.
     """
-    slider, listed = prescribed(slider, orbits)
+    slider, listed = prescribed(slider, orbits, each=True)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
     by_contact = np.empty((len(Each), len(listed)))
     velocities = np.full(len(listed), motion.first_order / problem.speed)

@@ -15,9 +15,11 @@ from contact import (
     burst,
     contact_history,
     load_line,
+    mean_forces,
     mean_motion,
     mean_traction,
     release,
+    releases,
     stall,
     steady,
     step,
@@ -135,3 +137,21 @@ def test_motions_within_a_cycle_are_refused_on_a_loaded_wave(question, sentence)
 def test_what_the_averaged_motion_does_not_know_is_refused(question, sentence):
     with pytest.raises(InputError, match=sentence):
         question()
+
+
+def test_an_answer_of_each_contact_has_one_of_those_that_are_equal_and_in_one_row():
+    """Four balls in two rows, of which two are equal: their answers are those of orbits given for each."""
+    passing = wave(frequency=2.2e6, wavelength=1.8e-3, forward=6e-9, loading=False)
+    balls = slider(x=[0.0, 2e-4, 0.0, 2e-4], y=[0.0, 0.0, 1e-4, 1e-4], heights=[0.0, 0.0, 0.0, 1e-10])
+    balls = replace(balls, mass=4 * balls.mass, preload=4 * balls.preload)
+    given = replace(balls, x=0.0, y=0.0), passing.orbits_at(balls.x)
+    for surface in (given, (balls, passing)):
+        forces = mean_forces(*surface, mean_motion(*surface))
+        history = contact_history(*surface, stage="steady", skip=0, cycles=1, points_per_cycle=20)
+        parted = [each.value for each in releases(*surface)]
+        assert forces.normal.shape == (4,)
+        assert forces.normal[0] == pytest.approx(forces.normal[2], rel=1e-12)
+        assert forces.normal.sum() == pytest.approx(balls.preload, rel=1e-6)
+        assert history.normal_force.shape[1] == len(parted) == 4
+        np.testing.assert_allclose(history.normal_force[:, 0], history.normal_force[:, 2], rtol=1e-9)
+        assert parted[0] == pytest.approx(parted[2], rel=1e-12)
