@@ -15,6 +15,7 @@ _PUBLIC = {
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
+    "averaged.adhesive_motion": "adhesive_motion AdhesiveMotion",
     "averaged.asperity_motion": "asperity_motion RoughBalls",
     "averaged.sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (

@@ -203,6 +203,19 @@ class AdhesiveSphere:
         top = (math.sqrt(self.radius * max(z, 0.0)) + self.make_radius) * (1.0 + 1e-9)  # beyond rounding
         return bracketed(lambda a: float(self.approach(a)) - z, self.break_radius, top)
 
+    def radii_at(self, z) -> np.ndarray:
+        """Return the radii at approaches in m, an array, that are at least `break_approach`, m (Newton's method)."""
+        z = np.asarray(z, float)
+        # y^4/R - s y = z with y = sqrt(a) is convex: Newton's method falls from any y that is too large
+        y = np.sqrt(np.sqrt(self.radius * np.maximum(z, 0.0)) + self.make_radius)
+        for _ in range(80):
+            rate = 4.0 * y**3 / self.radius - self._root
+            step = (y**4 / self.radius - self._root * y - z) / np.where(rate > 0.0, rate, np.inf)
+            y = y - np.maximum(step, 0.0)
+            if np.max(step, initial=0.0) <= 1e-15 * np.max(y):
+                break
+        return np.maximum(y * y, self.break_radius)
+
     def radius_under(self, force: float) -> float:
         """Return the radius of a contact that carries a normal force in N, at least minus the `pull_off`, m."""
         if force < -self.pull_off:

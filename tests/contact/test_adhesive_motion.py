@@ -1,0 +1,122 @@
+"""A heavy slider on balls of Johnson, Kendall and Roberts: limits, an independent integration in time, refusals."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact import Adhesion, AdhesiveSphere, InputError, Orbit, adhesive_motion, mean_motion
+from tests.contact.motors import orbit, slider
+
+R, E, MU, PRELOAD = 1e-3, 64e9, 0.08, 0.87309e-3
+BALL = slider(preload=PRELOAD, mass=math.inf, normal_damping=0.0, tangential_damping=0.0)
+
+
+@pytest.mark.parametrize("u", [2e-9, 3e-9, 10e-9])
+@pytest.mark.parametrize("work", [0.05, 0.1])
+def test_with_the_other_model_it_is_the_motion_of_the_slider(u, work):
+    found = adhesive_motion(BALL, orbit(u, 0.67), work=work, model="DMT")
+    known = mean_motion(replace(BALL, adhesion=Adhesion(model="DMT", work=work)), orbit(u, 0.67))
+    assert found.velocity.status == "ok"
+    assert found.velocity.value == pytest.approx(float(known.velocity), abs=found.velocity.error)
+    assert found.velocity.value == pytest.approx(float(known.velocity), rel=1e-5)
+    assert found.height == pytest.approx(float(known.height), rel=2e-6)
+    assert found.lost_power == 0.0
+
+
+@pytest.mark.parametrize("u", [2e-9, 10e-9])
+def test_without_work_it_is_hertz(u):
+    found = adhesive_motion(BALL, orbit(u), work=1e-13)
+    assert found.velocity.value == pytest.approx(float(mean_motion(BALL, orbit(u)).velocity), rel=1e-5)
+
+
+@pytest.mark.parametrize("work", [0.02, 0.05, 0.1, 0.144])
+def test_hops_begin_at_the_release_amplitude_and_lose_the_work_of_both_branches(work):
+    ball = AdhesiveSphere(radius=R, modulus=E, work=work, model="JKR")
+    amplitude = ball.release_amplitude(PRELOAD)
+    below, above = (adhesive_motion(BALL, orbit(share * amplitude), work=work) for share in (0.9999, 1.0001))
+    assert (below.hops, above.hops) == (False, True)
+    assert below.lost_power == 0.0
+    assert above.lost_power == pytest.approx(2.2e6 * ball.loss, rel=1e-12)
+
+
+def in_time(work, wave, steps=40_000):
+    """Return (mean P, mean Q) at a height and velocity: a ball in equal steps, closed from z = 0 to its end."""
+    a = np.geomspace(1e-9, 2e-5, 200_000)
+    z_of = a**2 / R - np.sqrt(2.0 * math.pi * work * a / E)
+    least = int(np.argmin(z_of))
+    phi = 2.0 * math.pi * np.arange(steps) / steps
+    u_z = (wave.normal * np.exp(1j * phi)).real
+    u_x = (wave.tangential * np.exp(1j * phi)).real
+    c = MU * E / (4.0 * 12e9)
+
+    def means(h, v):
+        z = h + u_z
+        radius = np.interp(z, z_of[least:], a[least:])
+        force = 4.0 * E * radius**3 / (3.0 * R) - np.sqrt(8.0 * math.pi * work * E * radius**3)
+        moved = np.diff(u_x, prepend=u_x[-1]) - v / wave.omega * 2.0 * math.pi / steps
+        closed, x, normal, tangential = False, 0.0, 0.0, 0.0
+        for cycle in range(2):
+            for k in range(steps):
+                if not closed and z[k] > 0.0:
+                    closed, x = True, 0.0
+                elif closed and z[k] < z_of[least]:
+                    closed = False
+                elif closed:
+                    x += moved[k]
+                if closed:
+                    delta = radius[k] ** 2 / R
+                    x = min(max(x, -c * delta), c * delta)
+                    if cycle == 1:
+                        left = max(delta - abs(x) / c, 0.0)
+                        normal += force[k]
+                        spring = 4.0 / 3.0 * E * math.sqrt(R) * (delta**1.5 - left**1.5)
+                        tangential += MU * math.copysign(spring, x)
+        return normal / steps, tangential / steps
+
+    return means
+
+
+@pytest.mark.parametrize("work", [0.05, 0.144])
+def test_a_hopping_ball_moves_as_in_an_integration_in_time(work):
+    wave = orbit(10e-9, 0.67)
+    found = adhesive_motion(BALL, wave, work=work)
+    assert found.hops
+    means = in_time(work, wave)
+    assert means(found.height, found.velocity.value)[0] == pytest.approx(PRELOAD, rel=1e-3)
+    slower, faster = (means(found.height, (1.0 + each) * found.velocity.value)[1] for each in (-2e-3, 2e-3))
+    assert slower > 0.0 > faster
+
+
+def test_any_phase_of_the_wave_is_the_same_motion():
+    wave = orbit(8e-9)
+    turned = Orbit(frequency=2.2e6, normal=1j * wave.normal, tangential=1j * wave.tangential)
+    one, other = (adhesive_motion(BALL, each, work=0.05).velocity.value for each in (wave, turned))
+    assert one == pytest.approx(other, rel=1e-12)
+    mirrored = Orbit(frequency=2.2e6, normal=wave.normal, tangential=-wave.tangential)
+    assert adhesive_motion(BALL, mirrored, work=0.05).velocity.value == pytest.approx(-one, rel=1e-10)
+
+
+def test_a_load_beyond_the_drive_holds_the_slider():
+    held = adhesive_motion(replace(BALL, load=2.0 * MU * PRELOAD), orbit(10e-9), work=0.05)
+    assert held.velocity.value == 0.0
+    slowed = adhesive_motion(replace(BALL, load=1e-5), orbit(10e-9), work=0.05).velocity.value
+    assert 0.0 < slowed < adhesive_motion(BALL, orbit(10e-9), work=0.05).velocity.value
+
+
+@pytest.mark.parametrize(
+    ("changed", "given", "sentence"),
+    [
+        ({"law": "hysteretic"}, {}, r"slider\.law"),
+        ({"shape": "punch", "radius": 1e-6}, {}, "slider must be one smooth ball"),
+        ({"radius": [1e-3, 2e-3]}, {}, "slider must be one smooth ball"),
+        ({"preload": 0.0}, {}, r"slider\.preload"),
+        ({}, {"work": -1.0}, r"adhesion\.work"),
+        ({}, {"model": "Maugis"}, r"adhesion\.model"),
+        ({}, {"tolerance": 0.0}, "tolerance"),
+    ],
+)
+def test_refusals(changed, given, sentence):
+    with pytest.raises(InputError, match=sentence):
+        adhesive_motion(slider(**changed), orbit(5e-9), **({"work": 0.05} | given))
