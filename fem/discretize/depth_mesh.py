@@ -110,16 +110,23 @@ def discretise(
 
 
 def _refuse_thick(stator: Stator, resolution: Resolution, unit: float, fields: int) -> None:
-    """Raise a ConvergenceError if a plate is so thick that its section would take far too long; ``fields``: number."""
+    """Raise a ConvergenceError if a section is so thick that it would take far too long; ``fields``: number."""
     regions = _regions(stator, resolution, unit, stator.thickness / unit)
+    if stator.absorbs_below:
+        regions = regions[:-1]  # the solid counts down to the absorbing layer alone
     unknowns = sum(each.thickness / each.largest for each in regions) * TYPICAL_ORDER * fields
-    if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
-        minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
-        raise ConvergenceError(
-            f"stator.thickness, {stator.thickness:g} m, is {stator.thickness / unit:.3g} wavelengths: its section has "
-            f"about {unknowns:.3g} unknowns on a line, takes {minutes:.2g} minutes "
-            'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
-        )
+    if unknowns <= MAX_UNKNOWNS:
+        return
+    what, thickness = "stator.thickness", stator.thickness
+    remedy = 'take a thinner one, or bottom = "absorbing" where the bottom does not matter'
+    if stator.absorbs_below:
+        what, thickness = "stator.layers", stator.coating
+        remedy = "make the thick one the material of the stator"
+    minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
+    raise ConvergenceError(
+        f"{what}, {thickness:g} m, is {thickness / unit:.3g} wavelengths: its section has about {unknowns:.3g} "
+        f"unknowns on a line, takes {minutes:.2g} minutes or more and is not begun: {remedy}"
+    )
 
 
 def _solid_depth(stator: Stator, unit: float, least_depth: float) -> float:

@@ -37,6 +37,7 @@ MODULI = ("effective_modulus", "tangential_modulus")  # of the slider; they foll
 # m/s: surface waves of solids are faster than the first, those of stators are about as fast as the second
 SLOW_WAVE, USUAL_WAVE = 500.0, 3000.0
 PREFIXES = (("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9))
+ATOM = 1e-10  # m; a film of 1e-9 wavelengths errs by 2e-6 of the velocity, of 1e-6 by 1e-8, by rounding in its element
 MAX_LAYER = 3.0  # wavelengths; a thicker layer holds the whole wave
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
@@ -211,6 +212,9 @@ def _with_thicknesses(model: Model) -> Model:
         if thickness > MAX_LAYER * wavelength:
             rule = f"is {thickness * 1e3:.4g} mm, {thickness / wavelength:.3g} wavelengths: it is the substrate"
             raise SceneError(f"stator.layer.{index}.thickness", f"{rule}; make it the material of the stator")
+        if thickness < ATOM:
+            rule = f"must be at least {ATOM:g} m, the size of an atom, got {thickness:.3g} m"
+            raise SceneError(f"stator.layer.{index}.thickness", rule)
         made.append(replace(each, thickness=thickness) if isinstance(each.thickness, str) else each)
     return model.with_blocks(stator=replace(block, layer=tuple(made)))
 

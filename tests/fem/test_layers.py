@@ -222,3 +222,25 @@ def test_a_film_adds_few_unknowns(plane):
         unit = stator.slowest_wavelength(F)
         sizes.append(discretise(stator, resolution, wavelength=unit, surface_scale=0.12 * unit).size)
     assert sizes[1] < 1.5 ** (1 / 3) * sizes[0]
+
+
+def test_a_thick_film_is_its_own_half_space():
+    """ZnO of 10 wavelengths on silica; 200 wavelengths would take hours, and are refused with what to do instead."""
+    zno = lossless("ZnO (Bateman)", "Z")
+    half = fem.rayleigh(zno)
+    wavelength = half.velocity / F
+    wave = fem.free_wave(half_space(SILICA, [layer(zno, 10 * wavelength)]), frequency=F, tolerance=1e-6)
+    assert wave.velocity == pytest.approx(half.velocity, rel=max(2e-8, wave.relative_error))
+    assert wave.surface_ratio == pytest.approx(half.surface_ratio, rel=1e-6)
+    with pytest.raises(fem.ConvergenceError, match="make the thick one the material of the stator"):
+        fem.free_wave(half_space(SILICA, [layer(zno, 200 * wavelength)]), frequency=F, tolerance=1e-6)
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 1e-4])
+def test_a_thin_film_shifts_the_velocity_of_the_section(thickness):
+    """AlN on silicon, one element however thin; rounding in it moves v by 1e-14 over the thickness in wavelengths."""
+    wavelength = fem.rayleigh(SILICON).velocity / F
+    bare, thin = half_space(SILICON, []), half_space(SILICON, [layer(ALN, thickness * wavelength)])
+    expected = fem.bound_wave(thin, F).velocity / fem.bound_wave(bare, F).velocity - 1.0
+    velocities = [fem.free_wave(each, frequency=F, tolerance=1e-6).velocity for each in (thin, bare)]
+    assert velocities[0] / velocities[1] - 1.0 == pytest.approx(expected, abs=2e-8)

@@ -91,6 +91,7 @@ REFUSED = [
     ([{"material": "AlN (McNeil)", "thickness": "4 um"}], {}, "stator.layer", "AlN .* leaks"),
     ([{"material": "fused silica", "thickness": "3.2 lambda"}], {}, "stator.layer.0.thickness",
      r"3.2 wavelengths: it is the substrate; make it the material of the stator"),
+    ([SILICA | {"thickness": "1e-9 lambda"}], {}, "stator.layer.0.thickness", "must be at least 1e-10 m, the size of"),
     ([SILICA], {"plane": 2}, "transducer.0.plane", 'must be "surface" or the number of layers above .* 1 to 1, got 2'),
     ([], {"plane": 1}, "transducer.0.plane", 'must be "surface" or absent without layers, got 1'),
     ([SILICA | {"thickness": "-0.1 lambda"}], {}, "stator.layer.0.thickness", "wavelengths such as .* got '-0.1"),
