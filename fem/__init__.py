@@ -40,7 +40,9 @@ _PUBLIC = {
     "analytic.wave_branches": "wave_branches WaveBranch",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
-    "analytic.quasistatic": "end_excess surface_permittivity transducer_estimate TransducerEstimate",
+    "analytic.quasistatic": (
+        "end_excess layered_estimate plane_permittivity surface_permittivity transducer_estimate TransducerEstimate"
+    ),
     "analytic.coupled_modes": "relative_amplitude",
     "heat": "drive_folds foldover_number FOLDOVER_LIMIT folds heated_powers heated_states HeatedPlate HeatedState "
     "HeatSource MAX_BIOT_NUMBER runaway_rise sampled_foldover_number temperature_profile TemperatureProfile",

@@ -17,13 +17,16 @@ It carries the power omega eps |phi|^2 / (4 dv/v) per metre of aperture, which i
     G = omega (dv/v) / eps |sum_f V_f rho|^2 per metre.                                                    (3)
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
+from fem.analytic.layered_wave import LayeredWave, bound_wave, shorted_velocity
 from fem.analytic.stroh import SurfaceImpedance
-from fem.geometry import Transducer
+from fem.exceptions import ConvergenceError
+from fem.geometry import Layer, Stator, Transducer
 from fem.materials import VACUUM_PERMITTIVITY, Solid, fields, rotated
 from fem.materials.medium import medium
 
@@ -176,3 +179,55 @@ def transducer_estimate(solid: Solid, transducer: Transducer, surface: str = "va
         velocity_change=(bare.velocity - metallised.velocity) / bare.velocity,
         potential=bare.potential,
     )
+
+
+def layered_estimate(stator: Stator, transducer: Transducer, frequency: float) -> TransducerEstimate:
+    """Estimate a transducer on a half-space with layers, its fingers in the stator's plane; see `transducer_estimate`.
+
+    The permittivity is that at the fingers' period, `plane_permittivity`.
+
+    Raises
+    ------
+    ConvergenceError
+        If no wave with sagittal motion is bound.
+    """
+    if not stator.layers:
+        return transducer_estimate(stator.solid, transducer, stator.bare_surface)
+    wave = bound_wave(stator, frequency)
+    assert isinstance(wave, LayeredWave)
+    shorted = shorted_velocity(wave, stator.plane)
+    above = sum(each.thickness or 0.0 for each in stator.layers[len(stator.layers) - stator.plane :])
+    m, potential = transducer.metallisation, wave.profile(above * frequency / wave.velocity)[1][0]
+    return TransducerEstimate(
+        transducer=transducer,
+        permittivity=plane_permittivity(stator, np.pi / transducer.pitch),
+        velocity=m * shorted + (1 - m) * wave.velocity,
+        velocity_change=(wave.velocity - shorted) / wave.velocity,
+        potential=complex(potential),
+    )
+
+
+def plane_permittivity(stator: Stator, wavenumber: float) -> float:
+    r"""Static permittivity in F/m for charges exp(-i k x) in the plane of the fingers, -D_n / (k phi) on both sides.
+
+    Through a layer of permittivity e and thickness h, with what is beyond it of permittivity e', it becomes
+
+        e (e' + e t) / (e + e' t),    t = tanh(k h),
+
+    which is exact in dielectrics that are isotropic in the section. The piezoelectric part of each solid is that of a
+    half-space without traction.
+    """
+    if stator.solid.conducting or any(each.solid.conducting for each in stator.layers):
+        raise ConvergenceError("the permittivity of a stator with a metal layer is not estimated")
+
+    def through(layers: Sequence[Layer], beyond: float) -> float:
+        for each in layers:
+            own = surface_permittivity(each.solid, "open")
+            tanh = np.tanh(wavenumber * (each.thickness or 0.0))
+            beyond = own * (beyond + own * tanh) / (own + beyond * tanh)
+        return beyond
+
+    split = len(stator.layers) - stator.plane
+    vacuum = VACUUM_PERMITTIVITY if stator.bare_surface == "vacuum" else 0.0
+    below = through(stator.layers[:split], surface_permittivity(stator.solid, "open"))
+    return float(below + through(stator.layers[split:][::-1], vacuum))

@@ -81,7 +81,4 @@ def group_delay(at, transfer, approximate: float):
 
 def expected(model: Model):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    stator = model.plain
-    if stator.layers:
-        raise SceneError("stator.layer", "must be absent here: the quasi-static estimate is that of one solid")
-    return fem.transducer_estimate(stator.solid, model.driven, stator.bare_surface)
+    return fem.layered_estimate(model.stator, model.driven, model.scene.frequency)
