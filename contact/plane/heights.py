@@ -14,7 +14,7 @@ from contact.plane.scaling import Scaled
 from contact.slider import Slider
 
 SAMPLES = 128  # per cycle of the fastest wave, to find where contacts touch and open
-NODES = 48  # of Gauss and Legendre's rule per contact
+NODES = 32  # of Gauss and Legendre's rule in half a cycle
 
 
 class NormalMeans:
@@ -49,19 +49,26 @@ class NormalMeans:
         return np.array([self._several(i, each) for i, each in enumerate(z)]).T
 
     def _several(self, i, z):
-        """Return the means of contact i: Gauss's rule between its touches and openings."""
+        """Return the means of contact i by Gauss's rule between its touches and openings."""
         value = z + self.samples[:, i]
         up = np.flatnonzero((value <= 0.0) & (np.roll(value, -1) > 0.0))
         down = np.flatnonzero((value > 0.0) & (np.roll(value, -1) <= 0.0))
+        if up.size == 0 and value[0] <= 0.0:
+            return 0.0, 0.0
         if up.size == 0:
-            means = normal.load(value, self.normal).mean(), normal.slope(value, self.normal).mean()
-            return means if value[0] > 0.0 else (0.0, 0.0)
-        down = down if down[0] > up[0] else np.append(down[1:], down[0])
-        step = self.grid[1]
-        touch, opens = (self._root(i, z, each * step, each * step + step) for each in (up, down))
-        half = 0.5 * (np.where(opens < touch, opens + self.period, opens) - touch)
-        theta = 0.5 * np.pi * (self.rule[0] + 1.0)
-        phase = touch[:, None] + half[:, None] * (1.0 - np.cos(theta))
+            lowest = self.grid[value.argmin()]
+            touch, opens = np.array([lowest]), np.array([lowest + self.period])
+        else:
+            down = down if down[0] > up[0] else np.append(down[1:], down[0])
+            step = self.grid[1]
+            touch, opens = (self._root(i, z, each * step, each * step + step) for each in (up, down))
+            opens = np.where(opens < touch, opens + self.period, opens)
+        # pieces of at most half a cycle, the square roots at their ends removed
+        counts = np.ceil((opens - touch) / np.pi).astype(int)
+        pieces = [np.linspace(first, last, n + 1) for first, last, n in zip(touch, opens, counts, strict=True)]
+        begin, end = (np.concatenate([each[cut] for each in pieces]) for cut in (slice(None, -1), slice(1, None)))
+        half, theta = 0.5 * (end - begin), 0.5 * np.pi * (self.rule[0] + 1.0)
+        phase = begin[:, None] + half[:, None] * (1.0 - np.cos(theta))
         weight = half[:, None] * np.sin(theta) * self.rule[1] * (0.5 * np.pi / self.period)
         approach = z + self.surface(phase, i)[0]
         return tuple(float((weight * each(approach, self.normal)).sum()) for each in (normal.load, normal.slope))
