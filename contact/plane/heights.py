@@ -25,6 +25,8 @@ class NormalMeans:
         self.normal, self.period, self.ratio = problem.normal, scaled.period, problem.ratio
         self.cos, self.sin = problem.cos[..., 2], problem.sin[..., 2]  # (w, n)
         self.harmonic = self.ratio.size == 1
+        if self.harmonic:
+            return
         cycles = round(self.period / (2.0 * np.pi))
         self.grid = np.linspace(0.0, self.period, SAMPLES * cycles, endpoint=False)
         self.rule = np.polynomial.legendre.leggauss(NODES)

@@ -29,7 +29,7 @@ from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface, tur
 
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
-CLOSE = 1e-13  # of an event, in phase
+CLOSE = 1e-9  # of an event, in phase: forces are continuous there, their integrals err by its square
 PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
@@ -239,11 +239,11 @@ def _slip_angles(problem, i, alpha, first, work):
         for j in range(n):
             stage[j, i, Stage.TURNING] += factor * matrix[j, n]
             change = max(change, abs(matrix[j, n]))
-        if change < 1e-9:
+        if change < 1e-6:
             break
-    if not change < 1e-9:
+    if not change < 1e-6:
         return False
-    for j in range(n):  # quadratic: the last change leaves less than rounding
+    for j in range(n):  # quadratic: the last change leaves 1e-12
         row, angle = stage[j, i], alpha
         for k in range(n):
             angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
@@ -720,7 +720,7 @@ def _pass_simultaneous(problem, i, state, work):
         which = Guard.SLIP
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         rising = along > problem.limit_slope[i] * row[Stage.Z_RATE]
-    if rising and abs(_guard(problem, i, regime, which, row)) < 1e-12:
+    if rising and abs(_guard(problem, i, regime, which, row)) < CLOSE:
         _pass_event(problem, i, which, state, row)
 
 

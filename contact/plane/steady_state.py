@@ -66,7 +66,7 @@ def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = 
     elif slider.mass == math.inf:
         raise ConvergenceError("not applicable", "a slider of infinite mass has the averaged motion: method averaged")
     averaged = Averaged.of(slider, waves)
-    root = balanced(averaged)
+    root = balanced(averaged, tolerance=min(tolerance, 1e-6) if method == "exact" else tolerance)
     state = _state(averaged, waves, root, tolerance, begun)
     # a slider of infinite mass does not move within a cycle, and one that is held does not move
     follows = slider.mass != math.inf and not root.held
