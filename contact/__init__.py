@@ -10,6 +10,7 @@ from importlib import import_module
 # Public names by the module that defines them.
 _PUBLIC = {
     "answers.derivatives": "velocity_derivative",
+    "answers.first_use": "compiled_aside",
     "answers.load_line": "blocked_thrust load_line LoadLine mean_traction stall",
     "answers.pull": "damper_pull",
     "answers.steady": "steady SteadyState",

@@ -2,7 +2,7 @@
 
 import argparse
 import logging
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 
 from studies.command.options import add_shared
@@ -36,6 +36,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="also write report.html, the whole run on one self-contained page; pdf: report.pdf, one page A4",
     )
     add_shared(parser, "--explain")
+
+
+def _compiled_aside(scene):
+    """Return a context in which a kernel that the scene needs is compiled aside, while the stator is solved."""
+    if scene.slider is None or scene.slider.law != "elastic":
+        return nullcontext()
+    from contact import compiled_aside
+
+    return compiled_aside()
 
 
 def call(arguments: argparse.Namespace) -> int:
@@ -76,7 +85,7 @@ def call(arguments: argparse.Namespace) -> int:
         result, out = stack.enter_context(results_of(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
         drawing = stack.enter_context(Drawing()) if plotted else None
-        with Progress():
+        with Progress(), _compiled_aside(scene):
             record = run_chain(scene, tolerance=tolerance)
             if measured is not None:
                 from studies.solve.measured_run import measured_block
