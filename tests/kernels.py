@@ -4,6 +4,7 @@ import sys
 
 from contact import burst, mean_motion
 from contact.answers.load_line import blocked_thrust
+from contact.events.many_contacts import MANY
 from tests.contact.motors import orbit, slider
 
 WAVE = orbit(5e-9)
@@ -15,6 +16,7 @@ def compile_part(part: str) -> None:
     if part == "events":
         burst(slider(law="hysteretic"), WAVE, tolerance=1e-3, method="exact", **once)
         burst(slider(), WAVE, tolerance=1e-2, method="stepped", **once)
+        burst(slider(), tuple(WAVE.scaled(1.0 + 0.01 * k) for k in range(MANY)), tolerance=1e-3, method="exact", **once)
     else:
         mean_motion(slider(), WAVE)
         blocked_thrust(slider(), (WAVE,))

@@ -3,12 +3,14 @@
     python -m tests.benchmarks.contact_ways
 
 A figure that is not reached is marked SHORT. The seed's slider (1 mm ball, 0.089 g, mu 0.08) on its 2.2 MHz wave.
-Times are the best of three, kernels compiled beforehand; errors are relative to max(|v|, omega |u_x|/10).
+Times are CPU times, the best of three, kernels compiled beforehand, on one thread but for the full simulation, which is
+timed by the wall; errors are relative to max(|v|, omega |u_x|/10).
 """
 
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("SAWMOTOR_THREADS", "1")
 
 import math
 import platform
@@ -20,7 +22,7 @@ import time
 import numpy as np
 
 import contact
-from contact.answers.burst_methods import rest, rest_problem
+from contact.answers.burst_methods import ANSWER, rest, rest_problem
 from tests import seed_motor
 from tests.contact.motors import steady_map
 from tests.seed_motor import FREQUENCY
@@ -33,14 +35,14 @@ def orbit(amplitude: float) -> contact.Orbit:
     return contact.Orbit(frequency=FREQUENCY, normal=amplitude, tangential=-0.7j * amplitude)
 
 
-def timed(work, repeats: int = 3):
+def timed(work, repeats: int = 3, clock=time.process_time):
     """Return the result and the best time in s of some work, after one run that compiles."""
     work()
     best = math.inf
     for _ in range(repeats):
-        begun = time.perf_counter()
+        begun = clock()
         result = work()
-        best = min(best, time.perf_counter() - begun)
+        best = min(best, clock() - begun)
     return result, best
 
 
@@ -76,10 +78,10 @@ def ways():
             cells.append(f"{error:.1e} ({found.relative_error:.0e}) {spent * 1e3:.2f} ms")
             if method == "exact":
                 problem = rest_problem(SLIDER, (orbit(A),))
-                begin = rest(SLIDER, (orbit(A),), problem, nodes=8, truncation=1e-7)
+                begin = rest(SLIDER, (orbit(A),), problem, nodes=ANSWER[0], truncation=ANSWER[1])
                 _, alone = timed(lambda m=begin: m.copy().turn(2200))
                 cells[-1] += f" = {spent / 2200e-6:.1f} us/cycle, one run alone {alone / 2200e-6:.1f}"
-                cells[-1] += " " + asked(spent / 2200e-6, 30.0, "us")
+                cells[-1] += " " + asked(spent / 2200e-6, 12.0, "us")
         print(f"{A * 1e9:7.2f} nm exact 1e-8 {cells[0]}")
         print(f"           stepped 1e-4 {cells[1]} | 1e-6 {cells[2]} | 1e-8 {cells[3]}")
         print(f"           averaged 1e-4 {cells[4]} | 1e-6 {cells[5]}")
@@ -158,7 +160,8 @@ def simulated():
         worst = np.max(np.abs(moved[:, 2] - exact) / np.maximum(exact, floor))
         with ThreadPoolExecutor(2) as pool:
             _, spent = timed(
-                lambda pool=pool, half=half: list(pool.map(lambda k: half(k, number, states.copy()), (0, 1)))
+                lambda pool=pool, half=half: list(pool.map(lambda k: half(k, number, states.copy()), (0, 1))),
+                clock=time.perf_counter,
             )
         rate = len(amplitudes) * number / spent
         verdict = asked(rate, 5e6, "cycles/s at 1e-3", True) if worst <= 1e-3 else "(not within 1e-3)"
