@@ -219,7 +219,8 @@ def _refuse_freedom(scene: Scene) -> None:
     if not scene.planar:
         scene.refuse("slider.freedom", 'must be "xy" or "xy yaw", or slider.axis given: this study follows the plane')
     key = "slider.freedom" if scene.slider.axis is None else "slider.axis"
-    rule = "must be absent for this study: run, sweep, datasheet, load_line and trajectory take sliders in the plane"
+    taking = "run, sweep, fit, design, datasheet, study load_line and study trajectory"
+    rule = f"must be absent here, the answer is that of motion along x; {taking} take sliders in the plane"
     scene.refuse(key, rule)
 
 

@@ -18,8 +18,9 @@ from studies.remarks.stator_effects import Effects
 from studies.scene.plane import AXLE
 
 SPIN = 3.0 * math.pi / 16.0
-# Loss of velocity over (u_y/u_x)^2 at the contact with the most: 3.0 for three balls on the beam of Feenstra and
-# Breedveld at 48 V (u_y/u_x = 0.034, 0.35 % of the velocity)
+# Loss of velocity over (u_y/u_x)^2 at the contact with the most, of three balls of which two have u_y in step with u_x
+# and of opposite signs, as in a beam that spreads: 2.4 to 4.9 for 3 to 15 nm and u_y/u_x of 0.03 to 0.1; a quarter of
+# a period apart a gain of 0.4 to 0.6 (tests/studies/test_plane.py)
 ACROSS = 3.0
 ACROSS_NAME = "motion of the surface across the wave, u_y"
 

@@ -16,7 +16,7 @@ from studies.solve.surface_motion import solved_motion
 
 # Lines of a map per wavelength, lines beyond its edge, and its size in wavelengths; splines of order 5 between 9 lines
 # per wavelength miss 3e-5 of the largest amplitude (fem/beam/crossed_beam.py)
-PER_WAVELENGTH, MARGIN, SIZE = 10, 5, 2
+PER_WAVELENGTH, MARGIN, SIZE = 10, 9, 2
 ORDER = 5
 
 

@@ -147,6 +147,73 @@ def test_a_scene_in_x_imports_nothing_of_the_plane():
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.parametrize("amplitude", [3e-9, 15e-9])
+@pytest.mark.parametrize("ratio", [0.034, 0.1])
+def test_the_budget_of_motion_across_the_wave_holds_to_a_factor_of_two(amplitude, ratio):
+    """Two of three balls on a beam that spreads: u_y in step with u_x, of opposite signs."""
+    from contact import plane
+    from studies.remarks.plane_effects import ACROSS
+
+    y = [0.0, 5.2e-3, -5.2e-3]
+    slider = contact.Slider(
+        radius=1e-3, x=[6e-3, -3e-3, -3e-3], y=y, mass=np.inf, preload=2.61927e-3, load=(0.0, 0.0),
+        friction_coefficient=0.08, effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
+        stick_band=0.0, contact_damping=0.0, normal_damping=0.0, tangential_damping=0.0, freedom="xy",
+    )  # fmt: skip
+    speeds = []
+    for across in (0.0, ratio):
+        u_x = -0.67j * amplitude
+        rows = [[u_x, side * across * u_x, amplitude] for side in (0.0, 1.0, -1.0)]
+        waves = plane.SurfaceWaves(frequencies=[2.2e6], amplitudes=[rows])
+        speeds.append(plane.steady(slider, waves, tolerance=1e-5).velocity[0])
+    loss = 1.0 - speeds[1] / speeds[0]
+    assert 0.5 < loss / (ACROSS * ratio**2) < 2.0
+
+
+def test_the_path_of_a_burst_is_that_of_the_contacts_own_burst():
+    """The mean forces of one cycle, integrated here, against `contact.plane.burst` through every cycle."""
+    from contact import plane
+    from studies.model.plane import Sum, plane_slider, prescribed_surface
+    from studies.solve.plane_path import Body, at_rest
+
+    waves = scene({}, {"direction": 90, "frequency": "2.3 MHz"}, damping={"normal": "0.5 N s/m"})
+    slider, surface = plane_slider(waves.slider), Sum(parts=((prescribed_surface(waves.wave), 10e-9),))
+    leg = Body(slider=slider, tolerance=1e-3).path(surface, at_rest(), 0.0, 2e-3, "burst", coasts=False)
+    burst = plane.burst(slider, surface, duration=2e-3, after=0.0, tolerance=1e-2, samples=4, method="stepped")
+    np.testing.assert_allclose(leg.end[3:5], burst.rates[-1][:2], rtol=3e-2)
+
+
+def test_maps_of_a_travelling_slider_are_the_surface():
+    """Splines between ten lines per wavelength, on two crossing plane waves, across the edge of a map."""
+    from studies.model.plane import prescribed_surface
+    from studies.solve.plane_sources import Mapped
+
+    exact = prescribed_surface(scene({}, {"direction": 90, "phase": 40}, wavelength="1 mm").wave)
+    mapped = Mapped(surface=exact, wavelength=1e-3)
+    x, y = np.linspace(-2.5e-3, 2.5e-3, 37), np.linspace(1.9e-3, 2.1e-3, 37)
+    expected = exact.at(x, y).amplitudes
+    assert np.abs(mapped.at(x, y).amplitudes - expected).max() < 1e-4 * np.abs(expected).max()
+
+
+def test_sources_at_their_own_frequencies():
+    drive = Scene.load("twente-planar").drive
+    assert drive.frequencies == (2.2e6, 2.3e6)
+    assert drive.at_frequency(2.3e6).driven == {"left": 0.0, "front": 1}
+    assert drive.at_frequency(2.2e6).frequency == 2.2e6
+    assert Scene.load("rotor").drive.frequencies == (2.2e6,)
+
+
+def test_arrows_of_a_rotor_are_its_velocities():
+    from studies.record.point import Point
+    from studies.report.plane_drawing import contact_velocities
+
+    rotor = Scene.load("rotor")
+    velocities = contact_velocities(rotor, Point(yaw_rate_rad_per_s=-2.0))
+    first = rotor.slider.offsets[0]
+    assert velocities[0] == pytest.approx((2.0 * first[1], -2.0 * first[0]))
+    assert np.hypot(*velocities.T) == pytest.approx(np.full(8, 2.0 * 6e-3), rel=1e-4)
+
+
 def test_datasheet_of_one_wave():
     """Its stall, direction and start: momentum over the stall force bounds the time of the start from below."""
     from studies.report.datasheet import datasheet
