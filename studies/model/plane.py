@@ -40,6 +40,7 @@ def plane_slider(slider: Slider) -> contact.Slider:
         tangential_damping=slider.damping.tangential / share, shape=slider.shape, tilt=slider.tilt,
         freedom=slider.freedom, axis=slider.axis or (0.0, 0.0),
         inertia=inertia(slider) if slider.turns else None, torque=slider.torque,
+        normal_law=slider.normal_law and contact.UserForce(slider.normal_law.name, slider.normal_law.source),
     )  # fmt: skip
 
 

@@ -56,6 +56,7 @@ REFUSED = [  # keys of the slider, and the refused key and words of its sentence
     ('freedom = "xy"\nlaw = "hysteretic"', "slider.law", 'has one direction: choose "elastic"'),
     ('freedom = "xy"\nstick_band = 1e-3', "slider.stick_band", "must be 0 with slider.freedom"),
     ("axis = [0, 0]\nreciprocal = true", "slider.reciprocal", "must be false"),
+    ('freedom = "xy"\nadhesion = { model = "meniscus" }', "slider.adhesion", "must be left out with slider.freedom"),
     ('freedom = "axle"', "slider.axis", "is required and missing"),
     ('freedom = "xy"\ntravel = true', "slider.travel", "study trajectory"),
     ('freedom = "xy"\ntilt = "pitch"', "slider.tilt", '"held" or "free"'),
