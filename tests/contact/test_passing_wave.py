@@ -26,6 +26,7 @@ from contact import (
     threshold,
     velocity_derivative,
 )
+from contact.averaged.coupled_motion import CoupledSearch
 from tests.contact.motors import orbit, slider
 from tests.contact.test_pillars import grid, scatter, wave
 
@@ -155,3 +156,15 @@ def test_an_answer_of_each_contact_has_one_of_those_that_are_equal_and_in_one_ro
         assert history.normal_force.shape[1] == len(parted) == 4
         np.testing.assert_allclose(history.normal_force[:, 0], history.normal_force[:, 2], rtol=1e-9)
         assert parted[0] == pytest.approx(parted[2], rel=1e-12)
+
+
+@pytest.mark.parametrize("held", [{"tilt": "pitch", "preload_at": (1e-4, 0.0)}, {"backing": "soft"}, {}])
+@pytest.mark.parametrize("loading", [False, True])
+def test_the_traction_on_a_part_of_the_wave_is_that_on_a_smaller_wave(held, loading):
+    """In a burst height, tilts and rows follow the wave: one search at several factors, and one of its own for each."""
+    body, passing = replace(BODY, **held), replace(LOADED, loading=loading)
+    search = CoupledSearch(body, passing)
+    for factor in (1.0, 0.5, 0.0, 0.7):
+        found = search.traction(-0.3, 0.0, factor)
+        alone = CoupledSearch(body, passing.scaled(factor)).traction(-0.3, 0.0) if factor else 0.18 * body.preload
+        assert found == pytest.approx(alone, rel=1e-10)
