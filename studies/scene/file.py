@@ -17,7 +17,7 @@ SHIPPED = Path(__file__).parents[1] / "scenes"
 # Keys that name a file, with the ending that its name must have to be one
 FILES = {
     re.compile(r"piece\.\d+\.file|slider\.pillars\.file"): "",
-    re.compile(r"slider\.law"): ".py",
+    re.compile(r"slider\.(normal_)?law"): ".py",
     re.compile(r"stator\.material|piece\.\d+\.materials\.[^.]+"): ".toml",
 }
 SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their first line

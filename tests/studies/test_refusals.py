@@ -103,6 +103,13 @@ slider.heights=["1 nm"] | slider.heights needs slider.contacts as a list of posi
 slider.contacts=[0, "5 mm"]; slider.heights=["1 nm"] | slider.heights must hold one height ... 2 contacts, got 1
 slider.shape=punch; slider.law=hysteretic | slider.law must be "elastic" with shape = "punch"
 slider.shape=cone | slider.shape
+slider.law=hysteretic; slider.adhesion={work=0.05,model="DMT"} | slider.adhesion has no hysteretic law: choose "elastic"
+slider.adhesion={work="0.05 J/m^2",model="JKR"} | slider.adhesion.model must be "DMT" or "meniscus", got 'JKR'
+slider.adhesion={work=0.05,model="meniscus"} | slider.adhesion.surface_tension is required and missing: the model
+slider.adhesion={work=0.05,contact_angle="5 deg",model="DMT"} | slider.adhesion.contact_angle must be left out
+slider.adhesion={surface_tension=1,contact_angle="95 deg",model="meniscus"} | slider.adhesion.contact_angle
+slider.reciprocal=true; slider.adhesion={work=0.05,model="DMT"} | slider.reciprocal cannot be true where balls attract
+slider.normal_law=no_law.py | slider.normal_law names the file 'no_law.py', which cannot be read
 transducer.0.pattern=+-+ | transducer.0.pattern must have 20 signs, two ... got 3: '+-+'
 transducer.1.split=true; transducer.1.pattern=+-+- | transducer.1.pattern must have 40 ... four
 transducer.0.pattern=+-x- | transducer.0.pattern must be a text of the signs + - 0 o
