@@ -53,7 +53,10 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     except fem.InputError as error:
         raise SceneError(error.key, error.rule) from None
     with as_run_errors():
-        wave = fem.rayleigh(solid, surface)
+        try:
+            wave = fem.rayleigh(solid, surface)
+        except fem.ConvergenceError as refusal:
+            raise fem.ConvergenceError(f"{refusal}{_leaky(solid, surface)}") from None
         coupled = "phi" in wave.fields
         coupling = {"coupling_K2": fem.coupling(solid)} if coupled else {}
     displacement, potential = wave.profile(DEPTHS)
@@ -78,6 +81,16 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         },
     )
     return Columns((key, plain(key, value)) for key, value in answer.items())
+
+
+def _leaky(solid: fem.Solid, surface: str) -> str:
+    """Return a sentence on the least attenuated leaky wave of a half-space; empty without one."""
+    try:
+        wave = fem.leaky_waves(solid, surface=surface)[0]
+    except fem.ConvergenceError:
+        return ""
+    kind = ", transverse" if wave.transverse else ""
+    return f". Its leaky wave has {wave.velocity:.6g} m/s and loses {wave.decibels:.3g} dB in a wavelength{kind}"
 
 
 def half_space_answer(answer: Columns) -> str:

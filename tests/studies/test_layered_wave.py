@@ -105,3 +105,11 @@ def test_a_wave_that_leaks_little_has_its_attenuation(capsys):
     assert thin["velocity_m_per_s"] < thin["limiting_velocity_m_per_s"]
     assert main(["wave", "LiNbO3 (Kovacs)", "--orientation", "128YX", *film]) == 0
     assert "leaks into it" in capsys.readouterr().out
+
+
+def test_a_cut_without_a_bound_wave_names_its_leaky_one(capsys):
+    assert main(["wave", "PZT-4", "0,20,0", "--surface", "open"]) == 3
+    sentence = capsys.readouterr().err
+    cut = fem.rotated(fem.material("PZT-4"), (0, 20, 0))
+    wave = fem.leaky_waves(cut, surface="open")[0]
+    assert f"Its leaky wave has {wave.velocity:.6g} m/s and loses {wave.decibels:.3g} dB in a wavelength" in sentence
