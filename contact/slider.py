@@ -259,6 +259,8 @@ class Slider(SliderRules):
         if self.law != "elastic" or self.reciprocal or self.stick_band > 0.0 or self.friction is not None:
             rule = 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
             raise InputError("slider.law", f"{rule}{where}")
+        if self.adhesion is not None:
+            raise InputError("slider.adhesion", f"must be absent{where}")
 
     def _hold_body(self):
         """Raise unless the contacts can hold the body, its tilt and a preload beside their centre."""

@@ -189,6 +189,8 @@ class CoupledSearch:
         for name, unit in (("preload", "N"), ("friction_coefficient", "")):
             parameter_check.positive(f"slider.{name}", getattr(slider, name), unit)
         self.slider, self.wave, self.loads = slider, wave, wave.loaded_by(slider.preload)
+        if self.loads and harmonics > 1 and slider.normal_law is not None:
+            raise InputError("slider.normal_law", 'must be absent with loading "harmonics", which takes flat pillars')
         if self.loads and harmonics > 1:
             self.cycle: RowCycle = OvertoneCycle(slider, wave, True, harmonics)
         else:

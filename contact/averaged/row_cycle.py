@@ -12,9 +12,9 @@ with normal lengths over a unit ell and tangential lengths over c ell,
 
     P/(k_n p(ell))   and   Q/(c k_t p(ell))                                                                     (1)
 
-are the forces of a contact with stiffness, mu and c equal to 1, because p(z) is a power of z. A velocity over omega is
-divided by c ell. The friction power over omega, a force times a length along the wave, has the unit
-(c k_t p(ell)) (c ell).
+are the forces of a contact with stiffness, mu and c equal to 1 and the normal law in units of ell, which for a power of
+z is the law itself. A velocity over omega is divided by c ell. The friction power over omega, a force times a length
+along the wave, has the unit (c k_t p(ell)) (c ell).
 
 The unknown waves are U+ and U- at the rows, `forward` and `backward`; `march` states their equations.
 """
@@ -29,7 +29,7 @@ from contact.averaged.riding import mean_loads, quadrature
 from contact.body import Coordinates, Paths, tilted
 from contact.codes import Shape, Tangential
 from contact.law.elastic import coulomb
-from contact.law.normal import load
+from contact.law.normal import load, plain, scaled
 from contact.problem import ContactFactors, Problem
 from contact.slider import Slider
 from contact.wave import PassingWave
@@ -143,7 +143,9 @@ class RowCycle:
         np.divide(-u_x.imag, c * ell, out=paths.tangential_sin)
         velocities, before = float(w) / (c * ell), BACKWARD if side < 0.0 else FORWARD
         out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.normal))  # p(ell)
-        contact_cycles(self.problem, 0.0, velocities, before, self._rule, self._work, out)
+        own = plain(self.normal)  # a power of z, the same at every ell
+        problem = self.problem if own else self.problem._replace(normal=scaled(self.normal, ell))
+        contact_cycles(problem, 0.0, velocities, before, self._rule, self._work, out)
         out[[Each.FRICTION, Each.LEAK]] *= force * ell * c**2  # over k_t, m^2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 

@@ -9,7 +9,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from contact import (
+    Adhesion,
     InputError,
+    PassingWave,
     TabulatedForce,
     UserForce,
     burst,
@@ -211,3 +213,47 @@ def test_refusals(table):
         slider(normal_law=table, radius=[1e-3, 2e-3])
     with pytest.raises(InputError, match="cannot be read"):
         slider(normal_law="nowhere.py")
+
+
+@pytest.mark.parametrize("tilt", ["held", "pitch"])
+def test_pillars_with_a_table_load_the_wave_as_those_without(tilt):
+    x = np.arange(12) * 50e-6 - 275e-6
+    k = 1.8e6
+    own = {"radius": None, "effective_modulus": None, "tangential_modulus": None, "shape": "punch"}
+    own |= {"normal_stiffness": k, "tangential_stiffness": 1.52e6, "x": x, "tilt": tilt}
+    flat = slider(preload=0.06, friction_coefficient=0.18, normal_damping=0.0, tangential_damping=0.0, **own)
+    table = TabulatedForce.of(lambda z: k * z, scale=1e-9, end=1e-6, shape="punch")
+    wave = PassingWave(
+        frequency=9.61e6, wavelength=414.05e-6, ratio=0.88995, forward=20e-9, backward=0.0, compliance=2.5078e-12,
+        strip_width=0.5e-3, loading=True,
+    )  # fmt: skip
+    one, other = (steady(each, wave, tolerance=1e-3) for each in (flat, replace(flat, normal_law=table)))
+    assert other.velocity == pytest.approx(one.velocity, rel=1e-6)
+    assert other.tilt == pytest.approx(one.tilt, rel=1e-5, abs=1e-12)
+    with pytest.raises(InputError, match=r'slider\.normal_law must be absent with loading "harmonics"'):
+        steady(replace(flat, normal_law=table), replace(wave, loading="harmonics"), tolerance=1e-3)
+
+
+def test_rows_of_a_force_that_is_no_power_are_the_contacts_of_a_given_wave():
+    k, x = 1.8e6, np.arange(3) * 70e-6
+    own = {"radius": None, "effective_modulus": None, "tangential_modulus": None, "shape": "punch"}
+    own |= {"normal_stiffness": k, "tangential_stiffness": 1.52e6, "x": x, "mass": math.inf}
+    table = TabulatedForce.of(lambda z: k * z * (1.0 - math.exp(-z / SOFT) / 2.0), scale=1e-9, end=1e-6, shape="punch")
+    body = slider(preload=0.015, friction_coefficient=0.18, normal_damping=0.0, tangential_damping=0.0, **own)
+    body = replace(body, normal_law=table)
+    given = PassingWave(
+        frequency=9.61e6, wavelength=414.05e-6, ratio=0.88995, forward=15e-9, backward=0.0, compliance=1e-20,
+        strip_width=0.5e-3, loading=False,
+    )  # fmt: skip
+    one, other = (mean_motion(body, replace(given, loading=loads)) for loads in (False, True))
+    assert float(other.velocity) == pytest.approx(float(one.velocity), rel=1e-6)
+    assert float(other.height) == pytest.approx(float(one.height), rel=1e-6)
+
+
+def test_a_ball_that_loads_the_wave_is_dry():
+    wave = PassingWave(
+        frequency=2.2e6, wavelength=1.8e-3, ratio=0.7, forward=5e-9, backward=0.0, compliance=2.5e-12,
+        strip_width=1e-3, loading=True,
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"slider\.adhesion must be absent, on a wave that it loads"):
+        steady(slider(adhesion=Adhesion(model="DMT", work=0.05)), wave, tolerance=1e-3)
