@@ -17,7 +17,7 @@ _PUBLIC = {
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
     "averaged.adhesive_motion": "adhesive_motion AdhesiveMotion",
-    "averaged.asperity_motion": "asperity_motion RoughBalls",
+    "averaged.asperity_motion": "asperity_motion RoughBalls RoughMotion",
     "averaged.sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (
         "release release_amplitude release_factor releases threshold threshold_amplitude threshold_factor"

@@ -109,7 +109,7 @@ def _with_slider(model: Model, tolerance: float) -> Record:
         # of a passing wave, the centre is one place of many
         vanished = "" if driven.passing else node(motion, model.scene.positions)
         refusal = vanished or driven.refusal
-        if not refusal:
+        if not refusal and not driven.rough:
             contact_start = time.perf_counter()
             answer = _rippled(answer, driven, motion, tolerance)
             seconds += time.perf_counter() - contact_start

@@ -21,14 +21,17 @@ LIBRARIES = {
     "threadpoolctl": "where a run sets the threads of BLAS",
     "filelock": "where a directory is written",
     "distributed": "of the extra dask",
-    "gwyfile": "of no extra: for the files of Gwyddion",
-    "SurfaceTopography": "of no extra: for other topographies",
+    "gwyfile": "of the extra lab: for the files of Gwyddion",
+    "SurfaceTopography": "of the extra lab: for other topographies",
     "imageio_ffmpeg": "of the extra view",
     "jinja2": "0.05 s; where a page is written",
     "rich": "0.1 s; where progress is shown in a terminal",
     "hashlib": "3 ms of OpenSSL; where a file is written or a mesh read",
 }
-PARTS = {".plane": "of sliders that move in the plane; others start without it"}  # of a module's name
+PARTS = {  # of a module's name
+    ".plane": "of sliders that move in the plane; others start without it",
+    ".rough": "of rough balls; smooth ones start without the readers of patches",
+}
 PLACES = {
     "studies/command/": "a command imports what it runs when it is called: the others start without it",
     "studies/__main__.py": "the same, and a defect is reported even where an import fails",

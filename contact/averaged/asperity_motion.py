@@ -2,9 +2,9 @@ r"""Velocity of a heavy slider on rough balls: each asperity of a sample slips o
 
 The force of asperity j is a function P_j(z) of its ball's approach, in which all of them take part (`law.asperities`).
 One stop for the ball as a whole (`law.elastic` with the sum of the forces) forgets which asperities have slipped; here
-each has its own (`asperity_cycle`). The mean approach h follows from <sum P_j> = F, and v from
-<sum Q_j> = load + R_t v. The error is estimated by half as many steps of phase and half as many rows of the table of
-approaches.
+each has its own (`asperity_cycle`). Each ball carries an equal part of the preload F, as statics demands of three balls
+about the centre of mass: its mean approach h follows from <sum P_j> = F/n, and v from <sum Q_j> = load + R_t v of all
+balls. The error is estimated by half as many steps of phase and half as many rows of the table of approaches.
 
 The asperities push each other down, but do not draw each other along: P_j(z) - P_j(z - |x_j|/c) is exact where all have
 moved alike (Jaeger). For asperities so fine that they merge the truth is the hysteretic law of the smooth ball; the
@@ -14,6 +14,7 @@ stop each), of which samples of 0.3 nm show 4 and 7 %.
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from contact.choice import Answer
 from contact.error_estimate import reference_speed
 from contact.exceptions import InputError
 from contact.law.asperities import Asperities, RoughBall
+from contact.law.rough import FieldBall, MeanField
 from contact.orbit import Orbit
 from contact.roots import bracketed
 from contact.slider import Slider
@@ -30,10 +32,17 @@ from contact.slider import Slider
 ROWS = 24  # approaches of a ball at which the forces are solved, of the first answer
 STEPS = 128  # of phase, of the first answer
 DOUBLINGS = 4  # at most, of both
-MAX_NEAR = 2500  # asperities of a ball; a table of them takes about a minute
 REPEATS = 1e-9  # change of a deformation from one cycle to the next over the largest, at which it repeats
 CLOSE = 1e-7  # of the velocity over its range
 DEEPER = 1.25  # growth of a range of approaches in which the preload is not reached
+
+
+class RoughMotion(NamedTuple):
+    """Steady motion of a slider on rough balls."""
+
+    answer: Answer  # the velocity, m/s
+    heights: tuple[float, ...]  # mean approach of each ball, m
+    regime: str  # stick, slip, or intermittent: all asperities leave the surface in every cycle
 
 
 class RoughBalls:
@@ -44,8 +53,10 @@ class RoughBalls:
     slider : Slider
         Radius, moduli, friction coefficient, preload, tangential damping and load are used. The load opposes the motion
         of the unloaded slider.
-    samples : sequence of Asperities
-        One for each ball; the balls have one mean height.
+    samples : sequence of Asperities or MeanField
+        One for each ball.
+    amplitude : float
+        Largest normal amplitude in m of the waves that are asked for, where it is known: the tables are made for it.
 
     Examples
     --------
@@ -59,21 +70,24 @@ class RoughBalls:
     0.0267 m/s; smooth, it is 0.0279 m/s
     """
 
-    def __init__(self, slider: Slider, samples: Sequence[Asperities]):
+    def __init__(self, slider: Slider, samples: Sequence[Asperities | MeanField], amplitude: float = 0.0):
         self.slider, self.samples = slider, tuple(samples)
         for each in self.samples:
-            if not len(each):
+            if isinstance(each, Asperities) and not len(each):
                 raise InputError("sample", "must hold at least one asperity")
-        self._balls: list[RoughBall] = []
+        self._balls: list[RoughBall | FieldBall] = []
         self._tables: dict[int, list[Table]] = {}
-        self._lowest = min(-float(np.max(self._free(each))) for each in self.samples)
+        self._lowest = min(each.lowest(slider.radius) for each in self.samples)
         self._deepest = self._lowest
-
-    def _free(self, sample: Asperities) -> np.ndarray:
-        return sample.heights - (sample.x**2 + sample.y**2) / (2.0 * self.slider.radius)
+        if amplitude > 0.0:
+            self._reach(amplitude)
 
     def velocity(self, orbits: Orbit | Sequence[Orbit], *, tolerance: float) -> Answer:
-        """Return the steady velocity in m/s on a wave, the orbit of each ball or one of all.
+        """Return the steady velocity in m/s; see `motion`."""
+        return self.motion(orbits, tolerance=tolerance).answer
+
+    def motion(self, orbits: Orbit | Sequence[Orbit], *, tolerance: float) -> RoughMotion:
+        """Return the steady motion on a wave, given as the orbit of each ball or one of all.
 
         Averaging of first order is not part of its error.
         """
@@ -86,7 +100,8 @@ class RoughBalls:
         values: list[float] = []
         error = math.inf
         for doubling in range(DOUBLINGS + 1):
-            values.append(self._velocity(waves, doubling))
+            heights = self._riding(waves, doubling)
+            values.append(self._velocity(waves, doubling, heights))
             if doubling:
                 # the means err by the square of the step; a third of the change would be Richardson's
                 error = abs(values[-1] - values[-2])
@@ -95,7 +110,10 @@ class RoughBalls:
         number = sum(table.touch.size for table in self._tables[0])
         reasons = (f"cycle means of {number} asperities, a stop each",)
         answer = Answer(value=values[-1], error=error, reasons=reasons)
-        return answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0)
+        each_ball = zip(heights, waves, self._at(0), strict=True)
+        hops = all(height - abs(wave.normal) <= table.touch.min() for height, wave, table in each_ball)
+        regime = "stick" if answer.value == 0.0 else "intermittent" if hops else "slip"
+        return RoughMotion(answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0), heights, regime)
 
     def threshold(self, orbits: Orbit | Sequence[Orbit], speed: float, *, tolerance: float) -> float:
         """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand."""
@@ -120,15 +138,12 @@ class RoughBalls:
         deepest = max(self._deepest, self._lowest + 2.0 * amplitude + rest)
         while True:
             if deepest > self._deepest:
-                radius, modulus = slider.radius, slider.effective_modulus
-                self._balls = [RoughBall(each, radius, modulus, deepest) for each in self.samples]
-                for each in self._balls:
-                    if len(each.near) > MAX_NEAR:
-                        rule = f"must not bring more than {MAX_NEAR} asperities of a ball near the surface"
-                        raise InputError("sample", f"{rule}, got {len(each.near)}: the mean field serves these")
+                balls = (each.ball(slider.radius, slider.effective_modulus, deepest) for each in self.samples)
+                self._balls = list(balls)
                 self._deepest, self._tables = deepest, {}
             trough = deepest - 2.0 * amplitude
-            if sum(float(each.forces(each.at(trough).approaches).sum()) for each in self._balls) >= slider.preload:
+            share = slider.preload / len(self._balls)
+            if all(float(each.forces(each.at(trough).approaches).sum()) >= share for each in self._balls):
                 return
             deepest = self._lowest + DEEPER * (deepest - self._lowest)
 
@@ -138,7 +153,7 @@ class RoughBalls:
             self._tables[doubling] = [self._table(each, ROWS * 2**doubling) for each in self._balls]
         return self._tables[doubling]
 
-    def _table(self, ball: RoughBall, rows: int) -> Table:
+    def _table(self, ball: RoughBall | FieldBall, rows: int) -> Table:
         z = np.linspace(self._lowest, self._deepest, rows + 1)
         spacing, states, near = z[1] - z[0], [], None
         for each in z:
@@ -157,37 +172,40 @@ class RoughBalls:
             ball.stiffness[used], ball.merged[used], float(z[0]), float(spacing),
         )  # fmt: skip
 
-    def _velocity(self, waves: tuple[Orbit, ...], doubling: int) -> float:
+    def _riding(self, waves: tuple[Orbit, ...], doubling: int) -> tuple[float, ...]:
+        """Return the mean approaches at which the mean normal force of each ball is its part of the preload."""
+        turn, answer, share = _turn(doubling), np.zeros(1), self.slider.preload / len(waves)
+
+        def height(table, wave):
+            u_z, size = (wave.normal * turn).real, abs(wave.normal)
+
+            def left(h):
+                mean_normal(table, h + u_z, answer)
+                return float(answer[0]) - share
+
+            span = self._deepest - self._lowest
+            return bracketed(left, self._lowest - size, self._deepest - size, tolerance=1e-9 * span)
+
+        return tuple(height(*each) for each in zip(self._at(doubling), waves, strict=True))
+
+    def _velocity(self, waves: tuple[Orbit, ...], doubling: int, heights: tuple[float, ...]) -> float:
         """Return the velocity at which no mean force is left, with so many doublings of steps and rows."""
-        slider, tables, steps = self.slider, self._at(doubling), STEPS * 2**doubling
-        turn = np.exp(2j * np.pi * np.arange(steps) / steps)
-        u_z = [(each.normal * turn).real for each in waves]
+        slider, turn, answer = self.slider, _turn(doubling), np.zeros(1)
         u_x = [(each.tangential * turn).real for each in waves]
-        size, answer = max(abs(each.normal) for each in waves), np.zeros(1)
-
-        def total(kernel, *arguments):
-            sums = 0.0
-            for own in zip(tables, *arguments, strict=True):
-                kernel(*own, answer)
-                sums += float(answer[0])
-            return sums
-
-        def carried(height):
-            return total(mean_normal, [height + each for each in u_z]) - slider.preload
-
-        height = bracketed(
-            carried, self._lowest - size, self._deepest - size, tolerance=1e-9 * (self._deepest - self._lowest)
-        )
-        z, c, friction = [height + each for each in u_z], slider.limit_slope, slider.friction_coefficient
+        size, steps = max(abs(each.normal) for each in waves), turn.size
+        z = [height + (each.normal * turn).real for height, each in zip(heights, waves, strict=True)]
+        c, friction = slider.limit_slope, slider.friction_coefficient
         tangential, omega = max(abs(each.tangential) for each in waves), waves[0].omega
         top = omega * (tangential + c * size)
-        repeats = [REPEATS * (tangential + c * size)] * len(waves)
+        repeats = REPEATS * (tangential + c * size)
 
         def left(v):
             """Return the force that is left at a velocity."""
             travel = v * 2.0 * np.pi / (steps * omega)
-            moved = [each - np.roll(each, 1) - travel for each in u_x]
-            pull = total(mean_pull, z, moved, [c] * len(waves), repeats)
+            pull = 0.0
+            for table, place, along in zip(self._at(doubling), z, u_x, strict=True):
+                mean_pull(table, place, along - np.roll(along, 1) - travel, c, repeats, answer)
+                pull += float(answer[0])
             return friction * pull - load - slider.tangential_damping * v
 
         load = 0.0
@@ -197,6 +215,11 @@ class RoughBalls:
             return 0.0
         # at this speed every asperity slips backwards all the time
         return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)
+
+
+def _turn(doubling: int) -> np.ndarray:
+    steps = STEPS * 2**doubling
+    return np.exp(2j * np.pi * np.arange(steps) / steps)
 
 
 def asperity_motion(slider: Slider, sample: Asperities, orbit: Orbit, *, tolerance: float = 1e-3) -> Answer:

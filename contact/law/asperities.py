@@ -29,6 +29,7 @@ from contact.exceptions import ConvergenceError, InputError
 from contact.law.normal import SPHERE, stiffness
 
 CLOSE = 1e-12  # residual of (1) over the largest approach at which Newton's method ends
+MAX_NEAR = 2500  # asperities of a ball; a table of them takes about a minute
 MERGED = 0.25 * math.pi  # radius over the distance of the nearest asperity from which a contact is a punch
 
 
@@ -82,6 +83,18 @@ class Asperities:
 
     def __len__(self) -> int:
         return self.x.size
+
+    def lowest(self, sphere_radius: float) -> float:
+        """Return the approach in m at which the first asperity touches."""
+        return -float(np.max(self.heights - (self.x**2 + self.y**2) / (2.0 * sphere_radius)))
+
+    def ball(self, sphere_radius: float, effective_modulus: float, deepest: float) -> "RoughBall":
+        """Return the sample on a sphere, up to an approach in m; refused where too many asperities are near."""
+        ball = RoughBall(self, sphere_radius, effective_modulus, deepest)
+        if len(ball.near) > MAX_NEAR:
+            rule = f"must not bring more than {MAX_NEAR} asperities of a ball near the surface"
+            raise InputError("sample", f"{rule}, got {len(ball.near)}: the mean field serves these")
+        return ball
 
     @cached_property
     def nearest(self) -> np.ndarray:

@@ -22,13 +22,15 @@ import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import ConvergenceError
-from contact.law.asperities import Asperities
+from contact.law.asperities import Asperities, State
 from contact.law.normal import SPHERE, approach, stiffness
 
 ASPERITY_RADIUS = 10e-6  # m, of polished balls by atomic force microscopy; a factor of 5 changes the stiffness by 5 %
 ASPERITIES = 0.05  # eta beta sigma of surfaces without a measured density
 FEWEST = 10.0  # asperities in contact below which the mean field is not that of one sphere
 COVERED = 0.4  # random places one after another fill 0.547 of a plane with discs
+FIRST = 4.5  # standard deviations between the mean planes from which on asperities are counted to carry: 1e-5 of a load
+HEIGHTS, PLACES = 32, 40  # classes of height, and rings, of the asperities of a field
 RINGS = 160  # rings of pressure; 320 change the approach by 2e-5
 REACH = 7.0  # standard deviations above the mean plane beyond which asperities carry nothing
 FAR = -12.0  # t below which the series of a tail has rounding errors only
@@ -87,6 +89,8 @@ class Field(NamedTuple):
     r: np.ndarray  # middle radii of the rings, m
     pressure: np.ndarray  # mean pressure of the rings, Pa
     touching: float  # asperities in contact
+    separation: np.ndarray  # of the mean planes at the rings, m
+    separation_rate: np.ndarray  # its derivative in z
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,8 +185,11 @@ class MeanField:
         discs = disc_displacement(self._edges[None, :], middle[:, None])
         self._influence = np.diff(discs, axis=1) / effective_modulus
 
-    def at(self, z: float) -> Field:
+    def at(self, z: float, near: Field | None = None, *, reach: float | None = None) -> Field:
         """Return the field at an approach z of the mean planes in m; it is negative where few asperities touch.
+
+        `near` is that at another approach, whose pressures the search starts from, and `reach` the radius of the
+        outermost ring in m.
 
         Raises
         ------
@@ -190,12 +197,14 @@ class MeanField:
             If Newton's method does not converge.
         """
         sigma, rough = self.roughness.rms, self.roughness
-        reach = math.sqrt(2.0 * self.radius * max(z + REACH * sigma, 0.5 * sigma))
+        reach = reach or self.reach(z)
         r, influence = reach * self.middle, reach * self._influence
         area = math.pi * np.diff((reach * self._edges) ** 2)
         scale = rough.density * float(stiffness(rough.asperity_radius, self.modulus, SPHERE.shape)) * sigma**1.5
         plane = r**2 / (2.0 * self.radius) - z
         p, identity = np.zeros(self.rings), np.eye(self.rings)
+        if near is not None:
+            p = np.interp(r, near.r, near.pressure, right=0.0)
         for _ in range(100):
             t = (plane + influence @ p) / sigma
             wanted, falls = scale * tail(1.5, t), 1.5 * scale / sigma * tail(0.5, t)
@@ -208,7 +217,21 @@ class MeanField:
             raise ConvergenceError("not converged", f"the mean field of asperities at an approach of {z:.4g} m")
         touching = rough.density * float(area @ tail(0.0, t))
         rise = np.linalg.solve(jacobian, falls)
-        return Field(float(area @ p), float(area @ rise), r, p, touching)
+        separation = plane + influence @ p
+        return Field(float(area @ p), float(area @ rise), r, p, touching, separation, influence @ rise - 1.0)
+
+    def reach(self, z: float) -> float:
+        """Return the radius in m within which asperities may touch at an approach z in m."""
+        sigma = self.roughness.rms
+        return math.sqrt(2.0 * self.radius * max(z + REACH * sigma, 0.5 * sigma))
+
+    def lowest(self, _radius: float) -> float:
+        """Return the approach of the mean planes in m from which the asperities are counted to carry; see `FIRST`."""
+        return -FIRST * self.roughness.rms
+
+    def ball(self, _radius: float, _modulus: float, deepest: float) -> "FieldBall":
+        """Return the asperities of the field as those of one ball, up to an approach in m."""
+        return FieldBall(self, deepest)
 
     def approach(self, force: float) -> float:
         """Return the approach of the mean planes in m under a force in N, by Newton's method on its logarithm."""
@@ -221,6 +244,40 @@ class MeanField:
             if abs(step) <= CLOSE * (abs(z) + self.roughness.rms):
                 return z
         raise ConvergenceError("not converged", f"the approach of a rough sphere under {force:.4g} N")
+
+
+class FieldBall:
+    """The asperities of a mean field as a sample: classes of height on rings, which the field dents alike.
+
+    Attributes
+    ----------
+    near : ndarray
+        Numbers of the classes.
+    stiffness, merged : ndarray, shape (n,)
+        Of the asperities of each class together, N/m^1.5; no approach at which they meet.
+    """
+
+    def __init__(self, field: MeanField, deepest: float):
+        self.field = MeanField(field.radius, field.modulus, field.roughness, PLACES)
+        sigma, self.reach = field.roughness.rms, self.field.reach(deepest)
+        steps = (np.arange(HEIGHTS) + 0.5) / HEIGHTS * 2.0 * FIRST - FIRST
+        share = np.exp(-0.5 * steps**2)
+        self.heights = sigma * steps
+        areas = math.pi * np.diff((self.reach * np.linspace(0.0, 1.0, PLACES + 1)) ** 2)
+        each = float(stiffness(field.roughness.asperity_radius, field.modulus, SPHERE.shape))
+        self.stiffness = (each * field.roughness.density * np.outer(areas, share / share.sum())).ravel()
+        self.merged, self.near = np.full(self.stiffness.size, np.inf), np.arange(self.stiffness.size)
+        self._last: Field | None = None
+
+    def at(self, z: float, near: np.ndarray | None = None) -> State:
+        """Return the approaches of the asperities at an approach z in m, and their derivatives."""
+        self._last = field = self.field.at(z, self._last if near is not None else None, reach=self.reach)
+        approaches = self.heights - field.separation[:, None]
+        return State(approaches.ravel(), np.repeat(-field.separation_rate, HEIGHTS))
+
+    def forces(self, u: np.ndarray) -> np.ndarray:
+        """Return the forces at approaches u, N."""
+        return self.stiffness * np.maximum(u, 0.0) ** 1.5
 
 
 def johnson_number(rms: float, approach: float) -> float:

@@ -51,7 +51,11 @@ def resolved(slider: Slider) -> Slider:
 
 
 def check(scene: Scene) -> None:
-    """Refuse nothing: the blocks of the scene refuse contacts beyond the stator."""
+    """Refuse a roughness that no mean field describes; the blocks of the scene refuse contacts beyond the stator."""
+    if scene.slider.roughness is not None:
+        from studies.model.roughness import check_roughness
+
+        check_roughness(scene.slider)
 
 
 def places(slider: Slider) -> list[tuple[str, float, float]]:

@@ -18,6 +18,7 @@ from studies.model.contacts_of import contacts_of
 from studies.model.model import Model
 from studies.record import Record
 from studies.record.point import Point
+from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Wave
 from studies.scene.slider import Slider
@@ -129,12 +130,20 @@ class Contact:
 
     @cached_property
     def slider(self):
-        """The `contact.Slider`."""
+        """The `contact.Slider`; refused of rough balls, which `studies.model.roughness` makes."""
         if self.surface is not None:
             from studies.model.plane import plane_slider
 
             return plane_slider(self.scene.slider)
+        if self.rough:
+            rule = "must be absent here: run and sweep alone take rough balls, and give their steady velocities"
+            raise SceneError("slider.roughness", rule)
         return contact_slider(self.scene.slider)
+
+    @property
+    def rough(self) -> bool:
+        """Whether the slider stands on rough balls."""
+        return self.scene.slider is not None and self.scene.slider.roughness is not None
 
     @property
     def contacts(self) -> int:

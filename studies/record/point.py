@@ -58,6 +58,9 @@ class Point(Values):
     thrust_power_W: Number = None
     wave_power_in_W: Number = None
     wave_power_out_W: Number = None
+    sample_lowest_m_per_s: Number = None
+    sample_median_m_per_s: Number = None
+    sample_highest_m_per_s: Number = None
     face_normal_m: Number = None
     face_tangential_m: Number = None
     face_delay_deg: Number = None

@@ -1,6 +1,7 @@
 """Estimates of what the surfaces of real balls change, as fields of `stator_effects.Effect`.
 
-The model's balls are smooth, dry and clean.  Sources:
+Without ``slider.roughness`` the model's balls are smooth; they are dry and clean. Effects that a run computes have no
+line: with a roughness there is that by which one ball differs from another. Sources:
 
 - roughness: `rough_balls.csv`, computed with samples of asperities by ``python -m studies.evidence.rough_balls`` for
   the ball of Feenstra and Breedveld; by Johnson's number alpha = sigma/z_0 (Greenwood, Johnson and Matsubara, Wear 100
@@ -14,6 +15,8 @@ The model's balls are smooth, dry and clean.  Sources:
 import csv
 import math
 from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -24,6 +27,7 @@ from studies.model.contact import contact_slider
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.stator_effects import Effects
+from studies.solve.solved_stator import contact_of_run
 
 TABLE = Path(__file__).with_name("rough_balls.csv")
 RMS = 3e-9  # m: of a bearing ball over the size of its contact (ISO 3290-1 allows 10 to 20 nm over larger lengths)
@@ -31,13 +35,20 @@ ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air, also of pilla
 WATER = 0.072  # N/m: surface tension
 REMOVED = 10.0  # Fuller's and Tabor's number above which roughness removes adhesion
 DECIDES = 0.1  # relative change from which a warning is given, also of `run_warnings`
+ON_A_LINE = 0.999  # correlation of the balls' places above which they stand on one line
 ROUGHNESS, MEMORY = "roughness of the balls", "memory of the tangential contact"
 STARTS, CLEAN, WET = (
     f"{ROUGHNESS}: where they start",
     "adhesion of clean smooth balls",
     "meniscus of water at the balls",
 )
-AT_LARGEST = (ROUGHNESS, MEMORY)  # stated at the largest level: near the threshold they decide everything
+OTHER_BALL, SPLIT = "another ball of the same roughness", "loads of the balls by statics instead of one height"
+AT_LARGEST = (
+    ROUGHNESS,
+    MEMORY,
+    OTHER_BALL,
+    SPLIT,
+)  # stated at the largest level: near the threshold they decide everything
 
 
 @cache
@@ -76,12 +87,14 @@ def ball_surface(record: Record) -> Effects:
     if not _on_balls(record):
         return
     body, balls = contact_slider(slider.along_x), slider.computed_contacts
-    alpha, preload = _alpha(record), body.preload
-    median, lowest, highest = ratio(alpha, 0.0)
-    how = f"{RMS * 1e9:g} nm assumed, {alpha:.2g} of the approach at rest; eight balls: {lowest:.3g} to {highest:.3g}"
-    yield STARTS, "the threshold", median - 1.0, how
-    number = body.effective_modulus * RMS**1.5 / (ADHESION * math.sqrt(contact.Roughness(rms=RMS).asperity_radius))
-    removed = f"which a roughness of {RMS * 1e9:g} nm removes" if number > REMOVED else "which their roughness leaves"
+    alpha, preload, rms, block = _alpha(record), body.preload, _rms(record), slider.roughness
+    if block is None:
+        median, lowest, highest = ratio(alpha, 0.0)
+        how = f"{rms * 1e9:g} nm assumed, {alpha:.2g} of the approach at rest"
+        yield STARTS, "the threshold", median - 1.0, f"{how}; eight balls: {lowest:.3g} to {highest:.3g}"
+    asperity = (block and block.asperity_radius) or contact.Roughness(rms=rms).asperity_radius
+    number = body.effective_modulus * rms**1.5 / (ADHESION * math.sqrt(asperity))
+    removed = f"which a roughness of {rms * 1e9:.3g} nm removes" if number > REMOVED else "which their roughness leaves"
     pull = contact.AdhesiveSphere(radius=slider.radius, modulus=body.effective_modulus, work=ADHESION).pull_off
     how = f"{ADHESION:g} J/m^2, {removed} (number of Fuller and Tabor {number:.2g})"
     yield CLEAN, "the preload", balls * pull / preload, how
@@ -91,23 +104,59 @@ def ball_surface(record: Record) -> Effects:
 
 def ball_surface_at(record: Record, point: Point) -> Effects:
     """Yield the changes of the velocity at a point by roughness and by the tangential law."""
-    speed = point.velocity_m_per_s
+    speed, slider = point.velocity_m_per_s, record.scene.slider
     if not _on_balls(record) or not speed or not point.normal_amplitude_m:
         return
-    alpha, amplitude = _alpha(record), point.normal_amplitude_m * _alpha(record) / RMS
+    alpha, block = _alpha(record), slider.roughness
+    amplitude = point.normal_amplitude_m * alpha / _rms(record)
     median, lowest, highest = ratio(alpha, amplitude)
-    how = f"{RMS * 1e9:g} nm assumed; eight balls: {100 * (lowest - 1):+.2g} to {100 * (highest - 1):+.2g} %"
-    yield ROUGHNESS, "velocity", median - 1.0, how
-    if record.scene.slider.law == "elastic":
+    if block is None:
+        how = f"{RMS * 1e9:g} nm assumed; eight balls: {100 * (lowest - 1):+.2g} to {100 * (highest - 1):+.2g} %"
+        yield ROUGHNESS, "velocity", median - 1.0, how
+    elif block.sampled:
+        low, high = point.sample_lowest_m_per_s, point.sample_highest_m_per_s
+        how = f"half the range of eight samples, {1e3 * low:.3g} to {1e3 * high:.3g} mm/s"
+        yield OTHER_BALL, "velocity", 0.5 * (high - low) / abs(speed), how
+    else:
+        how = "half the range of eight samples on the seed's ball, over the root of the number of balls"
+        size = 0.5 * (highest - lowest) / median / math.sqrt(len(slider.offsets))
+        yield OTHER_BALL, "velocity", size, how
+    yield from _split(record, point)
+    if slider.law == "elastic" and block is None:
         how = "hysteretic law (Mindlin and Deresiewicz) over the elastic one, smooth ball"
         yield MEMORY, "velocity", ratio(0.0, amplitude)[0] - 1.0, how
+
+
+def _split(record: Record, point: Point) -> Effects:
+    """Yield the change of the velocity where statics, and not one height of all, gives each ball its load."""
+    slider = record.scene.slider
+    if slider.computed_contacts < 2 or slider.planar:
+        return
+    along, across = np.array(slider.offsets).T
+    if not np.ptp(along) or (np.ptp(across) and abs(np.corrcoef(along, across)[0, 1]) > ON_A_LINE):
+        return  # nothing holds the slider's tilts
+    driven = contact_of_run(record)
+    body = contact_slider(
+        replace(slider, law="elastic", roughness=None, friction_coefficient=slider.static_coefficient)
+    )
+    one, tilt = replace(body, x=along, y=across), "free" if np.ptp(across) else "pitch"
+    with suppress(contact.ConvergenceError, contact.InputError):  # such as a preload beside the balls
+        orbits = driven.at(point.level)
+        bodies = one, replace(one, tilt=tilt, preload_at=(0.0, 0.0))
+        together, alone = (float(contact.mean_motion(each, orbits).velocity) for each in bodies)
+        if together != 0.0:
+            how = "averaged motion of a slider that tilts until its preload is in balance"
+            yield SPLIT, "velocity", alone / together - 1.0, how
 
 
 def smooth_balls(record: Record) -> Iterator[str]:
     """Yield a warning that the balls are computed smooth and dry, where their surfaces change the answer by 10 %."""
     sizes = {each.effect: each.size for each in record.model_error}
-    decisive = {name: sizes[name] for name in (STARTS, ROUGHNESS, MEMORY, WET) if abs(sizes.get(name, 0.0)) >= DECIDES}
+    told = (STARTS, ROUGHNESS, MEMORY, OTHER_BALL, SPLIT, WET)
+    decisive = {name: sizes[name] for name in told if abs(sizes.get(name, 0.0)) >= DECIDES}
     sentences = {
+        OTHER_BALL: "another ball of this roughness runs up to {percent:.0f} % faster or slower",
+        SPLIT: "loads of the balls by statics would change the velocity by about {percent:+.0f} %",
         STARTS: "with a roughness of {rms:g} nm they start at about {factor:.2g} times the threshold",
         ROUGHNESS: "a roughness of {rms:g} nm changes the velocity at the largest level by about {percent:+.0f} %",
         MEMORY: 'slider.law = "hysteretic" by about {percent:+.0f} %',
@@ -118,7 +167,26 @@ def smooth_balls(record: Record) -> Iterator[str]:
         for name, size in decisive.items()
     ]
     if said:
-        yield f"the balls are computed smooth, dry and clean: {'; '.join(said)} (model_error in run.json)"
+        computed = "smooth, dry and clean" if record.scene.slider.roughness is None else "dry and clean"
+        yield f"the balls are computed {computed}: {'; '.join(said)} (model_error in run.json)"
+
+
+def of_patch(record: Record) -> Iterator[str]:
+    """Yield what a user must know about the patch of an atomic force microscope: its rms, and what its file lacks."""
+    block = record.scene.slider.roughness
+    if block is None or block.file is None:
+        return
+    from studies.model.roughness import patch_of
+
+    patch = patch_of(block)
+    along, across = (each * 1e6 for each in patch.size)
+    radii = patch.peaks()[3] * 1e6
+    yield (
+        f"{patch.name} has an rms of {patch.rms * 1e9:.3g} nm over {along:.3g} x {across:.3g} um without its plane and "
+        f"its sphere, and {radii.size} asperities of {np.median(radii):.3g} um in the median; it continues periodically"
+    )
+    for remark in patch.remarks:
+        yield f"{patch.name}: {remark}"
 
 
 def _on_balls(record: Record) -> bool:
@@ -128,6 +196,17 @@ def _on_balls(record: Record) -> bool:
 
 
 def _alpha(record: Record) -> float:
-    """Return Johnson's number of the balls with the assumed roughness."""
+    """Return Johnson's number: the roughness of the balls over the approach of smooth ones."""
     slider = record.scene.slider
-    return contact.johnson_number(RMS, contact_slider(slider.along_x).rest_approach(slider.computed_contacts))
+    smooth = contact_slider(replace(slider.along_x, roughness=None))
+    return contact.johnson_number(_rms(record), smooth.rest_approach(slider.computed_contacts))
+
+
+def _rms(record: Record) -> float:
+    """Return the roughness of the balls in m: that of the scene, or the assumed one."""
+    block = record.scene.slider.roughness
+    if block is None:
+        return RMS
+    from studies.model.roughness import realised_rms
+
+    return realised_rms(block)

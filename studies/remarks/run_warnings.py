@@ -19,7 +19,7 @@ from studies.model.model import model_of
 from studies.record import Record
 from studies.record.text import percent
 from studies.remarks.ball_effects import NODE
-from studies.remarks.ball_surface import AT_LARGEST, DECIDES, smooth_balls
+from studies.remarks.ball_surface import AT_LARGEST, DECIDES, of_patch, smooth_balls
 from studies.remarks.heat_warnings import heat_warnings
 from studies.remarks.loaded_wave_effects import wave_warnings
 from studies.remarks.model_error import SHARED
@@ -56,8 +56,8 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         warnings += _left_out(record)
     if record.scene.slider is not None:
         warnings += [
-            *smooth_balls(record), *_contact(record), *_points(record), *_ripple(record), *_end_of_way(record),
-            *_other_motion(record),
+            *smooth_balls(record), *of_patch(record), *_contact(record), *_points(record), *_ripple(record),
+            *_end_of_way(record), *_other_motion(record),
         ]  # fmt: skip
         warnings += wave_warnings(record)
     return tuple(warnings)

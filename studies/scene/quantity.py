@@ -35,6 +35,7 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "1/m": ("a curvature", "0.01 1/m", {"1/m": 0, "1/mm": 3}),
     "J/m^2": ("a work of adhesion", "0.05 J/m^2", {"J/m^2": 0, "mJ/m^2": -3}),
     "N/m": ("a surface tension", "0.072 N/m", {"N/m": 0, "mN/m": -3}),
+    "1/m^2": ("a number per area", "2 1/um^2", {"1/m^2": 0, "1/mm^2": 6, "1/um^2": 12, "1/µm^2": 12}),
     "1/Pa": ("a compliance", "2.5e-12 1/Pa", {"1/Pa": 0, "1/GPa": -9}),
     "C/m^2": ("a piezoelectric stress constant", "12 C/m^2", {"C/m^2": 0}),
     "C/N": ("a piezoelectric strain constant", "300 pC/N", {"C/N": 0, "pC/N": -12, "m/V": 0, "pm/V": -12}),

@@ -9,7 +9,7 @@ import json
 from collections.abc import Sequence
 
 import fem
-from studies.scene import adhesion, blocks, drive, friction, pillars, plane, slider
+from studies.scene import adhesion, blocks, drive, friction, pillars, plane, roughness, slider
 from studies.scene.block import Block, block_schema, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
@@ -35,6 +35,7 @@ BLOCKS = {
     "[slider.normal_law]": adhesion.NormalLawText,
     "[slider.adhesion]": adhesion.Adhesion,
     "[slider.pillars]": pillars.Pillars,
+    "[slider.roughness]": roughness.Roughness,
     "[stator.material], a piezoelectric crystal or ceramic": blocks.PiezoelectricSolid,
     "[stator.material], an isotropic solid": blocks.IsotropicSolid,
 }

@@ -10,6 +10,7 @@ from studies.scene.block import Block, Within, keys_of
 from studies.scene.friction import Friction, LawFile, LawText
 from studies.scene.numbers import FixedList, Listed, Quantity, as_pair, surface_position
 from studies.scene.pillars import Pillars
+from studies.scene.roughness import Roughness
 from studies.scene.rule import FLAG, TEXT, Count, choice
 
 OFFSET = FixedList((Quantity("m", negative=True),) * 2, "[x, y] in m")
@@ -172,6 +173,9 @@ class Slider(Block):
     pillars: Annotated[
         Pillars | Any, Within(Pillars), "Flat pillars, up to a million, instead of radius, contacts and heights."
     ] = None
+    roughness: Annotated[
+        Roughness | Any, Within(Roughness), 'Roughness of the balls, such as { rms = "3 nm" }. Absent: smooth balls.'
+    ] = None
     tilt: Annotated[
         str,
         choice("held", "pitch", "free"),
@@ -228,6 +232,23 @@ class Slider(Block):
 
     def check_plane(self) -> Any:
         yield from plane.check_slider(self)
+
+    def check_roughness(self) -> Any:
+        if self.roughness is None:
+            return
+        if self.pillars is not None or self.shape != "sphere":
+            yield "roughness", "must be absent where the contacts are no balls"
+        if self.law != "elastic":
+            yield "law", 'must be "elastic" with slider.roughness'
+        if isinstance(self.friction_coefficient, Friction):
+            yield "friction_coefficient", "must be a number with slider.roughness"
+        if self.freedom != "x":
+            yield "roughness", "must be absent with slider.freedom"
+        for key in ("reciprocal", "stick_band", "heights", "normal_law", "adhesion"):
+            if getattr(self, key):
+                yield key, "must be absent with slider.roughness"
+        if self.method not in ("auto", "averaged"):
+            yield "method", f'must be "auto" or "averaged" with slider.roughness, got "{self.method}"'
 
     def check_friction(self) -> Any:
         if isinstance(self.friction_coefficient, Friction) and isinstance(self.law, LawText):

@@ -36,6 +36,8 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
         from studies.solve.plane_answer import plane_slider_answer
 
         return plane_slider_answer(driven, tolerance=tolerance)
+    if driven.rough:
+        return _rough(driven, tolerance)
     summary, threshold = SummaryBlock(), math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
@@ -60,6 +62,21 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     )
 
 
+def _rough(driven: Contact, tolerance: float) -> SliderAnswer:
+    """Return the answers of a slider on rough balls."""
+    from studies.solve.rough_answer import rough_threshold
+
+    if driven.scene.burst is not None:
+        driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
+    answers = []
+    for number, level in enumerate(driven.scene.levels, start=1):
+        LOGGER.debug(f"point {number} of {len(driven.scene.levels)}")
+        answer = point_answer(driven, level, tolerance)
+        voltage = None if driven.scene.wave is not None else level
+        answers.append(replace(answer, point=Point(voltage_V=voltage) | driven.amplitudes_at(level) | answer.point))
+    return SliderAnswer(answers=tuple(answers), summary=_limit(driven, "threshold", rough_threshold(driven)))
+
+
 def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
     """Return the answer at one level; if a solver does not converge, the status of the point says so.
 
@@ -70,7 +87,12 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
 
         return plane_point_answer(driven, level, tolerance)
     try:
-        answer = _answer(driven, level, tolerance, bursting)
+        if driven.rough:
+            from studies.solve.rough_answer import rough_answer
+
+            answer = rough_answer(driven, level, tolerance)
+        else:
+            answer = _answer(driven, level, tolerance, bursting)
         _refuse_runaway(answer.point.velocity_m_per_s)
         return answer
     except contact.ConvergenceError as error:

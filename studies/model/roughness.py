@@ -1,0 +1,110 @@
+"""From the roughness of a scene's balls to their mean field, or to samples of asperities.
+
+Without ``seed`` and ``file`` the balls are the mean field of many asperities (`contact.MeanField`), each with its own
+stop. A scene whose balls touch with fewer than `FEWEST` asperities is refused, for no two of such balls are alike.
+"""
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+import contact
+from studies.lab.afm_patch import AfmPatch, read_patch
+from studies.refusal import SceneError
+from studies.scene.roughness import Roughness
+from studies.scene.slider import Slider
+
+FEWEST = 10.0  # asperities in contact below which the mean field is not that of one ball
+SAMPLES = 8  # balls, or places on a patch, whose velocities are the scatter of an answer
+STRIDE = 10_000  # between the seeds of the samples; balls of one slider have seeds one after another
+
+
+def roughness_of(block: Roughness) -> contact.Roughness:
+    """Return the `contact.Roughness` of a block without a file."""
+    given = {} if block.asperity_radius is None else {"asperity_radius": block.asperity_radius}
+    return contact.Roughness(rms=block.rms, density=block.density, **given)
+
+
+@lru_cache(64)  # of a sweep's points many have the same
+def _field(radius: float, modulus: float, block: Roughness) -> contact.MeanField:
+    return contact.MeanField(radius, modulus, roughness_of(block))
+
+
+def check_roughness(slider: Slider) -> None:
+    """Refuse a mean field of few asperities, and a file that cannot be read; preload and moduli are numbers."""
+    block = slider.roughness
+    if block is None:
+        return
+    if block.file is not None:
+        patch_of(block)
+    if block.sampled:
+        return
+    each = slider.preload_force / len(slider.offsets)
+    if each <= 0.0:
+        return
+    field = _field(slider.radius, slider.effective_modulus, block)
+    touching = field.at(field.approach(each)).touching
+    if touching < FEWEST:
+        carry = f"{touching:.0f} asperities carry" if touching >= 1.5 else "one asperity carries"
+        rule = f"of {block.rms * 1e9:.3g} nm: {carry} a ball: the mean field does not apply"
+        raise SceneError("slider.roughness.rms", f"{rule}; give a seed, the answer is that of one ball")
+
+
+@lru_cache(8)
+def patch_of(block: Roughness) -> AfmPatch:
+    """Return the patch of a block's file."""
+    return read_patch(str(block.file), block.step)
+
+
+def realised_rms(block: Roughness) -> float:
+    """Return the standard deviation of the heights in m: the given one, or that of the levelled patch."""
+    return block.rms if block.file is None else patch_of(block).rms
+
+
+def reach_of(slider: Slider, amplitude: float) -> float:
+    """Return the distance from a ball's middle in m up to which asperities may touch on a wave of an amplitude in m."""
+    rms = realised_rms(slider.roughness)
+    rest = contact_body(slider).rest_approach(len(slider.offsets))
+    return math.sqrt(2.0 * slider.radius * (2.0 * amplitude + rest + 8.0 * rms))
+
+
+def contact_body(slider: Slider) -> contact.Slider:
+    """Return the smooth slider on all its balls."""
+    return contact.Slider(
+        radius=slider.radius, mass=slider.mass, preload=slider.preload_force, load=slider.load,
+        friction_coefficient=slider.static_coefficient, effective_modulus=slider.effective_modulus,
+        tangential_modulus=slider.tangential_modulus, law="elastic", reciprocal=False, stick_band=0.0,
+        contact_damping=slider.damping.contact, normal_damping=slider.damping.normal,
+        tangential_damping=slider.damping.tangential,
+    )  # fmt: skip
+
+
+@lru_cache(4)
+def rough_balls(slider: Slider, amplitude: float) -> tuple[contact.RoughBalls, ...]:
+    """Return the slider on the mean field of its balls, or on its own sample and further ones, `SAMPLES` in all.
+
+    ``amplitude``: largest of the waves, m. Of a mean field, balls that move alike are one of ``slider.share`` equal
+    parts; samples have every ball.
+    """
+    block, body = slider.roughness, contact_body(slider)
+    if not block.sampled:
+        parts = ("mass", "preload", "load", "normal_damping", "tangential_damping")
+        part = replace(body, **{name: getattr(body, name) / slider.share for name in parts})
+        field = _field(slider.radius, slider.effective_modulus, block)
+        return (contact.RoughBalls(part, (field,) * slider.computed_contacts, amplitude),)
+    first, balls, reach = block.seed or 0, range(len(slider.offsets)), reach_of(slider, amplitude)
+    return tuple(
+        contact.RoughBalls(body, [_sample(block, first + STRIDE * k + ball, reach) for ball in balls], amplitude)
+        for k in range(SAMPLES)
+    )
+
+
+def _sample(block: Roughness, seed: int, reach: float) -> contact.Asperities:
+    if block.file is None:
+        return roughness_of(block).drawn(seed, reach)
+    patch = patch_of(block)
+    # the first ball of a scene without a seed stands on the middle of the patch
+    places = np.random.default_rng(seed).uniform(-0.5, 0.5, 2) * patch.size if seed else (0.0, 0.0)
+    return patch.asperities(reach, shift=(float(places[0]), float(places[1])))

@@ -1,0 +1,71 @@
+"""The answer at one level of a slider on rough balls: of a mean field, or of a sample with the scatter of eight."""
+
+import math
+
+import numpy as np
+
+import contact
+from studies.model.contact import Contact, scaled
+from studies.model.roughness import rough_balls
+from studies.model.scene_errors import slider_keys
+from studies.record.point import Point
+from studies.record.status import Status
+from studies.solve.point_answer import PointAnswer
+from studies.solve.refinement import SHARE
+from studies.solve.velocity_error import judged, velocity_sensitivities
+
+SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
+STEP = 1.5  # largest amplitudes go by steps of this factor, so that neighbouring scenes share their tables
+STARTS = 0.2e-3  # m/s: rough balls have no sharp threshold, for some asperity slips in every wave
+
+
+def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
+    """Return the steady velocity at a level; of a sample also the velocities of seven others, its scatter."""
+    orbits = scaled(_of_each_ball(driven), level)
+    with slider_keys():
+        own, *others = _balls(driven)
+        state = own.motion(orbits, tolerance=SHARE * tolerance)
+        further = [each.velocity(orbits, tolerance=SCATTER).value for each in others]
+    velocity, speed = state.answer.value, contact.reference_speed(state.answer.value, orbits)
+
+    def nearby(some):
+        return own.velocity(some, tolerance=SHARE * tolerance).value
+
+    by_amplitude, by_orbit = velocity_sensitivities(velocity, orbits, driven.stator_error, nearby)
+    from_stator = driven.stator_error * by_orbit
+    from_contact = state.answer.error / speed if speed > 0.0 else 0.0
+    point = Point(
+        velocity_m_per_s=velocity, regime=state.regime,
+        amplitude_sensitivity=float(by_amplitude) if driven.stator_error > 0 else None,
+    )  # fmt: skip
+    if further:
+        samples = [velocity, *further]
+        point |= Point(
+            sample_lowest_m_per_s=min(samples), sample_median_m_per_s=float(np.median(samples)),
+            sample_highest_m_per_s=max(samples),
+        )  # fmt: skip
+    why = "" if state.answer.status == Status.OK else state.answer.why
+    point |= judged(tolerance, from_stator, from_contact, why)
+    return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
+
+
+def rough_threshold(driven: Contact) -> float:
+    """Return the factor on the orbits at which the slider runs at `STARTS`; infinite if it never does."""
+    level = max(driven.scene.levels)
+    if level <= 0.0:
+        return math.inf
+    with slider_keys():
+        return level * _balls(driven)[0].threshold(scaled(_of_each_ball(driven), level), STARTS, tolerance=SCATTER)
+
+
+def _balls(driven: Contact) -> tuple:
+    """Return the balls of the scene's own sample first, or of its mean field."""
+    slider = driven.scene.slider
+    largest = max(driven.scene.levels) * max(abs(each.normal) for each in driven.orbits)
+    return rough_balls(slider, STEP ** math.ceil(math.log(max(largest, 1e-12), STEP)))
+
+
+def _of_each_ball(driven: Contact) -> tuple:
+    """Return the orbit of each ball for a level of 1; a mere number of balls moves alike."""
+    slider = driven.scene.slider
+    return tuple(driven.orbits) * (slider.share if slider.roughness.sampled else 1)

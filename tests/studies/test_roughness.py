@@ -1,0 +1,167 @@
+"""Rough balls in a scene: refusals, samples against the contact's own solver, budget lines, and files of patches."""
+
+import numpy as np
+import pytest
+
+import contact
+from studies import Scene, SceneError, run
+from studies.evidence import rough_balls
+from studies.model.roughness import STRIDE
+
+AMPLITUDES = ["3 nm", "8 nm"]
+
+
+def scene(**roughness):
+    slider = {"roughness": roughness, "damping": {"normal": 0.5, "tangential": 0.0}}
+    return Scene.load("twente-contact").replace(wave={"normal_amplitude": AMPLITUDES}, slider=slider)
+
+
+def effects(record):
+    return {each["effect"]: each for each in record.model_error}
+
+
+@pytest.fixture(scope="module")
+def sampled():
+    return run(scene(rms="3 nm", seed=5), tolerance=1e-3)
+
+
+def test_a_sample_is_that_of_the_contact(sampled):
+    """The same ball by `RoughBalls`, with a reach of its own."""
+    ball = rough_balls.ball()
+    balls = [contact.RoughBalls(ball, [contact.Roughness(rms=3e-9).drawn(5 + STRIDE * k, 9e-6)]) for k in range(8)]
+    for point, amplitude in zip(sampled.points, (3e-9, 8e-9), strict=True):
+        orbit = contact.Orbit(
+            frequency=2.2e6, normal=amplitude, tangential=-1j * sampled.scene.wave.tangential_ratio * amplitude
+        )
+        speeds = [each.velocity(orbit, tolerance=1e-3).value for each in balls]
+        assert point.velocity_m_per_s == pytest.approx(speeds[0], rel=2e-3)
+        assert point.sample_lowest_m_per_s == pytest.approx(min(speeds), rel=5e-3)
+        assert point.sample_median_m_per_s == pytest.approx(np.median(speeds), rel=5e-3)
+        assert point.sample_highest_m_per_s == pytest.approx(max(speeds), rel=5e-3)
+        assert point.relative_error < 1e-3
+
+
+def test_the_budget_of_a_sample_has_the_scatter_instead_of_an_assumed_roughness(sampled):
+    found = effects(sampled)
+    point = sampled.points[-1]
+    half = 0.5 * (point.sample_highest_m_per_s - point.sample_lowest_m_per_s) / abs(point.velocity_m_per_s)
+    assert found["another ball of the same roughness"]["size"] == pytest.approx(half, rel=1e-9)
+    assert not {
+        "roughness of the balls",
+        "memory of the tangential contact",
+        "roughness of the balls: where they start",
+    } & set(found)
+    assert "a roughness of 3 nm removes" in found["adhesion of clean smooth balls"]["source"]
+
+
+def test_an_answer_does_not_depend_on_the_other_levels(sampled):
+    alone = run(scene(rms="3 nm", seed=5).replace(wave={"normal_amplitude": "3 nm"}), tolerance=1e-3)
+    assert alone.points[0].velocity_m_per_s == pytest.approx(sampled.points[0].velocity_m_per_s, rel=1e-3)
+
+
+def test_three_balls_run_between_the_velocities_of_each():
+    """Samples of the seeds 5, 6 and 7, each with a third of the preload."""
+    wave = {"normal_amplitude": "3 nm"}
+    three = scene(rms="3 nm", seed=5).replace(wave=wave, slider={"contacts": 3, "preload": 3 * 0.87309e-3})
+    alone = [
+        run(scene(rms="3 nm", seed=seed).replace(wave=wave), tolerance=1e-2).points[0].velocity_m_per_s
+        for seed in (5, 6, 7)
+    ]
+    found = run(three, tolerance=1e-2).points[0].velocity_m_per_s
+    assert min(alone) < found < max(alone)
+    assert found == pytest.approx(np.mean(alone), rel=0.02)
+
+
+def patch_file(folder):
+    """The egg box: peaks of one height and radius."""
+    n, step, amplitude = 64, 25e-9, 2e-9
+    k = 2 * np.pi * 2 / (n * step)
+    x = np.arange(n) * step
+    np.save(folder / "patch.npy", amplitude * np.cos(k * x)[:, None] * np.cos(k * x))
+    return folder / "patch.npy", n * step / 2, 1 / (amplitude * k**2)
+
+
+def test_a_patch_gives_the_asperities(tmp_path):
+    file, period, radius = patch_file(tmp_path)
+    record = run(scene(file=str(file), step="25 nm"), tolerance=1e-2)
+    # by hand: a centred square lattice about the middle of the patch, all of one height
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(-40, 41), np.arange(-40, 41)))
+    whole = (i + j) % 2 == 0
+    x, y = i[whole] * period / 2, j[whole] * period / 2
+    near = np.hypot(x, y) < 8e-6
+    sample = contact.Asperities(x=x[near], y=y[near], heights=np.full(near.sum(), 2e-9), radius=radius)
+    orbit = contact.Orbit(frequency=2.2e6, normal=8e-9, tangential=-1j * record.scene.wave.tangential_ratio * 8e-9)
+    expected = contact.asperity_motion(rough_balls.ball(), sample, orbit, tolerance=1e-3).value
+    assert record.points[1].velocity_m_per_s == pytest.approx(expected, rel=0.01)
+    assert record.points[1].sample_highest_m_per_s > record.points[1].sample_lowest_m_per_s
+
+
+def test_missing_pixels_are_counted_aloud(tmp_path):
+    file, *_ = patch_file(tmp_path)
+    heights = np.load(file)
+    heights[3, 4:9] = np.nan
+    np.save(file, heights)
+    record = run(scene(file=str(file), step="25 nm").replace(wave={"normal_amplitude": "8 nm"}), tolerance=1e-2)
+    assert any("5 of 4096 pixels have no value" in each for each in record.warnings)
+    assert any("patch.npy has an rms of 1" in each for each in record.warnings)
+
+
+@pytest.mark.parametrize(
+    ("roughness", "slider", "sentence"),
+    [
+        ({}, {}, r'slider\.roughness\.rms is required and missing: give a length such as "3 nm"'),
+        ({"rms": "3 nm", "file": "a.npy"}, {}, r"slider\.roughness\.rms must be absent with slider\.roughness\.file"),
+        ({"rms": "3 nm", "step": "1 nm"}, {}, r"slider\.roughness\.step must be absent without slider\.roughness"),
+        ({"file": "none.npy", "step": "1 nm"}, {}, r"slider\.roughness\.file cannot be read: No such file"),
+        ({"rms": "3 nm", "seed": 1}, {"law": "hysteretic"}, r'slider\.law must be "elastic" with slider\.roughness'),
+        ({"rms": "3 nm", "seed": 1}, {"stick_band": "1 mm/s"}, "stick_band must be absent with slider.roughness"),
+        ({"rms": "3 nm", "seed": 1}, {"method": "exact"}, 'method must be "auto" or "averaged" with slider'),
+        ({"rms": "3 nm"}, {"shape": "punch"}, r"slider\.roughness must be absent where the contacts are no balls"),
+        ({"rms": -1.0}, {}, r"slider\.roughness\.rms must be positive"),
+    ],
+)  # fmt: skip
+def test_refusals(roughness, slider, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        run(scene(**roughness).replace(slider=slider))
+
+
+def test_rough_balls_answer_steady_velocities_alone():
+    """Threshold, load line and burst would be those of a smooth ball: refused."""
+    from studies.model.contact import Contact
+    from studies.model.resolve import build
+
+    for roughness in ({"rms": "3 nm", "seed": 5}, {"rms": "3 nm"}):
+        with pytest.raises(SceneError, match="run and sweep alone take rough balls"):
+            _ = Contact.prescribed(build(scene(**roughness))).slider
+        with pytest.raises(SceneError, match=r"slider\.roughness must be absent with a burst"):
+            run(scene(**roughness).replace(wave={"burst": "1 ms"}))
+
+
+def test_a_mean_field_is_near_the_middle_of_samples(sampled):
+    """Ranges of an independent program at 3 nm: 0.79 to 1.02 of the smooth ball, threshold 1.05 to 1.43."""
+    record = run(scene(rms="3 nm"), tolerance=1e-3)
+    for point, other in zip(record.points, sampled.points, strict=True):
+        assert other.sample_lowest_m_per_s < point.velocity_m_per_s < other.sample_highest_m_per_s
+        assert point.sample_median_m_per_s is None
+    smooth = contact.mean_motion(rough_balls.ball(), rough_balls.orbit(3e-9)).velocity
+    assert 0.79 < abs(record.points[0].velocity_m_per_s) / smooth < 1.02
+    found = effects(record)
+    assert 0.02 < found["another ball of the same roughness"]["size"] < 0.2
+    assert "roughness of the balls" not in found
+    assert 0.86e-9 * 1.05 < record.summary.threshold_amplitude_m < 0.87e-9 * 1.43
+
+
+def test_three_equal_balls_of_a_mean_field_are_one_with_a_third():
+    wave = {"normal_amplitude": "5 nm"}
+    one, three = (
+        run(scene(rms="3 nm").replace(wave=wave, slider={"contacts": n, "preload": n * 0.87309e-3}), tolerance=1e-3)
+        for n in (1, 3)
+    )
+    assert three.points[0].velocity_m_per_s == pytest.approx(one.points[0].velocity_m_per_s, rel=1e-6)
+
+
+def test_few_asperities_are_refused():
+    """An independent program counts 3 with 20 nm and 10 um."""
+    rule = "slider.roughness.rms of 20 nm: 3 asperities carry a ball: the mean field does not apply; give a seed, the"
+    with pytest.raises(SceneError, match=rule):
+        run(scene(rms="20 nm"))
