@@ -184,6 +184,9 @@ def changed(path: str, value) -> dict:
         wet = path.endswith(("surface_tension", "contact_angle"))
         dry = {"work": 0.05, "model": "DMT"}
         table["slider"]["adhesion"] = {"surface_tension": 0.072, "model": "meniscus"} if wet else dry
+    if path.startswith("slider.roughness."):
+        own = {"slider.roughness.file": {}, "slider.roughness.step": {"file": "patch.npy"}}
+        table["slider"]["roughness"] = own.get(path, {"rms": "3 nm"})
     if path.startswith("slider.pillars") or path in OF_PILLARS:
         own = {"slider.pillars.file": {"diameter": "20 um"}, "slider.pillars.area": dict(list(PILLARS.items())[:2])}
         del table["slider"]["radius"], table["slider"]["contacts"]
