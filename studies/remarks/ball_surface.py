@@ -88,10 +88,12 @@ def ball_surface(record: Record) -> Effects:
         return
     body, balls = contact_slider(slider.along_x), slider.computed_contacts
     alpha, preload, rms, block = _alpha(record), body.preload, _rms(record), slider.roughness
-    if block is None:
+    if block is None and slider.normal_law is None:
         median, lowest, highest = ratio(alpha, 0.0)
         how = f"{rms * 1e9:g} nm assumed, {alpha:.2g} of the approach at rest"
         yield STARTS, "the threshold", median - 1.0, f"{how}; eight balls: {lowest:.3g} to {highest:.3g}"
+    if slider.adhesion is not None:
+        return
     asperity = (block and block.asperity_radius) or contact.Roughness(rms=rms).asperity_radius
     number = body.effective_modulus * rms**1.5 / (ADHESION * math.sqrt(asperity))
     removed = f"which a roughness of {rms * 1e9:.3g} nm removes" if number > REMOVED else "which their roughness leaves"
@@ -110,7 +112,9 @@ def ball_surface_at(record: Record, point: Point) -> Effects:
     alpha, block = _alpha(record), slider.roughness
     amplitude = point.normal_amplitude_m * alpha / _rms(record)
     median, lowest, highest = ratio(alpha, amplitude)
-    if block is None:
+    if slider.normal_law is not None:
+        pass  # a law of one's own has its roughness in it
+    elif block is None:
         how = f"{RMS * 1e9:g} nm assumed; eight balls: {100 * (lowest - 1):+.2g} to {100 * (highest - 1):+.2g} %"
         yield ROUGHNESS, "velocity", median - 1.0, how
     elif block.sampled:
@@ -167,7 +171,11 @@ def smooth_balls(record: Record) -> Iterator[str]:
         for name, size in decisive.items()
     ]
     if said:
-        computed = "smooth, dry and clean" if record.scene.slider.roughness is None else "dry and clean"
+        slider = record.scene.slider
+        words = ["smooth"] * (slider.roughness is None and slider.normal_law is None)
+        words += ["dry", "clean"] * (slider.adhesion is None)
+        computed = " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
+        computed = computed or "without a memory of their contact"
         yield f"the balls are computed {computed}: {'; '.join(said)} (model_error in run.json)"
 
 

@@ -51,7 +51,7 @@ class Roughness(Block):
             if self.rms is None:
                 yield "rms", 'is required and missing: give a length such as "3 nm", or slider.roughness.file'
             if self.step is not None:
-                yield "step", "must be absent without slider.roughness.file"
+                yield "step", "belongs to slider.roughness.file, which is missing"
             return
         for key in ("rms", "asperity_radius", "density"):
             if getattr(self, key) is not None:

@@ -237,18 +237,15 @@ class Slider(Block):
         if self.roughness is None:
             return
         if self.pillars is not None or self.shape != "sphere":
-            yield "roughness", "must be absent where the contacts are no balls"
-        if self.law != "elastic":
-            yield "law", 'must be "elastic" with slider.roughness'
-        if isinstance(self.friction_coefficient, Friction):
-            yield "friction_coefficient", "must be a number with slider.roughness"
-        if self.freedom != "x":
-            yield "roughness", "must be absent with slider.freedom"
-        for key in ("reciprocal", "stick_band", "heights", "normal_law", "adhesion"):
-            if getattr(self, key):
-                yield key, "must be absent with slider.roughness"
-        if self.method not in ("auto", "averaged"):
-            yield "method", f'must be "auto" or "averaged" with slider.roughness, got "{self.method}"'
+            yield "roughness", "is that of balls, which this slider has not"
+        other = {
+            "law": self.law != "elastic",
+            "friction_coefficient": isinstance(self.friction_coefficient, Friction),
+            "method": self.method not in ("auto", "averaged"),
+            "freedom": self.freedom != "x",
+        } | {key: bool(getattr(self, key)) for key in ("reciprocal", "stick_band", "heights", "normal_law", "adhesion")}
+        for key in (key for key, wrong in other.items() if wrong):
+            yield key, "does not go with slider.roughness, of whose asperities each slips by Coulomb's law on its own"
 
     def check_friction(self) -> Any:
         if isinstance(self.friction_coefficient, Friction) and isinstance(self.law, LawText):
