@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock, UncertaintyBlock
 from studies.record.quantities import quantity
-from studies.record.scan_comparison import scan_comparison
 from studies.scene.plane import AXLE
 
 if TYPE_CHECKING:
@@ -312,6 +311,8 @@ def comparison(block: dict):
     if not block:
         return
     if "scan" in block:
+        from studies.record.scan_comparison import scan_comparison  # with the reader of scans, 4 ms
+
         yield from scan_comparison(block)
         return
     if "trace" in block:
