@@ -49,8 +49,10 @@ def without_reason(text: str, place: str) -> list[str]:
             if not isinstance(node, ast.Import | ast.ImportFrom):
                 continue
             module = node.module if isinstance(node, ast.ImportFrom) else node.names[0].name
-            above = lines[node.lineno - 2].strip() if node.lineno > 1 else ""
-            said = "#" in lines[node.lineno - 1] or above.startswith("#")
+            before = node.lineno - 2  # a comment above a group of imports is that of each
+            while lines[before].strip().startswith(("import ", "from ")):
+                before -= 1
+            said = "#" in lines[node.lineno - 1] or lines[before].strip().startswith("#")
             known = module.split(".")[0] in LIBRARIES or any(part in module for part in PARTS)
             if not (said or known or place.startswith(tuple(PLACES))):
                 found.append(f"{node.lineno}: {module}")
@@ -68,4 +70,5 @@ def test_each_import_inside_a_function_has_its_reason(package):
 def test_an_import_without_a_reason_is_found():
     text = "def load():\n    import json\n    import scipy.linalg\n    import csv  # 2 ms\n"
     assert without_reason(text, "fem/file.py") == ["2: json"]
+    assert without_reason("def load():\n    # as above\n    import json\n    import csv\n", "fem/file.py") == []
     assert without_reason(text, "studies/command/run.py") == []

@@ -42,6 +42,7 @@ def compiled_aside() -> Iterator[None]:
 
 def main() -> None:
     """Compile the event-driven kernel of the elastic law, by a burst of one cycle of any slider."""
+    # in the process that is started alone: the others import what they need
     from contact.answers.transient import burst
     from contact.orbit import Orbit
     from contact.slider import Slider
