@@ -35,6 +35,7 @@ ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air, also of pilla
 WATER = 0.072  # N/m: surface tension
 REMOVED = 10.0  # Fuller's and Tabor's number above which roughness removes adhesion
 DECIDES = 0.1  # relative change from which a warning is given, also of `run_warnings`
+STEPS, BALANCED = 20, 1e-6  # of the search for tilts; moment over the preload and the largest distance
 ON_A_LINE = 0.999  # correlation of the balls' places above which they stand on one line
 ROUGHNESS, MEMORY = "roughness of the balls", "memory of the tangential contact"
 STARTS, CLEAN, WET = (
@@ -136,21 +137,41 @@ def _split(record: Record, point: Point) -> Effects:
     slider = record.scene.slider
     if slider.computed_contacts < 2 or slider.planar:
         return
-    along, across = np.array(slider.offsets).T
-    if not np.ptp(along) or (np.ptp(across) and abs(np.corrcoef(along, across)[0, 1]) > ON_A_LINE):
-        return  # nothing holds the slider's tilts
-    driven = contact_of_run(record)
-    body = contact_slider(
-        replace(slider, law="elastic", roughness=None, friction_coefficient=slider.static_coefficient)
-    )
-    one, tilt = replace(body, x=along, y=across), "free" if np.ptp(across) else "pitch"
-    with suppress(contact.ConvergenceError, contact.InputError):  # such as a preload beside the balls
-        orbits = driven.at(point.level)
-        bodies = one, replace(one, tilt=tilt, preload_at=(0.0, 0.0))
-        together, alone = (float(contact.mean_motion(each, orbits).velocity) for each in bodies)
-        if together != 0.0:
-            how = "averaged motion of a slider that tilts until its preload is in balance"
+    places = np.array(slider.offsets).T
+    if min(map(np.ptp, places)) > 0.0 and abs(np.corrcoef(places)[0, 1]) > ON_A_LINE:
+        return  # a line askew does not hold the tilt about itself
+    smooth = replace(slider, law="elastic", roughness=None, friction_coefficient=slider.static_coefficient)
+    body, orbits = contact_slider(smooth), contact_of_run(record).at(point.level)
+    with suppress(contact.ConvergenceError):
+        together = float(contact.mean_motion(body, orbits).velocity)
+        alone = _balanced_velocity(body, orbits, places[np.ptp(places, axis=1) > 0.0])
+        if together != 0.0 and alone is not None:
+            how = "averaged motion of balls at the heights that balance their loads about the slider's centre"
             yield SPLIT, "velocity", alone / together - 1.0, how
+
+
+def _balanced_velocity(body, orbits, places: np.ndarray) -> float | None:
+    """Return the velocity in m/s where tilts balance the moments of the loads; None without such a balance.
+
+    Newton's method on the slopes of the balls' heights along each row of ``places``, shape (1 or 2, n).
+    """
+    size, own = np.abs(places).max(), np.array(body.offsets(places.shape[1]))
+    slopes, step = np.zeros(len(places)), 1e-3 * body.rest_approach(places.shape[1]) / size
+
+    def at(slopes):
+        tilted = replace(body, heights=tuple(map(float, own + slopes @ places)))
+        motion = contact.mean_motion(tilted, orbits)
+        return float(motion.velocity), places @ contact.mean_forces(tilted, orbits, motion).normal / body.preload / size
+
+    for _ in range(STEPS):
+        velocity, moment = at(slopes)
+        if np.abs(moment).max() < BALANCED:
+            return velocity
+        rates = np.array([at(slopes + step * each)[1] - moment for each in np.eye(len(places))]).T / step
+        if abs(np.linalg.det(rates)) == 0.0:
+            return None  # a ball hangs in the air
+        slopes = slopes - np.linalg.solve(rates, moment)
+    return None
 
 
 def smooth_balls(record: Record) -> Iterator[str]:

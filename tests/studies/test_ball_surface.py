@@ -1,6 +1,7 @@
 """What real balls' surfaces change: sizes by hand and by the solver of samples, where they are stated, the warning."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,6 +9,7 @@ import contact
 from studies import Scene, run
 from studies.evidence import rough_balls
 from studies.remarks.ball_surface import ratio
+from studies.solve.solved_stator import contact_of_run
 
 REST = 4.71296e-9  # m: approach of the ball of twente-contact under 0.873 mN
 
@@ -69,6 +71,21 @@ def test_level_at_which_each_size_is_stated(record):
     low, high = ratio(3e-9 / REST, 0.9e-9 / REST)[0], ratio(0.0, 0.9e-9 / REST)[0]
     assert not errors or errors[0] > abs(low - 1) + abs(high - 1) - 1e-3
     assert record.exit_code == 0
+
+
+def test_loads_by_statics_of_three_balls_beside_the_axis():
+    """A triangle about the slider's centre: a third of the preload each, at the height of each ball alone."""
+    contacts = [["1.7 mm", "1 mm"], ["-1.7 mm", "1 mm"], [0.0, "-2 mm"]]
+    slider = {"contacts": contacts, "preload": "2.6 mN", "mass": "0.267 g", "position": ["80 mm", "2 mm"]}
+    record = run(Scene.load("twente").replace(slider=slider, drive={"voltage": 60.0}), tolerance=2e-2)
+    found = effects(record)["loads of the balls by statics instead of one height"]
+    body, orbits = contact_of_run(record).slider, contact_of_run(record).at(60.0)
+    third = replace(body, preload=body.preload / 3)
+    heights = [contact.riding_height(third, (each,)) for each in orbits]
+    balanced = replace(body, heights=tuple(h - min(heights) for h in heights))
+    expected = contact.mean_motion(balanced, orbits).velocity / contact.mean_motion(body, orbits).velocity - 1
+    assert found["size"] == pytest.approx(expected, rel=1e-3)
+    assert 0.01 < abs(found["size"]) < 0.1  # an independent program: 3.7 % of the velocity
 
 
 def test_warning_and_where_there_is_nothing_to_say(record):
