@@ -22,6 +22,7 @@ SPIN = 3.0 * math.pi / 16.0
 # and of opposite signs, as in a beam that spreads: 2.4 to 4.9 for 3 to 15 nm and u_y/u_x of 0.03 to 0.1; a quarter of
 # a period apart a gain of 0.4 to 0.6 (tests/studies/test_plane.py)
 ACROSS = 3.0
+NONE_ACROSS = 1e-3  # u_y/u_x that changes 3e-6 of the velocity: rounding on the axis of a beam is 1e-13
 ACROSS_NAME = "motion of the surface across the wave, u_y"
 
 
@@ -40,8 +41,8 @@ def spin(record: Record) -> Effects:
 
 def across(record: Record) -> Effects:
     """Yield what u_y takes from the velocity of a slider that moves along x alone."""
-    ratio = record.wave.largest_lateral_ratio
-    if record.scene.slider is None or record.scene.planar or not ratio or not record.points:
+    ratio, scene = record.wave.largest_lateral_ratio or 0.0, record.scene
+    if scene.slider is None or scene.planar or scene.on_pillars or ratio < NONE_ACROSS:
         return
     if any(point.velocity_m_per_s for point in record.points):
         how = 'three balls on one beam, in proportion to (u_y/u_x)^2; slider.freedom = "xy" computes it'
