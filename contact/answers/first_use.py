@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from contact.jit import compiled, kernels
+from contact.orbit import Orbit
+from contact.slider import Slider
 
 
 @contextmanager
@@ -42,10 +44,8 @@ def compiled_aside() -> Iterator[None]:
 
 def main() -> None:
     """Compile the event-driven kernel of the elastic law, by a burst of one cycle of any slider."""
-    # in the process that is started alone: the others import what they need
+    # only the other process needs it: the run's own process does not wait for its import
     from contact.answers.transient import burst
-    from contact.orbit import Orbit
-    from contact.slider import Slider
 
     slider = Slider(
         radius=1e-3, mass=1e-4, preload=1e-3, load=0.0, friction_coefficient=0.1, effective_modulus=64e9,

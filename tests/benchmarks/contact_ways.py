@@ -183,7 +183,7 @@ def starts():
         "import sys, time; t = time.perf_counter(); import contact as c; from contact.jit import compiled as j; "
         "j._folders = lambda: (sys.argv[1],); "  # or kernels of this computer's other folders would be found
         f"s = c.Slider(**{seed_motor.SLIDER}); "
-        "o = c.Orbit(frequency=2.2e6, normal=5e-9, tangential=-3.5e-9j); {}; print(time.perf_counter() - t)"
+        "o = c.Orbit(frequency=2.2e6, normal=5e-9, tangential=-3.5e-9j); CALL; print(time.perf_counter() - t)"
     )
     for name, call in (
         ("steady", "c.steady(s, o, tolerance=1e-3)"),
@@ -192,7 +192,10 @@ def starts():
         with tempfile.TemporaryDirectory() as folder:
             for label in ("first", "cached"):
                 done = subprocess.run(
-                    [sys.executable, "-c", script.format(call), folder], capture_output=True, text=True, check=True
+                    [sys.executable, "-c", script.replace("CALL", call), folder],
+                    capture_output=True,
+                    text=True,
+                    check=True,
                 )
                 spent = float(done.stdout)
                 print(f"{name}, {label}: {spent:.2f} s {asked(spent, 10.0 if label == 'first' else 0.5, 's')}")
