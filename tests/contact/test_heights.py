@@ -35,7 +35,7 @@ def test_contacts_at_rest_carry_preload_and_load(shape):
     # The load: by the tangential law of each contact at the common displacement, found by root finding
     s = slider(heights=HEIGHTS, load=0.6 * 0.08 * PRELOAD, **shape)
     z, c = s.rest_approaches(3), s.limit_slope
-    friction, kind = s.friction_coefficient * s.normal_stiffness, s.contact_shape
+    friction, kind = s.friction_coefficient * s.normal_stiffness, s.profile
 
     def carried(x):
         return sum(elastic.tangential_force(x, a, friction, c, kind) for a in z)
