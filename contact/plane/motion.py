@@ -490,7 +490,7 @@ def _error(problem, first, last, state, work):
 
 @compiled
 def _rises(problem, i, which, state, work):
-    """Return True if a guard rises at the start of a segment."""
+    """Return True if a guard rises at the start of a segment, or does not fall there beyond rounding."""
     row = work.start[i]
     if which == Guard.OPEN:
         return row[Stage.Z_RATE] > 0.0
@@ -500,7 +500,8 @@ def _rises(problem, i, which, state, work):
     size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
     if size > 0.0:
         along = (row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]) / size
-    return problem.limit_slope[i] * row[Stage.Z_RATE] - along > 0.0
+    # where slip has just ended the rate is zero, and the guard rises with the second order
+    return problem.limit_slope[i] * row[Stage.Z_RATE] - along > -2.0 * CLOSE
 
 
 @compiled
@@ -575,7 +576,8 @@ def _pass_event(problem, i, which, state, row):
             counts[i, Count.SLIPS] += 1
         else:
             state.regime[i] = Regime.STICK
-    elif which == Guard.OPEN or (which == Guard.SLIP and row[Stage.Z] < 1e-12):
+    elif which == Guard.OPEN or (which != Guard.PASS and row[Stage.Z] < CLOSE and row[Stage.Z_RATE] <= 0.0):
+        # at the very end of a contact slip and stick are one
         state.regime[i] = Regime.SEPARATED
         state.e[i, 0] = state.e[i, 1] = 0.0
         counts[i, Count.OPENED] += 1
@@ -643,7 +645,7 @@ def advance(problem, first, last, until, state, work):
             if i >= 0 and which == Guard.NONE:  # a gap that closes between two nodes
                 length, kind, target = at, begun, -1
                 continue
-            if i >= 0 and at < 1e-11 and _rises(problem, i, which, state, work):
+            if i >= 0 and at < 1e-11 and length > 1e-8 and _rises(problem, i, which, state, work):
                 # the guard rises from zero and falls again before the first node
                 length, kind, target = 0.2 * length, begun, -1
                 continue
