@@ -33,7 +33,7 @@ ROWS = 24  # approaches of a ball at which the forces are solved, of the first a
 STEPS = 128  # of phase, of the first answer
 DOUBLINGS = 4  # at most, of both
 REPEATS = 1e-9  # change of a deformation from one cycle to the next over the largest, at which it repeats
-CLOSE = 1e-7  # of the velocity over its range
+CLOSE = 1e-6  # of the velocity over its range
 DEEPER = 1.25  # growth of a range of approaches in which the preload is not reached
 
 
@@ -103,8 +103,8 @@ class RoughBalls:
             heights = self._riding(waves, doubling)
             values.append(self._velocity(waves, doubling, heights))
             if doubling:
-                # the means err by the square of the step; a third of the change would be Richardson's
-                error = abs(values[-1] - values[-2])
+                # the means err by about the square of the step, so that a third of the change is Richardson's
+                error = 0.5 * abs(values[-1] - values[-2])
                 if error <= tolerance * max(abs(values[-1]), reference):
                     break
         number = sum(table.touch.size for table in self._tables[0])
@@ -115,13 +115,19 @@ class RoughBalls:
         regime = "stick" if answer.value == 0.0 else "intermittent" if hops else "slip"
         return RoughMotion(answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0), heights, regime)
 
+    def coarse_velocity(self, orbits: Sequence[Orbit]) -> float:
+        """Return the velocity in m/s of the first tables, for its differences between similar waves."""
+        waves = tuple(orbits)
+        self._reach(max(abs(each.normal) for each in waves))
+        return self._velocity(waves, 0, self._riding(waves, 0))
+
     def threshold(self, orbits: Orbit | Sequence[Orbit], speed: float, *, tolerance: float) -> float:
         """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand."""
         waves = (orbits,) * len(self.samples) if isinstance(orbits, Orbit) else tuple(orbits)
 
         def left(factor):
-            found = self.velocity(tuple(each.scaled(factor) for each in waves), tolerance=tolerance)
-            return abs(found.value) - speed
+            scaled = tuple(each.scaled(factor) for each in waves)
+            return abs(self.velocity(scaled, tolerance=tolerance).value) - speed
 
         low, high = 1.0, 1.0
         while left(high) < 0.0:

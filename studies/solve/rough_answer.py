@@ -28,8 +28,10 @@ def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer
         further = [each.velocity(orbits, tolerance=SCATTER).value for each in others]
     velocity, speed = state.answer.value, contact.reference_speed(state.answer.value, orbits)
 
+    shift = velocity - (own.coarse_velocity(orbits) if driven.stator_error > 0 else 0.0)
+
     def nearby(some):
-        return own.velocity(some, tolerance=SHARE * tolerance).value
+        return own.coarse_velocity(some) + shift
 
     by_amplitude, by_orbit = velocity_sensitivities(velocity, orbits, driven.stator_error, nearby)
     from_stator = driven.stator_error * by_orbit
