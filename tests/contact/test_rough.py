@@ -218,3 +218,14 @@ def test_dense_asperities_find_random_places():
     assert len(sample) > 200
     assert sample.nearest.min() == pytest.approx(rough.spacing, rel=0.05)
     assert sample.nearest.min() >= rough.spacing
+
+
+def test_asperities_of_a_field_carry_its_force_and_approach_as_its_planes():
+    """Classes of height on rings: the sum of their forces, and rates against a difference."""
+    field, deepest, z, step = MeanField(R, E, Roughness(rms=3e-9)), 20e-9, 4.213e-9, 1e-13
+    ball = field.ball(R, E, deepest)
+    state = ball.at(z)
+    assert ball.forces(state.approaches).sum() == pytest.approx(PRELOAD, rel=3e-3)
+    rates = (ball.at(z + step).approaches - ball.at(z - step).approaches) / (2 * step)
+    assert state.rates == pytest.approx(rates, abs=1e-4)
+    assert 0.2 < state.rates.min() < state.rates.max() <= 1.0
