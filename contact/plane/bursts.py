@@ -32,8 +32,9 @@ EXACT = {
     0.0: ((6, 1e-6), (5, 1e-5)),
 }
 STEPS = {1e-2: (192, 128), 1e-3: (768, 512), 0.0: (3072, 2048)}  # per cycle of the fastest wave
-# Share of the correction by Richardson's extrapolation that is left: 0.006 to 0.1 in tests/contact/test_plane_motion.py
-LEFT = 0.25
+# Error over the correction by Richardson's extrapolation, 0.006 to 1.3 in tests/contact/test_plane_motion.py, where
+# contacts stick at the touch; a component is not known better than half of the other one
+LEFT = 1.0
 MOVED = 5e-6  # m: way of a contact after which the waves under it are taken anew
 MAX_EXACT = 20_000  # cycles of the fastest wave up to which `auto` follows the events: 0.2 ms each for a contact
 
@@ -178,6 +179,7 @@ def _stepped(question):
     correction = (rates - rough) / (fine / coarse - 1.0)
     pose, rates = pose + (pose - rough_pose) / (fine / coarse - 1.0), rates + correction
     error = LEFT * np.abs(correction).max(axis=0) + 1e-12 * np.abs(rates).max(axis=0)
+    error[:2] = np.maximum(error[:2], 0.5 * error[:2].max())
     reason = f"{coarse} and {fine} fixed steps per cycle, extrapolated"
     return question.at, pose, rates, height, error, None, reason, {"steps": fine}
 
