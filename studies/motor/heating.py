@@ -158,7 +158,7 @@ def _velocities(cold: Record, panels: list[Panel], tolerance: float) -> tuple[st
         return "velocity", f"not known when warm: {error}"
     degrees, (slow, fast) = hot.heat.steady_temperature_degC, (float(each.velocity[-1]) for each in (cold, hot))
     curves = {"cold": np.abs(cold.velocity), f"at {degrees:.3g} degC": np.abs(hot.velocity)}
-    data = {"level": cold.column(cold.level), "velocity_m_per_s": curves, "level_key": cold.level}
+    data = {"level": cold.column(cold.level), quantity.velocity_m_per_s.column: curves, "level_key": cold.level}
     panels.append(Panel(name="velocity", title=f"{cold.scene.title}: velocity warm and cold", data=data))
     return "velocity", f"{si(fast, 'm/s', 4)} at {degrees:.3g} degC, {si(slow, 'm/s', 4)} cold"
 
@@ -183,7 +183,7 @@ def figure(record: Panel, ax):
         return lines(ax, record, across, curves, quantity.normal_m_per_V)
     if record.name == "velocity":
         level, speed = quantity(data["level_key"]), quantity.velocity_m_per_s
-        for name, values, colour in family(data["velocity_m_per_s"]):
+        for name, values, colour in family(data[quantity.velocity_m_per_s.column]):
             curve(ax, np.asarray(data["level"]) * level.scale, np.asarray(values) * speed.scale, ".-", colour, name)
         return finished(ax, level.axis, speed.axis, record.title)
     if record.name == "duty":

@@ -93,7 +93,7 @@ def _of_slider(motor: PlaneMotor, points: int, title: str) -> Answered:
     panels = [
         Panel(name="stall", title=title, data={"angle_rad": angles, "load_N": share * force,
                                                "error_N": share * np.array([each.error for each in stalls])}),
-        Panel(name="load_line", title=title, data={"load_N": share * loads, "velocity_m_per_s": speeds}),
+        Panel(name="load_line", title=title, data={"load_N": share * loads, quantity.velocity_m_per_s.column: speeds}),
     ]  # fmt: skip
     return panels, findings, answer
 
@@ -108,7 +108,7 @@ def draw(record: Panel, ax):
     if record.name == "load_line":
         factor, label = key_axis("slider.load", float(max(data["load_N"])))
         up = quantity.velocity_m_per_s
-        curve(ax, np.asarray(data["load_N"]) * factor, np.asarray(data["velocity_m_per_s"]) * up.scale, ".-", "slip")
+        curve(ax, np.asarray(data["load_N"]) * factor, np.asarray(data[up.column]) * up.scale, ".-", "slip")
         return finished(ax, label, up.axis, record.title, columns=0)
     up = quantity.thrust_N
     angle, force = np.append(data["angle_rad"], data["angle_rad"][0]), np.append(data["load_N"], data["load_N"][0])

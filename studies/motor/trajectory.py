@@ -63,8 +63,8 @@ def run(scene: Scene, *, duration: float = DURATION, tolerance: float = 1e-2) ->
 def _panels(driven, legs: list[Leg]) -> list[Panel]:
     title = f"{driven.scene.title}: {driven.scene.named(max(driven.scene.levels))}"
     names = [each.name for each in legs]
-    columns = {"x_m": X, "y_m": Y, "yaw_rad": YAW, "velocity_m_per_s": V_X, "lateral_velocity_m_per_s": V_Y,
-               "yaw_rate_rad_per_s": RATE}  # fmt: skip
+    columns = {"x_m": X, "y_m": Y, "yaw_rad": YAW, "yaw_rate_rad_per_s": RATE}
+    columns |= {quantity.velocity_m_per_s.column: V_X, quantity.lateral_velocity_m_per_s.column: V_Y}
     data: dict = {
         key: dict(zip(names, (each.state[:, at] for each in legs), strict=True)) for key, at in columns.items()
     }

@@ -54,8 +54,8 @@ def of_layers(scene: Scene, stator, over: dict | None, count: int) -> Layers:
     rows, answer = [], []
     for branch in branches:
         for thickness, wave in zip(branch.factors, branch.waves, strict=True):
-            row = {"wave": branch.name, "thickness_wavelengths": float(thickness), "velocity_m_per_s": wave.velocity,
-                   "surface_ratio": wave.surface_ratio}  # fmt: skip
+            row = {"wave": branch.name, "thickness_wavelengths": float(thickness)}
+            row |= {quantity.velocity_m_per_s.column: wave.velocity, "surface_ratio": wave.surface_ratio}
             if electric and surface == "vacuum":
                 shorted = fem.shorted_velocities(wave, planes)
                 row |= {f"shorted_{name}_m_per_s": each for name, each in zip(names, shorted.tolist(), strict=True)}
@@ -93,7 +93,7 @@ def draw_velocity(panel: Panel, ax):
     for number, (name, rows) in enumerate(_branches(panel)):
         thickness = [row["thickness_wavelengths"] for row in rows]
         colour = PALETTE[number % len(PALETTE)]
-        marks = {"velocity_m_per_s": ("-", name), "shorted_surface_m_per_s": ("--", None)}
+        marks = {quantity.velocity_m_per_s.column: ("-", name), "shorted_surface_m_per_s": ("--", None)}
         for key, (style, label) in marks.items():
             if key in rows[0]:
                 curve(ax, thickness, [row[key] * up.scale for row in rows], style, colour, label)
