@@ -103,7 +103,7 @@ class RoughBalls:
             heights = self._riding(waves, doubling)
             values.append(self._velocity(waves, doubling, heights))
             if doubling:
-                # the means err by about the square of the step, so that a third of the change is Richardson's
+                # about the square of the step: of a smooth mean a third of the change would be the error
                 error = 0.5 * abs(values[-1] - values[-2])
                 if error <= tolerance * max(abs(values[-1]), reference):
                     break
