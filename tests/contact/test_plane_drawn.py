@@ -9,6 +9,8 @@ from contact.plane import burst, mean_forces, steady
 from tests.contact.plane_motors import drawn
 from tests.oracles.contact_plane import PlaneContact, cycle_means, in_steps
 
+CUT = 2e-8  # of the speed: the oracle leaves out the first and the last 1e-5 of a contact, 1e-8 of a punch's force
+
 
 def forces_on_body(slider, waves, state, rtol):
     """Return the mean forces (F_x, F_y, moment) of the contacts at a steady state, and its loads, by the oracle."""
@@ -55,7 +57,7 @@ def beyond_the_stated_error(seed, rtol):
     stated = np.array([*state.error, state.yaw_error])[free]
     # both components count against the larger of both errors, as in `relative_error`
     size = np.array([1.0, 1.0, np.hypot(slider.x, slider.y).max()])[free]
-    bound = 2.0 * np.linalg.norm(size * stated) + np.linalg.norm(size * own) + 1e-10 * state.reference
+    bound = 2.0 * np.linalg.norm(size * stated) + np.linalg.norm(size * own) + CUT * state.reference
     return float(np.linalg.norm(size * miss) / bound)
 
 
