@@ -368,6 +368,10 @@ class Slider(SliderRules):
     def __hash__(self):
         return hash(self._key)
 
+    def __getstate__(self):
+        # without what was derived and kept: laws hold compiled functions, which cannot be pickled
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
     @cached_property
     def even(self) -> bool:
         """True if all contacts have the same stiffnesses and the weight 1."""

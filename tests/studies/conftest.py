@@ -71,6 +71,7 @@ def studied(tmp_path_factory):
         # a stator for each of the numbers of a sensitivity, and its band for a position loop, are slow
         others = dict.fromkeys(("sensitivity", "positioning"), "twente-contact")
         others |= {"reflector": "reflector"}  # needs a piece
+        others |= {"trajectory": "twente-planar"}  # follows the plane
         scene = others.get(name, str(SMALL))
         words = ["study", name, *([scene] if takes_scene else []), "--quick", "--out", str(folder)]
         out, err = io.StringIO(), io.StringIO()

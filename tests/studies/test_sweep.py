@@ -192,9 +192,9 @@ def counted(monkeypatch):
     """Return a list that fills with frequency and tolerance of every stator that is solved."""
     solved, solve = [], stators.solved_motion
 
-    def noted(scene, *rest, tolerance, **options):
-        solved.append((scene.frequency, tolerance))
-        return solve(scene, *rest, tolerance=tolerance, **options)
+    def noted(model, *rest, tolerance, **options):
+        solved.append((model.scene.frequency, tolerance))
+        return solve(model, *rest, tolerance=tolerance, **options)
 
     monkeypatch.setattr(stators, "solved_motion", noted)
     return solved
