@@ -218,7 +218,8 @@ def test_answer_and_files_hold_them(motor, tmp_path):
     assert lines[-1].startswith("below the tolerance")
     given = run("twente-contact", tolerance=0.05).model_error
     assert all("ball" in each["effect"] or "tangential" in each["effect"] for each in given)
-    np.testing.assert_equal([each["size"] for each in motor.model_error], [e["size"] for e in model_error(motor)])
+    again = [each["size"] for each in model_error(motor)]  # with the threads of the linear algebra, not run's one
+    np.testing.assert_allclose([each["size"] for each in motor.model_error], again, rtol=1e-9)
 
 
 def test_a_slider_without_friction_loads_the_wave_by_its_normal_force(motor):
