@@ -9,13 +9,13 @@ from scipy.integrate import solve_ivp
 
 from contact import parameter_check
 from contact.choice import Answer
-from contact.error_estimate import first_order_error, speed_scale
+from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError
 from contact.plane.averaged import ANSWER, CHECK, Averaged
 from contact.plane.fixed_steps import FixedSteps
 from contact.plane.full_motion import FullMotion, motion_at_rest, with_heights
 from contact.plane.problem import Body
-from contact.plane.scaling import FREE, refuse_slow_beat, scaled
+from contact.plane.scaling import FREE, averaging_error, refuse_slow_beat, resonance_ratios, scaled
 from contact.plane.steady_state import refuse
 from contact.plane.trajectory import PlaneTrajectory
 from contact.plane.waves import Surface, SurfaceWaves, surface_under
@@ -234,8 +234,9 @@ def _averaged(question):
         _averaged_run(question, how, max(0.1 * question.tolerance * factor, 1e-9))
         for how, factor in ((ANSWER, 1.0), (CHECK, 10.0))
     )
-    ratio = slider.normal_resonance(question.waves.count) * 2.0 * math.pi / question.waves.omega
-    error = np.abs(rates - rough).max(axis=0) + first_order_error(ratio) * np.abs(rates).max(axis=0)
+    ratio, _ = resonance_ratios(slider, question.waves)
+    by_averaging = averaging_error(slider, question.waves)
+    error = np.abs(rates - rough).max(axis=0) + by_averaging * np.abs(rates).max(axis=0)
     # the height comes to its mean within a bounce, through which the force differs by up to its size
     start = np.abs(np.diff(rates, axis=0, prepend=0.0) / np.diff(question.at, prepend=0.0)[:, None]).max(axis=0)
     error += start / (ratio * question.waves.omega)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.error_estimate import beat_error, first_order_error
 from contact.exceptions import ConvergenceError, InputError
 from contact.law import normal
 from contact.plane.problem import PlaneProblem
@@ -96,6 +97,23 @@ def _inertia(slider):
     if slider.inertia is None:
         raise InputError("slider.inertia", "is required where the yaw is followed in time, kg m^2")
     return slider.inertia
+
+
+def resonance_ratios(slider: Slider, waves: SurfaceWaves) -> tuple[float, float]:
+    """Return the contact resonance over the largest frequency and over the slowest beat."""
+    resonance = slider.normal_resonance(waves.count)
+    return resonance * 2.0 * math.pi / waves.omega, resonance / slowest_beat(waves.frequencies)
+
+
+def averaging_error(slider: Slider, waves: SurfaceWaves) -> float:
+    """Return the relative error of a velocity by first-order averaging, which neglects the slider's bounce.
+
+    It bounces at the frequencies of the waves and, far more, at their beat; a slider of infinite mass does not.
+    """
+    if slider.mass == math.inf:
+        return 0.0
+    ratio, of_beat = resonance_ratios(slider, waves)
+    return first_order_error(ratio) + beat_error(of_beat)
 
 
 def refuse_slow_beat(slider: Slider, waves: SurfaceWaves) -> None:

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.choice import Answer
-from contact.error_estimate import averaged_stall_error
+from contact.error_estimate import averaged_stall_error, beat_error
 from contact.exceptions import InputError
 from contact.plane.averaged import CHECK, Averaged, balanced, rest_force
-from contact.plane.scaling import FREE, refuse_slow_beat
+from contact.plane.scaling import FREE, refuse_slow_beat, resonance_ratios
 from contact.plane.state import PlaneState
 from contact.plane.steady_state import refuse, steady
 from contact.plane.waves import Surface, SurfaceWaves, places, surface_under
@@ -31,7 +31,8 @@ def _unloaded(slider, surface):
 def _averaging_error(slider, waves):
     if slider.mass == math.inf:
         return 0.0
-    return averaged_stall_error(slider.normal_resonance(waves.count) * 2.0 * math.pi / waves.omega)
+    ratio, of_beat = resonance_ratios(slider, waves)
+    return min(averaged_stall_error(ratio) + beat_error(of_beat), 1.0)
 
 
 def stall(slider: Slider, surface: Surface, direction) -> Answer:

@@ -8,12 +8,12 @@ import numpy as np
 
 from contact import parameter_check
 from contact.choice import Answer
-from contact.error_estimate import first_order_error, speed_scale
+from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError, InputError
 from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
 from contact.plane.cycle import Extra
 from contact.plane.motion import Sum
-from contact.plane.scaling import refuse_slow_beat, slowest_beat
+from contact.plane.scaling import averaging_error, refuse_slow_beat, slowest_beat
 from contact.plane.shooting import CHECK as CHECK_SHOOTING
 from contact.plane.shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.state import Band, PlaneState, Powers
@@ -135,12 +135,9 @@ def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun
     speed = fastest if turns else float(np.hypot(*velocity))
     reference = speed_scale(speed, waves.peak_speed)
     reasons = ["averaged equilibrium in the plane"]
-    size = float(np.linalg.norm(root.error)) * units.speed
-    if slider.mass != math.inf:
-        ratio = slider.normal_resonance(waves.count) * 2.0 * math.pi / waves.omega
-        size += first_order_error(ratio) * reference
-        error = error + first_order_error(ratio) * reference
-        yaw_error += first_order_error(ratio) * abs(yaw_rate)
+    by_averaging = averaging_error(slider, waves)
+    size = float(np.linalg.norm(root.error)) * units.speed + by_averaging * reference
+    error, yaw_error = error + by_averaging * reference, yaw_error + by_averaging * abs(yaw_rate)
     if units.period_change > 1e-9:
         reasons.append(f"frequencies changed by {units.period_change:.1g} to have a common period")
     band = None

@@ -201,6 +201,18 @@ def test_a_slow_beat_is_not_averaged():
         steady(heavy, beams(10, 10, 0.0, (2.2e6, 2.205e6)), tolerance=1e-3)
 
 
+@pytest.mark.parametrize(("x_nm", "y_nm", "of_y", "friction"), [(3, 4, 2.25e6, 0.08), (7.4, 8.5, 2.24e6, 0.2)])
+def test_the_bounce_at_the_beat_of_two_waves_is_in_the_stated_error(x_nm, y_nm, of_y, friction):
+    slider = ball(mass=0.089e-3, normal_damping=0.5, friction_coefficient=friction)
+    waves = beams(x_nm, y_nm, 0.0, (2.2e6, of_y))
+    averaged, exact = steady(slider, waves, tolerance=1e-2), steady(slider, waves, tolerance=1e-4)
+    assert (averaged.method, exact.method) == ("averaged", "exact")
+    change = np.abs(averaged.velocity - exact.velocity)
+    assert np.linalg.norm(change) < 2.0 * averaged.relative_error * averaged.reference
+    assert np.all(change < 2.0 * averaged.error)
+    assert np.linalg.norm(change) > 0.02 * averaged.relative_error * averaged.reference
+
+
 def test_a_load_beyond_friction_runs_away_and_the_scalar_questions_refuse_the_plane():
     with pytest.raises(ConvergenceError, match="runaway"):
         steady(ball(load=(0.0, 1.1 * MU * F)), beams(10, 0), tolerance=1e-3)
