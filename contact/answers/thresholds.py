@@ -67,6 +67,7 @@ SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
 CLIMB = 100.0
 # Orbits within this relative difference count as equal: a thousandth of the least stated error, and far above rounding.
 ALIKE = 1e-9
+OPEN = 1e-9  # of the largest factor: smallest one of a search that needs closed contacts
 PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 
 
@@ -247,7 +248,7 @@ def _stick_margins(problem, motion, slider):
     forward, backward = (room_to_stick(problem, motion, side) for side in (1.0, -1.0))
     limit_at_rest = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
     slip_margins = np.array([0.5 * (room.forward + room.backward) / limit_at_rest for room in (forward, backward)])
-    full_friction = problem.friction * problem.preload
+    full_friction = slider.static_friction(problem.contacts)
     load_margin = _load_margin(backward.tangential_force, forward.tangential_force, problem.load, full_friction)
     return min(float(np.min(slip_margins)), load_margin), min(float(np.max(slip_margins)), load_margin)
 
@@ -391,7 +392,8 @@ def _factor_searched(height, slider, normal):
     high = slider.rest_approach(len(normal)) / height
     while left(high) < 0.0:
         high *= 2.0
-    return bracketed(left, 0.0, high)
+    # not from 0, where an attraction ends: without a preload the forces would balance there
+    return bracketed(left, OPEN * high, high)
 
 
 def _alike(orbits):
@@ -420,7 +422,7 @@ def _holding_margin(slider, orbits, factor):
         friction = mu * slider.stiffness_unit * part
         largest += float(np.mean(tangential_force(u_x + forward, z, friction, c, law)))
         smallest += float(np.mean(tangential_force(u_x - backward, z, friction, c, law)))
-    return min(margin, _load_margin(smallest, largest, slider.load, mu * slider.preload))
+    return min(margin, _load_margin(smallest, largest, slider.load, slider.static_friction(len(orbits))))
 
 
 def _falling_root(function, slider, orbits):

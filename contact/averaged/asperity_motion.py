@@ -74,7 +74,7 @@ class RoughBalls:
         self.slider, self.samples = slider, tuple(samples)
         for each in self.samples:
             if isinstance(each, Asperities) and not len(each):
-                raise InputError("sample", "must hold at least one asperity")
+                raise InputError("sample", "must bring at least one asperity of each ball near the surface")
         self._balls: list[RoughBall | FieldBall] = []
         self._tables: dict[int, list[Table]] = {}
         self._lowest = min(each.lowest(slider.radius) for each in self.samples)

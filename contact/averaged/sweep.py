@@ -159,6 +159,8 @@ def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForc
     velocities = np.full(len(listed), motion.first_order / problem.speed)
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
     contact_cycles(problem, riding_approach(problem), velocities, FORWARD, rule, work, by_contact)
+    if slider.static_friction(len(listed)) == 0.0:  # slip begins at no deformation: the kernel's spring is 0/0
+        by_contact[[Each.TANGENTIAL, Each.TANGENTIAL_COS, Each.TANGENTIAL_SIN]] = 0.0
     force_units = slider.unit_mass * problem.omega**2 * problem.length / slider.contacts(len(listed)).weight
     return forces_of(by_contact, force_units, force_units)
 

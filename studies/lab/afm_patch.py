@@ -222,9 +222,12 @@ def _unit(unit) -> str:
 
 def _of_numpy(path: Path, key: str) -> Reading:
     try:
-        return np.load(path, allow_pickle=False), None, ()
+        heights = np.load(path, allow_pickle=False)
+        if heights.dtype.kind not in "iuf":
+            raise ValueError(f"heights are real numbers, got {heights.dtype}")
+        return heights, None, ()
     except ValueError as error:
-        raise SceneError(key, f"{path.name} is not an array of NumPy: {error}") from None
+        raise SceneError(key, f"{path.name} is not an array of NumPy's that holds heights: {error}") from None
 
 
 def _of_text(path: Path, key: str) -> Reading:

@@ -5,6 +5,7 @@ import math
 import contact
 from studies.model.contact_moduli import direction_dependence
 from studies.model.model import Model
+from studies.model.scene_errors import slider_keys
 from studies.scene import Scene
 from studies.scene.friction import Friction, LawText
 from studies.scene.slider import Slider
@@ -13,18 +14,19 @@ from studies.scene.slider import Slider
 def slider_of(slider: Slider):
     """Return the ``contact.Slider``; of equal contacts that move alike one of ``slider.share`` equal parts."""
     share = slider.share
-    return contact.Slider(
-        radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share,
-        load=slider.scalar_load / share, friction_coefficient=slider.static_coefficient,
-        effective_modulus=slider.effective_modulus,
-        tangential_modulus=slider.tangential_modulus, law="hysteretic" if slider.remembers else "elastic",
-        reciprocal=slider.reciprocal,
-        stick_band=slider.stick_band, contact_damping=slider.damping.contact,
-        normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
-        shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
-        normal_law=slider.normal_law and contact.UserForce(slider.normal_law.name, slider.normal_law.source),
-        adhesion=_adhesion(slider),
-    )  # fmt: skip
+    with slider_keys():
+        return contact.Slider(
+            radius=slider.radius, mass=slider.mass / share, preload=slider.preload_force / share,
+            load=slider.scalar_load / share, friction_coefficient=slider.static_coefficient,
+            effective_modulus=slider.effective_modulus,
+            tangential_modulus=slider.tangential_modulus, law="hysteretic" if slider.remembers else "elastic",
+            reciprocal=slider.reciprocal,
+            stick_band=slider.stick_band, contact_damping=slider.damping.contact,
+            normal_damping=slider.damping.normal / share, tangential_damping=slider.damping.tangential / share,
+            shape=slider.shape, heights=slider.heights or (), friction=_friction(slider),
+            normal_law=slider.normal_law and contact.UserForce(slider.normal_law.name, slider.normal_law.source),
+            adhesion=_adhesion(slider),
+        )  # fmt: skip
 
 
 def _adhesion(slider: Slider):
@@ -51,7 +53,12 @@ def resolved(slider: Slider) -> Slider:
 
 
 def check(scene: Scene) -> None:
-    """Refuse a roughness that no mean field describes; the blocks of the scene refuse contacts beyond the stator."""
+    """Refuse a normal law that no contact has, and a roughness that cannot be computed.
+
+    The blocks of the scene refuse contacts beyond the stator.
+    """
+    if scene.slider.normal_law is not None:
+        slider_of(scene.slider)
     if scene.slider.roughness is not None:
         from studies.model.roughness import check_roughness
 

@@ -5,17 +5,21 @@ stop. A scene whose balls touch with fewer than `FEWEST` asperities is refused, 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 import contact
 from studies.lab.afm_patch import AfmPatch, read_patch
-from studies.refusal import SceneError
+from studies.model.scene_errors import as_run_errors
+from studies.refusal import SceneError, refuses
 from studies.scene.roughness import Roughness
 from studies.scene.slider import Slider
 
+MOST = 20_000  # asperities drawn for a ball; of these at most 2500 may touch (`contact.Asperities`)
 FEWEST = 10.0  # asperities in contact below which the mean field is not that of one ball
 SAMPLES = 8  # balls, or places on a patch, whose velocities are the scatter of an answer
 STRIDE = 10_000  # between the seeds of the samples; balls of one slider have seeds one after another
@@ -32,24 +36,64 @@ def _field(radius: float, modulus: float, block: Roughness) -> contact.MeanField
     return contact.MeanField(radius, modulus, roughness_of(block))
 
 
-def check_roughness(slider: Slider) -> None:
-    """Refuse a mean field of few asperities, and a file that cannot be read; preload and moduli are numbers."""
+@refuses(SceneError)
+def check_roughness(slider: Slider) -> Iterator[Any]:
+    """Refuse roughness beyond sense, a mean field of few asperities, and a file that cannot be read.
+
+    Preload and moduli are numbers.
+    """
     block = slider.roughness
     if block is None:
         return
-    if block.file is not None:
-        patch_of(block)
+    for key, value in (("preload", slider.preload_force), ("friction_coefficient", slider.static_coefficient)):
+        if value <= 0.0:
+            yield f"slider.{key}", "must be positive with slider.roughness: without it no wave moves the slider"
+            return
+    radius = f"at most the ball's radius of {slider.radius:.4g} m"
+    if block.asperity_radius is not None and block.asperity_radius > slider.radius:
+        yield "slider.roughness.asperity_radius", f"must be {radius}, got {block.asperity_radius:.4g} m"
+        return
+    if realised_rms(block) > slider.radius:
+        given = f"{realised_rms(block):.4g} m" + (f" in {patch_of(block).name}" if block.file else "")
+        key = "rms" if block.file is None else "file"
+        yield f"slider.roughness.{key}", f"must have heights with an rms of {radius}, got {given}"
+        return
     if block.sampled:
+        yield from _crowd(slider, 0.0)
         return
-    each = slider.preload_force / len(slider.offsets)
-    if each <= 0.0:
-        return
-    field = _field(slider.radius, slider.effective_modulus, block)
-    touching = field.at(field.approach(each)).touching
+    touching = _touching(slider)
     if touching < FEWEST:
-        carry = f"{touching:.0f} asperities carry" if touching >= 1.5 else "one asperity carries"
-        rule = f"of {block.rms * 1e9:.3g} nm: {carry} a ball: the mean field does not apply"
-        raise SceneError("slider.roughness.rms", f"{rule}; give a seed, the answer is that of one ball")
+        carry = f"{touching:.0f} asperities carry" if touching >= 1.5 else "one asperity or none carries"
+        given = f"{block.rms * 1e9:.3g} nm" if block.density is None else f"{block.density:.3g} 1/m^2"
+        rule = f"of {given}: {carry} a ball: the mean field does not apply"
+        key = "rms" if block.density is None else "density"
+        yield f"slider.roughness.{key}", f"{rule}; give a seed, the answer is that of one ball"
+
+
+def _touching(slider: Slider) -> float:
+    """Return the asperities of the mean field that carry one ball at rest."""
+    block, balls = slider.roughness, len(slider.offsets)
+    smooth = contact_body(slider).rest_approach(balls)
+    field = _field(slider.radius, slider.effective_modulus, block)
+    within = field.roughness.density * math.pi * field.reach(smooth) ** 2
+    if within < FEWEST:  # the rough ball's mean plane lies hardly deeper than the smooth one's
+        return within
+    with as_run_errors(f"slider.roughness with an rms of {block.rms * 1e9:.3g} nm:"):
+        return field.at(field.approach(slider.preload_force / balls)).touching
+
+
+def _crowd(slider: Slider, amplitude: float) -> Iterator[Any]:
+    """Yield a refusal of samples of more than `MOST` asperities within reach on a wave of an amplitude in m."""
+    block = slider.roughness
+    if block.file is None:
+        density = roughness_of(block).density
+    else:
+        patch = patch_of(block)
+        density = patch.peaks().shape[1] / math.prod(patch.size)
+    number = density * math.pi * reach_of(slider, amplitude) ** 2
+    if number > MOST:
+        key = "seed" if block.file is None else "file"
+        yield f"slider.roughness.{key}", f"must draw at most {MOST} asperities for a ball, got about {number:.2g}"
 
 
 @lru_cache(8)
@@ -94,6 +138,7 @@ def rough_balls(slider: Slider, amplitude: float) -> tuple[contact.RoughBalls, .
         part = replace(body, **{name: getattr(body, name) / slider.share for name in parts})
         field = _field(slider.radius, slider.effective_modulus, block)
         return (contact.RoughBalls(part, (field,) * slider.computed_contacts, amplitude),)
+    refuses(SceneError)(_crowd)(slider, amplitude)
     first, balls, reach = block.seed or 0, range(len(slider.offsets)), reach_of(slider, amplitude)
     return tuple(
         contact.RoughBalls(body, [_sample(block, first + STRIDE * k + ball, reach) for ball in balls], amplitude)

@@ -52,7 +52,7 @@ def slider_keys() -> Iterator[None]:
     try:
         yield
     except contact.InputError as error:
-        key = error.key.replace("wave.loading", "slider.loading")
+        key = {"wave.loading": "slider.loading", "sample": "slider.roughness"}.get(error.key, error.key)
         key = key if "." in key else f"slider.{key}"
         if not key.startswith("slider."):
             raise

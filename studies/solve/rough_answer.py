@@ -7,7 +7,7 @@ import numpy as np
 import contact
 from studies.model.contact import Contact, scaled
 from studies.model.roughness import rough_balls
-from studies.model.scene_errors import slider_keys
+from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.record.point import Point
 from studies.record.status import Status
 from studies.solve.point_answer import PointAnswer
@@ -56,7 +56,7 @@ def rough_threshold(driven: Contact) -> float:
     level = max(driven.scene.levels)
     if level <= 0.0:
         return math.inf
-    with slider_keys():
+    with slider_keys(), as_run_errors(f"slider.roughness: the amplitude for {1e3 * STARTS:g} mm/s:"):
         return level * _balls(driven)[0].threshold(scaled(_of_each_ball(driven), level), STARTS, tolerance=SCATTER)
 
 

@@ -140,6 +140,14 @@ def test_without_hops_an_attraction_is_a_preload(adhesion):
         assert one.velocity_at_burst_end == pytest.approx(other.velocity_at_burst_end, rel=close)
 
 
+@pytest.mark.parametrize("adhesion", KINDS[1:], ids=lambda each: f"{each.model} {each.work}")
+def test_an_attraction_alone_is_a_preload(adhesion):
+    ball, unit = slider(preload=0.0), orbit(1e-9)
+    pulled, pressed = replace(ball, adhesion=adhesion), replace(ball, preload=adhesion.attraction(R))
+    assert threshold_amplitude(pulled, unit) == pytest.approx(threshold_amplitude(pressed, unit), rel=1e-9)
+    assert release_amplitude(pulled, unit) == pytest.approx(release_amplitude(pressed, unit), rel=1e-9)
+
+
 def test_a_hopping_ball_is_pulled_as_long_as_it_touches():
     ball, wave = slider(preload=PRELOAD, adhesion=KINDS[3]), orbit(10e-9)
     h, pull = riding_height(ball, wave), KINDS[3].attraction(R)

@@ -159,6 +159,7 @@ def text(name, content):
         (text("a.txt", "1 2\n3\n"), 1e-8, "must have rows of one length, got 1 to 2 values"),
         (text("a.txt", "1 b\n3 4\n"), 1e-8, "a.txt must hold numbers"),
         (text("a.npy", "text"), 1e-8, "a.npy is not an array of NumPy"),
+        (array(np.full((8, 8), 1j)), 1e-8, "a.npy .* heights are real numbers, got complex128"),
         (text("a.gwy", "text"), None, "a.gwy is not a file of Gwyddion"),
         (text("a.gwy", "GWYPGwyContainer"), None, "a.gwy is not a file of Gwyddion"),
         (lambda p: written(p / "a.gwy", egg_box()[0]), 1e-8, "states the size of its pixels, 2e-08 x 3e-08 m: leave"),

@@ -5,6 +5,7 @@ import math
 import pytest
 
 import contact
+from studies import run
 from studies.__main__ import main
 from studies.export.averaged_motor import first_drive
 from studies.model.contact import contact_slider
@@ -73,3 +74,31 @@ def test_pillars_are_dry_and_flat(tmp_path, monkeypatch, key):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SceneError, match=rf"slider\.{key} must be absent with \[slider\.pillars\]"):
         changed("silicon-slider", {"adhesion": DMT, "normal_law": "slider.normal_law=my_law.py"}[key])
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("def force(z, contact): return float('nan')", "must give a force that is finite and not negative"),
+        ("def force(z, contact): return 0.0", "must give a force that rises with the approach"),
+        ("def force(z): return z", "must define force(approach, contact), but law.py takes other arguments"),
+        ("x = 1", "must define force(approach, contact), but law.py has none"),
+        ("def force(z, contact)", "names law.py, which cannot be run: SyntaxError"),
+        (
+            "def force(z, contact): raise ValueError('no')",
+            "names law.py, whose force cannot be evaluated: ValueError: no",
+        ),
+    ],
+)
+def test_a_faulty_law_is_refused_with_its_key(tmp_path, monkeypatch, capsys, command, text, sentence):
+    (tmp_path / "law.py").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    assert main([command, "twente-contact", "--set", "slider.normal_law=law.py"]) == 2
+    assert f"slider.normal_law {sentence}" in capsys.readouterr().err
+
+
+def test_without_friction_the_face_is_driven_along_the_normal_alone():
+    (point,) = run(changed("twente-contact", "slider.friction_coefficient=0", "wave.normal_amplitude=3 nm")).points
+    assert point.velocity_m_per_s == point.face_tangential_m == 0.0
+    assert point.face_normal_m > 0.0

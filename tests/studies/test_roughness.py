@@ -7,6 +7,7 @@ import contact
 from studies import Scene, SceneError, run
 from studies.evidence import rough_balls
 from studies.model.roughness import STRIDE
+from studies.refusal import RunError
 
 AMPLITUDES = ["3 nm", "8 nm"]
 
@@ -165,3 +166,33 @@ def test_few_asperities_are_refused():
     rule = "slider.roughness.rms of 20 nm: 3 asperities carry a ball: the mean field does not apply; give a seed, the"
     with pytest.raises(SceneError, match=rule):
         run(scene(rms="20 nm"))
+
+
+@pytest.mark.parametrize(
+    ("roughness", "slider", "sentence"),
+    [
+        ({"rms": "3 nm"}, {"preload": 0.0}, r"slider\.preload must be positive with slider\.roughness"),
+        ({"rms": "3 nm"}, {"friction_coefficient": 0.0}, r"slider\.friction_coefficient must be positive with"),
+        ({"rms": "3 nm", "density": 1.0}, {}, r"slider\.roughness\.density of 1 1/m\^2: one asperity or none carries"),
+        ({"rms": "3 nm", "asperity_radius": "1 m"}, {}, r"asperity_radius must be at most the ball's radius of"),
+        ({"rms": "2 mm"}, {}, r"slider\.roughness\.rms must have heights with an rms of at most the ball's radius"),
+        ({"rms": "3 nm", "seed": 1}, {"radius": "1 km"}, r"seed must draw at most 20000 asperities .* about 2\.5e\+08"),
+        ({"rms": "3 nm", "seed": 1}, {"radius": "1 um"}, r"slider\.roughness must bring at least one asperity"),
+    ],
+)  # fmt: skip
+def test_roughness_beyond_sense_is_refused(roughness, slider, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        run(scene(**roughness).replace(slider=slider))
+
+
+def test_a_patch_in_other_units_is_refused(tmp_path):
+    file, *_ = patch_file(tmp_path)
+    np.save(file, 1e9 * np.load(file))
+    with pytest.raises(SceneError, match=r"file must have heights with an rms of at most .* got 1 m in patch\.npy"):
+        run(scene(file=str(file), step="25 nm"))
+
+
+@pytest.mark.parametrize("roughness", [{"rms": "0.01 nm"}, {"rms": "3 nm", "density": 1e30}])
+def test_a_mean_field_that_does_not_converge_says_so(roughness):
+    with pytest.raises(RunError, match=r"slider\.roughness.*: not converged: the mean field of asperities"):
+        run(scene(**roughness))
