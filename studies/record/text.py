@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock, UncertaintyBlock
 from studies.record.quantities import quantity
 from studies.scene.plane import AXLE
+from studies.scene.roughness import STARTS
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -348,7 +349,8 @@ def _stated(block: Mapping, key: str) -> str:
 def _limits(record: "Record"):
     """Yield name and text of threshold and release."""
     summary, slider = record.summary, record.scene.slider
-    for name, motion in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
+    starts = "starts to move" if slider.roughness is None else f"runs at {1e3 * STARTS:g} mm/s"
+    for name, motion in (("threshold", starts), ("release", "leaves the surface in every cycle")):
         levels = [_stated(summary, key) for key in LIMITS if key in summary and quantity(key).head == name]
         if name == "threshold" and summary.threshold_amplitude_m == 0.0:
             if slider.scalar_load > 0.0:

@@ -7,6 +7,8 @@ from studies.scene.block import Block
 from studies.scene.numbers import Quantity
 from studies.scene.rule import TEXT, Plain
 
+STARTS = 0.2e-3  # m/s: rough balls have no sharp threshold, for some asperity slips in every wave
+
 
 @dataclass(frozen=True, kw_only=True)
 class Roughness(Block):

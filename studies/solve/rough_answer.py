@@ -10,13 +10,13 @@ from studies.model.roughness import rough_balls
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.record.point import Point
 from studies.record.status import Status
+from studies.scene.roughness import STARTS
 from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import judged, velocity_sensitivities
 
 SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
 STEP = 1.5  # largest amplitudes go by steps of this factor, so that neighbouring scenes share their tables
-STARTS = 0.2e-3  # m/s: rough balls have no sharp threshold, for some asperity slips in every wave
 
 
 def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
