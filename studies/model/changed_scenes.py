@@ -16,6 +16,7 @@ from studies.scene.block import keys_of
 from studies.scene.blocks import Stator
 from studies.scene.drive import Drive
 from studies.scene.override import replaced, value_at
+from studies.scene.slider import Slider
 
 MAX_BLOCKS = 10_000  # of each kind, in memory
 
@@ -76,7 +77,9 @@ class ChangedScenes:
         if scene.stator is not None:
             computed_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = computed_circuit and model.diffracts
-            stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread)
+            # sources of own frequencies need a slider in the plane
+            slider = scene.slider if scene.drive.source_frequencies else None
+            stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), slider, spread)
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst, duty=scene.drive.duty)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
@@ -100,6 +103,8 @@ def _read_block(scene: dict, rules: dict[str, Any], name: str, changes: tuple) -
         return error.with_traceback(None)
 
 
-def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
-    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+def _resolved_stator(
+    stator: Stator, transducer: tuple, piece: tuple, drive: Drive, slider: Slider | None, spread: bool
+) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive, slider=slider)
     return resolve.with_numbers(Model(alone), spread=spread).scene

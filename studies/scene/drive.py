@@ -256,13 +256,13 @@ class Wave(Block):
         "Compliance Gamma of the surface, G_zz = Gamma/(k - k_R); required for pillars that load the wave.",
     ] = None
     sources: Annotated[
-        tuple[WaveSource, ...],
-        Blocks(WaveSource),
+        tuple[WaveSource, ...] | None,
+        Blocks(WaveSource, least=1),
         "Several waves under a slider in the plane, each with its direction, phase and frequency. Absent: one along x.",
-    ] = ()
+    ] = None
 
     def check_sources(self) -> Any:
-        given = [each.normal_amplitude is not None for each in self.sources]
+        given = [each.normal_amplitude is not None for each in self.sources or ()]
         if any(given) and not all(given):
             yield f"sources.{given.index(False)}.normal_amplitude", "is required and missing: other sources have it"
         if self.sources and self.compliance is not None:

@@ -3,7 +3,7 @@
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Blocks, Within, keys_of
 from studies.scene.override import value_at
-from studies.scene.rule import Count, Rule
+from studies.scene.rule import Count, Named, Rule
 from studies.scene.scene import Scene
 from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 
@@ -27,11 +27,22 @@ def coordinate(key: str) -> tuple[str, float] | None:
 
 
 def rule_at(key: str) -> Rule:
-    """Return the rule of a scene's key, lists of blocks numbered from 0; SceneError for an unknown key."""
+    """Return the rule of a scene's key, lists of blocks numbered from 0, values in a table by their names.
+
+    Raises
+    ------
+    SceneError
+        For an unknown key.
+    """
     rule: Rule = Within(Scene)
     path, parts = "", key.split(".")
     while parts:
         holder = next((each for each in getattr(rule, "rules", (rule,)) if isinstance(each, (Blocks, Within))), None)
+        named = next((each for each in getattr(rule, "rules", (rule,)) if isinstance(each, Named)), None)
+        if named is not None:
+            name, *parts = parts
+            path, rule = f"{path}.{name}", named.value
+            continue
         if holder is None:
             raise SceneError(key, f"is no key of a scene: {path} holds no keys")
         if isinstance(holder, Blocks):

@@ -17,6 +17,7 @@ VECTOR = FixedList((Quantity("N", negative=True),) * 2, "[F_x, F_y] in N")
 SLOPES = FixedList((Quantity("deg", above=-90.0, below=90.0),) * 2, "[along x, along y] in deg")
 ON_A_LINE = 1e-9  # of the square of the contacts' spread: twice the area of their triangles, up to rounding
 ONLY_IN_PLANE = ("inertia", "torque", "incline")
+TURNING = 'choose slider.freedom = "xy yaw"'
 
 Refused = Iterator[tuple[str, str]]
 
@@ -47,7 +48,8 @@ def check_slider(slider: Any) -> Refused:
     if not slider.planar:
         for key in ONLY_IN_PLANE:
             if getattr(slider, key) not in (None, 0.0):
-                yield key, f"must be absent where the slider moves along x: {_freer()}"
+                freer = _freer() if key == "incline" else f"{TURNING}, or give slider.axis"
+                yield key, f"must be absent where the slider moves along x: {freer}"
         if isinstance(slider.load, tuple):
             yield "load", f"must be a number where the slider moves along x, got a vector: {_freer()}"
         return
@@ -64,7 +66,7 @@ def check_slider(slider: Any) -> Refused:
     if not slider.turns:
         for key in ("inertia", "torque"):
             if getattr(slider, key) not in (None, 0.0):
-                yield key, 'must be absent where the slider does not turn: choose slider.freedom = "xy yaw"'
+                yield key, f"must be absent where the slider does not turn: {TURNING}"
 
 
 def _freer() -> str:

@@ -36,7 +36,7 @@ def with_plane_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -
 
 def differs(driven: Contact) -> bool:
     """Whether the velocity depends on the place: on a stator, on several waves, and under a rotor's balls."""
-    several = driven.scene.wave is None or len(driven.scene.wave.sources) > 1
+    several = driven.scene.wave is None or len(driven.scene.wave.sources or ()) > 1
     return several or driven.scene.slider.axis is not None
 
 

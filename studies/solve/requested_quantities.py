@@ -54,6 +54,23 @@ def keywords(columns: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words))
 
 
+def motions_in_plane(slider: dict) -> tuple[str, ...]:
+    """Return the columns of the motion of a slider that moves in the plane; none of one that moves along x.
+
+    ``slider``: the block of a scene's document.
+
+    Examples
+    --------
+    >>> motions_in_plane({"axis": [0, 0]}), motions_in_plane({"freedom": "xy"}), motions_in_plane({})
+    (('rotation_rpm',), ('velocity_m_per_s', 'lateral_velocity_m_per_s'), ())
+    """
+    if "axis" in slider:
+        return ("rotation_rpm",)
+    freedom = slider.get("freedom", "x")
+    along = ("velocity_m_per_s", "lateral_velocity_m_per_s") if freedom != "x" else ()
+    return (*along, "rotation_rpm") if freedom == "xy yaw" else along
+
+
 def amplitudes(driven: Contact) -> Point:
     """Return the amplitudes at a point and, for a stator, the driven transducer's admittance and the sources' power."""
     point, solved = driven.amplitudes_at(driven.level), driven.solved

@@ -19,7 +19,7 @@ from studies.model.changed_scenes import ChangedScenes
 from studies.model.model import POSITION_KEYS, changes_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
-from studies.solve.requested_quantities import ALSO, AMPLITUDES, ELECTRICAL, FREE, refuse_of_pillars
+from studies.solve.requested_quantities import ALSO, AMPLITUDES, ELECTRICAL, FREE, motions_in_plane, refuse_of_pillars
 from studies.sweeps.axes import Axis, axis, level_key, point_axis
 
 MAX_POINTS = 10_000_000
@@ -74,7 +74,8 @@ class Question:
         if self.has_slider:
             burst = "burst" in self.table.get("wave" if self.kind == "prescribed" else "drive", {})
             burst = burst or any(key.endswith(".burst") for key in self.keys)
-            names += ["velocity_m_per_s", *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
+            motion = motions_in_plane(self.table.get("slider", {})) or ("velocity_m_per_s",)
+            names += [*motion, *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
             for word, columns in ALSO.items():
                 names += columns if word in self.also else []
             if self.kind == "prescribed" and "motor_efficiency" in names:

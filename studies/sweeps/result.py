@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 REASONS = 5  # shown; all are in the rows
 SHOWN = (
-    quantity.velocity_m_per_s, quantity.mean_velocity_m_per_s, quantity.normal_amplitude_m, quantity.thrust_N,
-    quantity.contact_efficiency, quantity.motor_efficiency,
+    quantity.velocity_m_per_s, quantity.lateral_velocity_m_per_s, quantity.rotation_rpm, quantity.mean_velocity_m_per_s,
+    quantity.normal_amplitude_m, quantity.thrust_N, quantity.contact_efficiency, quantity.motor_efficiency,
 )  # fmt: skip
 
 

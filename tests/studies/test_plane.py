@@ -47,7 +47,8 @@ def velocity(record):
     ids=["one", "in phase", "ahead", "behind", "two frequencies"],
 )
 def test_waves_from_two_sides(sources, expected):
-    record = run(scene(*sources), tolerance=1e-3)
+    # that of averaging: the full motion of an undamped ball on a beat is unstable
+    record = run(scene(*sources), tolerance=1e-2)
     assert velocity(record) == pytest.approx(expected, abs=EXACT if len(sources) < 3 else 1e-6)
     assert record.points[0].status == "ok"
 
@@ -122,7 +123,7 @@ def test_path_and_coast():
 
 def thrust_along_x():
     """Return the blocked thrust of the one-dimensional motor, N."""
-    wave = scene({}).to_table()["wave"] | {"sources": []}
+    wave = {key: value for key, value in scene({}).to_table()["wave"].items() if key != "sources"}
     driven = driven_contact(Scene.from_table("", {"wave": wave, "slider": BALL | {"freedom": "x"}}))
     return contact.blocked_thrust(driven.slider, driven.at(10e-9))[0]
 
@@ -237,6 +238,17 @@ def test_sweep_of_the_plane_takes_its_own_quantities():
     assert answer.point.thrust_N == pytest.approx(thrust_along_x(), rel=1e-4)
     with pytest.raises(SceneError, match="must be of ripple, thrust, torque, pressure"):
         sweep(scene({}), over={"wave.normal_amplitude": [10e-9]}, also=["limits"])
+
+
+def test_sweep_of_an_axle_states_its_rotation():
+    three = {"contacts": THREE, "freedom": "x", "axis": ["1 mm", 0.0], "mass": "0.267 g", "preload": "2.61927 mN"}
+    rotor = scene({}, wavelength="1 mm", **three)
+    found = sweep(rotor, over={"slider.torque": [0.0, 1e-8]})
+    columns = found.columns()
+    assert "velocity_m_per_s" not in columns
+    assert columns["rotation_rpm"][0] == pytest.approx(run(rotor).points[0].rotation_rpm, rel=1e-6)
+    assert columns["rotation_rpm"][0] != columns["rotation_rpm"][1]
+    assert "rotation" in str(found)
 
 
 def test_an_answer_of_motion_along_x_alone_is_refused_in_the_plane():

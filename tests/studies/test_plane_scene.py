@@ -3,6 +3,7 @@
 import pytest
 
 from studies import Scene, SceneError
+from studies.scene.keys import rule_at
 
 WAVES = """
 [wave]
@@ -57,6 +58,7 @@ REFUSED = [  # keys of the slider, and the refused key and words of its sentence
     ('freedom = "xy"\nstick_band = 1e-3', "slider.stick_band", "must be 0 with slider.freedom"),
     ("axis = [0, 0]\nreciprocal = true", "slider.reciprocal", "must be false"),
     ('freedom = "xy"\nadhesion = { model = "meniscus" }', "slider.adhesion", "must be left out with slider.freedom"),
+    ('torque = "1 uN m"', "slider.torque", 'choose slider.freedom = "xy yaw", or give slider.axis'),
     ('freedom = "axle"', "slider.axis", "is required and missing"),
     ('freedom = "xy"\ntravel = true', "slider.travel", "study trajectory"),
     ('freedom = "xy"\ntilt = "pitch"', "slider.tilt", '"held" or "free"'),
@@ -95,6 +97,18 @@ def test_waves_at_several_places_need_a_wavelength_and_all_amplitudes(scene):
     with pytest.raises(SceneError) as refused:
         scene('freedom = "xy"', waves=WAVES + 'normal_amplitude = "5 nm"\n')
     assert refused.value.problems[0].path == "wave.sources.0.normal_amplitude"
+
+
+def test_an_empty_list_of_waves_is_refused():
+    with pytest.raises(SceneError) as refused:
+        Scene.from_table("", {"wave": {"sources": []}})
+    assert "wave.sources" in {each.path for each in refused.value.problems}
+
+
+def test_the_rule_of_a_source_is_that_of_its_table():
+    assert rule_at("drive.source_frequencies.front").read("", "2.3 MHz") == 2.3e6
+    with pytest.raises(SceneError, match="holds no keys"):
+        rule_at("drive.source_frequencies.front.phase")
 
 
 def test_sources_of_own_frequency_need_a_slider_in_the_plane():

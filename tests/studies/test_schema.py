@@ -138,7 +138,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.backing": ["soft"],
     "slider.loading": [True, False],
     "wave.wavelength": ["0.4 mm"],
-    "wave.sources": [[{"direction": "90 deg", "phase": "90 deg"}], []],
+    "wave.sources": [[{"direction": "90 deg", "phase": "90 deg"}]],
     "wave.sources.0.normal_amplitude": ["10 nm"],
     "wave.sources.0.tangential_ratio": [0.7],
     "wave.sources.0.direction": [90, "-30 deg"],
