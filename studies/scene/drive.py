@@ -201,6 +201,13 @@ class Drive(Block):
         own: dict[str, Any] = dict(self.source_frequencies or ())
         return tuple(dict.fromkeys(own.get(name, self.frequency) for name, size in self.driven.items() if size))
 
+    @property
+    def at_other_frequencies(self) -> tuple[str, ...]:
+        """Names of the sources that are not 0 and have another frequency than the first one: without their powers."""
+        own: dict[str, Any] = dict(self.source_frequencies or ())
+        first = self.frequencies[0] if own else self.frequency
+        return tuple(name for name, size in self.driven.items() if size and own.get(name, self.frequency) != first)
+
     def at_frequency(self, frequency: float) -> "Drive":
         """Return the drive with one of its frequencies in Hz alone: the sources of the others are 0."""
         if not self.source_frequencies:

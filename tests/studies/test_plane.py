@@ -13,6 +13,8 @@ import pytest
 import contact
 from studies import Scene, SceneError, run, sweep
 from studies.motor import load_line, trajectory
+from studies.record import Record
+from studies.remarks.heat_warnings import heat_warnings
 from studies.study import driven_contact
 
 BALL = {
@@ -202,6 +204,10 @@ def test_sources_at_their_own_frequencies():
     assert drive.at_frequency(2.3e6).driven == {"left": 0.0, "front": 1}
     assert drive.at_frequency(2.2e6).frequency == 2.2e6
     assert Scene.load("rotor").drive.frequencies == (2.2e6,)
+    assert drive.at_other_frequencies == ("front",)
+    assert Scene.load("rotor").drive.at_other_frequencies == ()
+    record = Record(scene=Scene.load("twente-planar"), tolerance=1e-3, points=())
+    assert "leave out the sources at other frequencies, front" in next(heat_warnings(record))
 
 
 def test_arrows_of_a_rotor_are_its_velocities():
