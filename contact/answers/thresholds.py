@@ -49,7 +49,7 @@ from contact.law.normal import approach, plain
 from contact.law.user import UserLaw
 from contact.orbit import as_orbits, towards_plus
 from contact.periodic.sticking import least, normal_motion, room_to_stick
-from contact.problem import scaled
+from contact.problem import full_friction, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 from contact.wave import PassingWave, Surface, coupling, prescribed
@@ -248,8 +248,8 @@ def _stick_margins(problem, motion, slider):
     forward, backward = (room_to_stick(problem, motion, side) for side in (1.0, -1.0))
     limit_at_rest = problem.limit_slope * slider.rest_approach(problem.contacts) / problem.length
     slip_margins = np.array([0.5 * (room.forward + room.backward) / limit_at_rest for room in (forward, backward)])
-    full_friction = slider.static_friction(problem.contacts)
-    load_margin = _load_margin(backward.tangential_force, forward.tangential_force, problem.load, full_friction)
+    friction = full_friction(problem)
+    load_margin = _load_margin(backward.tangential_force, forward.tangential_force, problem.load, friction)
     return min(float(np.min(slip_margins)), load_margin), min(float(np.max(slip_margins)), load_margin)
 
 
@@ -392,8 +392,8 @@ def _factor_searched(height, slider, normal):
     high = slider.rest_approach(len(normal)) / height
     while left(high) < 0.0:
         high *= 2.0
-    # not from 0, where an attraction ends: without a preload the forces would balance there
-    return bracketed(left, OPEN * high, high)
+    # without a preload the forces balance at 0 too, where an attraction ends
+    return bracketed(left, OPEN * high if slider.preload == 0.0 else 0.0, high)
 
 
 def _alike(orbits):
