@@ -187,7 +187,7 @@ def _released_contact(slider, listed, i):
 def _by_averaging(slider, orbits, factor):
     """Return the answer for a factor from the averaged theory, with the error of averaging."""
     if math.isinf(factor):
-        return Answer(value=factor, error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
+        return Answer(value=float(factor), error=0.0, reasons=(f"none up to {CLIMB:g} times the first slip",))
     ratio = slider.normal_resonance(len(orbits)) / orbits.frequency
     error = float(factor * averaged_threshold_error(ratio, ACCURACY))
     return Answer(value=float(factor), error=float(error), reasons=("cycle means",))
@@ -227,7 +227,9 @@ def _by_full_motion(slider, orbits, averaged_factor, margins=None):
     except ConvergenceError:
         return averaged
     error = bounds_error(lower, upper)
-    return Answer(value=0.5 * (lower + upper), error=error, reasons=("periodic motion up to the first event",))
+    return Answer(
+        value=float(0.5 * (lower + upper)), error=float(error), reasons=("periodic motion up to the first event",)
+    )
 
 
 def _contact_margins(problem, motion, slider):
