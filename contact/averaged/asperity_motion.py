@@ -95,9 +95,7 @@ class RoughBalls:
         Averaging of first order is not part of its error.
         """
         parameter_check.positive("tolerance", tolerance, "")
-        waves = (orbits,) * len(self.samples) if isinstance(orbits, Orbit) else tuple(orbits)
-        if len(waves) != len(self.samples):
-            raise InputError("orbits", f"must be one for each ball, {len(self.samples)}, got {len(waves)}")
+        waves = self._of_each(orbits)
         self._reach(max(abs(each.normal) for each in waves))
         reference = max(reference_speed(0.0, (each,)) for each in waves)
         values: list[float] = []
@@ -126,7 +124,7 @@ class RoughBalls:
 
     def threshold(self, orbits: Orbit | Sequence[Orbit], speed: float, *, tolerance: float) -> float:
         """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand."""
-        waves = (orbits,) * len(self.samples) if isinstance(orbits, Orbit) else tuple(orbits)
+        waves = self._of_each(orbits)
 
         def left(factor):
             scaled = tuple(each.scaled(factor) for each in waves)
@@ -140,6 +138,13 @@ class RoughBalls:
         while left(low) > 0.0:
             low, high = low / 1.3, low
         return bracketed(left, low, high, tolerance=1e-3 * high)
+
+    def _of_each(self, orbits: Orbit | Sequence[Orbit]) -> tuple[Orbit, ...]:
+        """Return the orbit of each ball."""
+        waves = (orbits,) * len(self.samples) if isinstance(orbits, Orbit) else tuple(orbits)
+        if len(waves) != len(self.samples):
+            raise InputError("orbits", f"must be one for each ball, {len(self.samples)}, got {len(waves)}")
+        return waves
 
     def _reach(self, amplitude: float) -> None:
         """Solve the balls for approaches up to the deepest crest of an amplitude; waves come in any order."""
@@ -208,8 +213,8 @@ class RoughBalls:
         top = omega * (tangential + c * size)
         repeats = REPEATS * (tangential + c * size)
 
-        def left(v):
-            """Return the force that is left at a velocity."""
+        def left(v, load=0.0):
+            """Return the force that is left at a velocity under a load with its sign."""
             travel = v * 2.0 * np.pi / (steps * omega)
             pull = 0.0
             for table, place, along in zip(self._at(doubling), z, u_x, strict=True):
@@ -217,13 +222,12 @@ class RoughBalls:
                 pull += float(answer[0])
             return friction * pull - load - slider.tangential_damping * v
 
-        load = 0.0
         drive = left(0.0)
         way, load = math.copysign(1.0, drive), math.copysign(slider.load, drive)
         if abs(drive) - slider.load <= 1e-9 * friction * slider.preload:
             return 0.0
         # at this speed every asperity slips backwards all the time
-        return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)
+        return bracketed(lambda v: left(v, load), 0.0, way * top, tolerance=CLOSE * top)
 
 
 def _turn(doubling: int) -> np.ndarray:

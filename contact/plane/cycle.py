@@ -9,8 +9,9 @@ from enum import IntEnum
 
 import numpy as np
 
+from contact.codes import Regime
 from contact.jit.compiled import compiled, native
-from contact.plane.motion import Count, Regime, Sum, Total, advance
+from contact.plane.motion import Count, Sum, Total, advance
 from contact.plane.problem import Body, Surface, fill_surface
 
 MAX_PERIODS = 400  # of a contact that never opens

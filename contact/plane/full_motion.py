@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.answers.ledger import Ledger
+from contact.codes import Regime
 from contact.exceptions import ConvergenceError
 from contact.law import normal
 from contact.law.elastic import spring_work
 from contact.plane.averaged import Averaged
-from contact.plane.motion import Regime, State, Sum, Total, Work, follow, state_of, work_of
+from contact.plane.motion import State, Sum, Total, Work, follow, state_of, work_of
 from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface
 from contact.plane.scaling import Scaled, scaled
 from contact.plane.waves import SurfaceWaves

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Regime
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import back_load, spring_force
 from contact.law.normal import load
@@ -34,14 +35,6 @@ PASSED = 1e-6  # phase from the start of a segment within which a least |e| has 
 MAX_STEP = 0.6  # rad of the fastest wave
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
 MAX_TRIES = 60  # trials of the length of one segment
-
-
-class Regime(IntEnum):
-    """Regime of a contact."""
-
-    SEPARATED = 0
-    STICK = 1
-    SLIP = 2
 
 
 class Guard(IntEnum):

@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Regime
 from contact.exceptions import ConvergenceError
 from contact.plane.averaged import Averaged, Root
 from contact.plane.full_motion import FullMotion, clipped, with_heights
-from contact.plane.motion import Regime, Sum, Total
+from contact.plane.motion import Sum, Total
 from contact.plane.problem import Body, Surface, fill_surface
 from contact.plane.scaling import scaled
 from contact.plane.waves import SurfaceWaves

@@ -5,7 +5,7 @@ import textwrap
 from pathlib import Path
 
 from studies.record import Record, plots, run_pictures
-from studies.record.text import answer, sentences
+from studies.record.text import answer
 from studies.report import run_drawings
 from studies.results.content import provenance
 
@@ -50,12 +50,8 @@ def write_pdf(record: Record, path: Path) -> None:
 
 
 def text(record: Record) -> list[str]:
-    """Return the lines of the answer, and what the model leaves out with its size."""
-    lines = answer(record).splitlines()[1:]
-    return [
-        *lines,
-        *(f"{name:<16}{each}" for name, each in zip(["model", *[""] * 99], sentences(record), strict=False)),
-    ]
+    """Return the lines of the answer below its title, what the model leaves out included."""
+    return answer(record).splitlines()[1:]
 
 
 def fitted(lines: list[str], width: float, height: float) -> tuple[float, list[str]]:
