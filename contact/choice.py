@@ -85,16 +85,10 @@ class Answer:
         return Answer(value=self.value, error=self.error, status=status, reasons=reasons)
 
 
-class Answered:
-    """Base of results whose velocity is an `Answer`: relative error, status and message."""
+class HasAnswer:
+    """Base of results with an `Answer`: its status and message."""
 
     answer: Answer
-    orbits: Orbits | PassingWave
-
-    @property
-    def relative_error(self) -> float:
-        """Estimated error of the velocity over max(|v|, omega |u_x|/10)."""
-        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
 
     @property
     def status(self) -> str:
@@ -105,6 +99,17 @@ class Answered:
     def message(self) -> str:
         """Reasons of the answer as one sentence: how it was computed, and why its error is not smaller."""
         return self.answer.message
+
+
+class Answered(HasAnswer):
+    """Base of results whose velocity is an `Answer`: relative error, status and message."""
+
+    orbits: Orbits | PassingWave
+
+    @property
+    def relative_error(self) -> float:
+        """Estimated error of the velocity over max(|v|, omega |u_x|/10)."""
+        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
 
 
 class Result(NamedTuple):

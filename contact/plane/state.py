@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.choice import Answer
+from contact.choice import Answer, HasAnswer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +53,7 @@ class Band:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneState:
+class PlaneState(HasAnswer):
     """Steady motion of a slider in the plane.
 
     Attributes
@@ -113,16 +113,6 @@ class PlaneState:
     def relative_error(self) -> float:
         """Error of the speed over `reference`."""
         return self.answer.error / self.reference if self.reference > 0.0 else 0.0
-
-    @property
-    def status(self) -> str:
-        """Status of the answer."""
-        return self.answer.status
-
-    @property
-    def message(self) -> str:
-        """Reasons of the answer as one sentence."""
-        return self.answer.message
 
     @property
     def speed(self) -> float:

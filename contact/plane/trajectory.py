@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.answers.ledger import Ledger
-from contact.choice import Answer
+from contact.choice import Answer, HasAnswer
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneTrajectory:
+class PlaneTrajectory(HasAnswer):
     """Motion of a slider in the plane through a burst.
 
     Attributes
@@ -54,13 +54,3 @@ class PlaneTrajectory:
     def yaw(self) -> np.ndarray:
         """(k,), rad."""
         return self.pose[:, 2]
-
-    @property
-    def status(self) -> str:
-        """Status of the answer."""
-        return self.answer.status
-
-    @property
-    def message(self) -> str:
-        """Reasons of the answer as one sentence."""
-        return self.answer.message

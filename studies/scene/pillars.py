@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 from studies.scene.block import Block
 from studies.scene.numbers import FixedList, Quantity
-from studies.scene.rule import FLAG, TEXT, Count, Plain
+from studies.scene.rule import FLAG, RANDOM_SEED, TEXT, Count
 
 MAX_PILLARS = 1_000_000
 TOUCHING = 1e-9  # relative: pillars whose pitch is less than their diameter by up to this touch and do not overlap
@@ -44,15 +44,7 @@ class Pillars(Block):
     height_scatter: Annotated[
         float, Quantity("m", zero=True), "Standard deviation of the heights, which are normally distributed."
     ] = 0.0
-    seed: Annotated[
-        int | None,
-        Plain(
-            "an integer of at least 0",
-            lambda value: type(value) is int and 0 <= value < 2**63,
-            {"type": "integer", "minimum": 0},
-        ),
-        "Seed of the random heights. Absent: 2003.",
-    ] = None
+    seed: Annotated[int | None, RANDOM_SEED, "Seed of the random heights. Absent: 2003."] = None
     file: Annotated[
         str | None,
         TEXT,

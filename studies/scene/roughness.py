@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 from studies.scene.block import Block
 from studies.scene.numbers import Quantity
-from studies.scene.rule import TEXT, Plain
+from studies.scene.rule import RANDOM_SEED, TEXT
 
 STARTS = 0.2e-3  # m/s: rough balls have no sharp threshold, for some asperity slips in every wave
 
@@ -27,11 +27,7 @@ class Roughness(Block):
     )
     seed: Annotated[
         int | None,
-        Plain(
-            "an integer of at least 0",
-            lambda value: type(value) is int and 0 <= value < 2**63,
-            {"type": "integer", "minimum": 0},
-        ),
+        RANDOM_SEED,
         "Seed of one sample of asperities, each with its own stick and slip: the answer is that of one ball, with the "
         "scatter of eight. Absent, without file: the mean field of many asperities.",
     ] = None

@@ -143,6 +143,11 @@ FIELD = Field()
 
 TEXT = Plain("text on one line", lambda value: isinstance(value, str) and value.isprintable(), {"type": "string"})
 FLAG = Plain("true or false", lambda value: isinstance(value, bool), {"type": "boolean"})
+RANDOM_SEED = Plain(
+    "an integer of at least 0",
+    lambda value: type(value) is int and 0 <= value < 2**63,
+    {"type": "integer", "minimum": 0},
+)
 
 
 @dataclass(frozen=True)
