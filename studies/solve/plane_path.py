@@ -20,7 +20,7 @@ from studies.model.plane import turned
 
 STOPPED = 1e-3  # m/s: speed at which a slider that coasts is taken to have stopped, 1 um before it does
 LOOSE, TIGHT = 0.1, 0.02  # tolerances of two integrations over that of the path; their difference is its error
-SAMPLES = 60  # instants of each burst in the record
+SAMPLES = 60  # instants of each burst, and of the coast, in the record
 LONGEST_COAST = 10.0  # s
 X, Y, YAW, V_X, V_Y, RATE = range(6)
 
@@ -65,11 +65,14 @@ class Body:
             self._followed(surface, start, begin, duration, tolerance, coasts=coasts)
             for tolerance in (LOOSE * self.tolerance, TIGHT * self.tolerance)
         )
-        error = float(np.hypot(*(loose.y[:2, -1] - tight.y[:2, -1])))
-        inside = tight.t <= tight.t[-1]
-        return Leg(name=name, time=tight.t[inside], state=tight.y.T[inside], error=error)
+        error = float(np.hypot(*(loose[1][-1, :2] - tight[1][-1, :2])))
+        return Leg(name=name, time=tight[0], state=tight[1], error=error)
 
     def _followed(self, surface, start, begin: float, duration: float, tolerance: float, *, coasts: bool):
+        """Return instants from the start to the end, to which the slider may coast before the time is over, and states.
+
+        Shapes (k,) and (k, 6).
+        """
         from scipy.integrate import solve_ivp
 
         stops = _Stop(self._speed)
@@ -78,14 +81,12 @@ class Body:
         solution = solve_ivp(
             lambda _, state: self.rates(surface, state), (begin, begin + duration), start, method="RK23",
             rtol=tolerance, atol=tolerance * scale, events=stops if coasts else None,
-            t_eval=np.linspace(begin, begin + duration, SAMPLES + 1),
+            dense_output=True,
         )  # fmt: skip
         if not solution.success:
             raise contact.ConvergenceError("path", f"the path cannot be followed: {solution.message}")
-        if coasts and solution.t_events[0].size:
-            solution.t = np.append(solution.t, solution.t_events[0][0])
-            solution.y = np.column_stack([solution.y, solution.y_events[0][0]])
-        return solution
+        time = np.linspace(begin, solution.t[-1], SAMPLES + 1)
+        return time, solution.sol(time).T
 
     def rates(self, surface: Any, state: np.ndarray) -> np.ndarray:
         """Return the rates of pose, velocity and yaw rate."""

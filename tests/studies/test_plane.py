@@ -120,6 +120,10 @@ def test_path_and_coast():
     path = record.panel("path").data
     assert list(path["x_m"]) == ["wave 1", "wave 2", "wave 1 and wave 2", "coast"]
     assert path["y_m"]["wave 1"] == pytest.approx(0.0, abs=1e-12)
+    coast, speed = (np.array(path[key]["coast"]) for key in ("time_s", "velocity_m_per_s"))
+    assert coast.size > 50  # a curve, not the line between its ends
+    assert (np.diff(coast) > 0.0).all()
+    assert (np.diff(abs(speed)) < 0.0).all()  # friction slows it at each instant
     assert record.findings[1].found == pytest.approx(1.0, abs=0.02)
 
 
