@@ -11,18 +11,18 @@ from importlib import import_module
 _PUBLIC = {
     "answers.derivatives": "velocity_derivative",
     "answers.first_use": "compiled_aside",
-    "answers.load_line": "blocked_thrust load_line LoadLine mean_traction stall",
+    "answers.load_and_stall": "blocked_thrust load_line LoadLine mean_traction stall",
     "answers.pull": "damper_pull",
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
     "averaged.adhesive_motion": "adhesive_motion AdhesiveMotion",
     "averaged.asperity_motion": "asperity_motion RoughBalls RoughMotion",
-    "averaged.sweep": "mean_forces mean_motion MeanMotion steady_sweep",
+    "averaged.steady_sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (
         "release release_amplitude release_factor releases threshold threshold_amplitude threshold_factor"
     ),
-    "answers.transient": "burst Trajectory",
+    "answers.burst_motion": "burst Trajectory",
     "answers.waveforms": "contact_history History",
     "aliases": "balls_of pillar_load_line pillar_motion pillar_traction Pillars",
     "averaged.coupled_motion": "WaveRows",
@@ -41,7 +41,7 @@ _PUBLIC = {
     "rules": "AdhesionRules FrictionRules SliderRules",
     "slider": "Slider",
     "track": "Track",
-    "wave": "PassingWave",
+    "passing_wave": "PassingWave",
     "averaged.riding": "mean_load riding_height",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

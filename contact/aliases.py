@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from contact import parameter_check
-from contact.answers.load_line import load_line
+from contact.answers.load_and_stall import load_line
 from contact.answers.steady import steady
 from contact.averaged.coupled_motion import CoupledSearch
+from contact.passing_wave import PassingWave
 from contact.slider import Slider
-from contact.wave import PassingWave
 
 STILL: dict[str, Any] = {
     "mass": math.inf, "load": 0.0, "law": "elastic", "reciprocal": False, "stick_band": 0.0, "contact_damping": 0.0,

@@ -2,10 +2,10 @@ r"""Choice of the method for a problem of the contact, by its applicability and 
 
 The errors are estimated in `error_estimate`. The methods of a burst are the table BURST_METHODS of
 `answers/burst_methods.py`, with the rule of "auto" in `run` below it; those of a steady state are the table
-STEADY_METHODS of `answers/steady.py`, with their rule above it. `answers.load_line.stall` takes the averaged load where
-its error is within the tolerance, and `answers.thresholds` the averaged factor of a slider whose full motion it does
-not search (a law or heights other than the simplest). `answers.steps` follows the drive of a step by events if it is
-short, otherwise with fixed steps, and `answers.waveforms` takes shooting or a long run. The other answers have one
+STEADY_METHODS of `answers/steady.py`, with their rule above it. `answers.load_and_stall.stall` takes the averaged load
+where its error is within the tolerance, and `answers.thresholds` the averaged factor of a slider whose full motion it
+does not search (a law or heights other than the simplest). `answers.steps` follows the drive of a step by events if it
+is short, otherwise with fixed steps, and `answers.waveforms` takes shooting or a long run. The other answers have one
 method each.
 
 `choose` returns the result of the first method, the cheapest, that applies and whose estimated error is within the
@@ -23,7 +23,7 @@ from typing import NamedTuple
 from contact.error_estimate import relative_to_reference
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits
-from contact.wave import PassingWave
+from contact.passing_wave import PassingWave
 
 OK, ABOVE_TOLERANCE = "ok", "above tolerance"
 EXCEEDS = "estimated error"  # begins the reason of an answer that misses its tolerance

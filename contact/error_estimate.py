@@ -8,7 +8,7 @@ max(|v|, omega |u_x|/10). The true error is at most twice the stated one in 98 o
 Some errors are completed elsewhere: the effect of an undamped bounce, of a motion that is not reached from rest and of
 a slider that is just held is added in `answers.steady` and `averaged.sweep_kernel`, that of an irregular long run in
 `periodic.settling`, that of a burst compared with its exact solution in `answers.burst_methods`, the search of a load
-line in `answers.load_line`. The parts of an averaged burst are added up in `averaged.burst`; that of a
+line in `answers.load_and_stall`. The parts of an averaged burst are added up in `averaged.burst`; that of a
 slider which tilts or loads the wave is the residual of its equations and `richardson` of the number of harmonics
 (`averaged.coupled_motion`).
 
@@ -22,7 +22,7 @@ import numpy as np
 
 from contact.jit.compiled import formula
 from contact.orbit import as_orbits
-from contact.wave import PassingWave, Surface
+from contact.passing_wave import PassingWave, Surface
 
 # Event-driven motion. TRUNCATION: smallest error that is stated, over the reference speed and the truncation error
 # allowed in a segment, because two orders may agree by chance. DRIFT: rounding per cycle, over the reference speed.

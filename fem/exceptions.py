@@ -1,6 +1,6 @@
 """Exceptions: an argument that breaks a rule (`fem.parameters`), and an answer that has not converged.
 
-The error of an answer is estimated in `fem/discretize/error_estimate.py`.
+The error of an answer is estimated in `fem/discretize/mesh_refinement.py`.
 """
 
 from fem.parameters import InputError as InputError

@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.materials import Solid, fields, isotropic_about_normal
 from fem.materials.christoffel import slowest_wavelength
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.placement import Placement, placement
 from fem.parameters import ComplexNumber, Count, InputError, Number, Parameters, Signs, Words, refuses, shown
 

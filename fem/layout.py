@@ -10,10 +10,10 @@ import numpy as np
 from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer, fingers_off_stator, repeated_names, separation
 from fem.materials.solids import Solid
-from fem.mesh.piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
+from fem.mesh.mesh_piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiece
 from fem.mesh.placement import Placement, is_step
 from fem.mesh.section_mesh import ELECTRODE
-from fem.mesh.shapes import CORNERS
+from fem.mesh.shape_functions import CORNERS
 from fem.parameters import refuses
 
 # Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level (fem.condense.mesh).
@@ -308,7 +308,7 @@ def _check_whole(piece: MeshPiece, stator: Stator, transducers: tuple[Transducer
 
 def _check_size(piece: MeshPiece) -> None:
     """Raise an InputError for a mesh with too many unknowns even at the coarsest level."""
-    # every element is divided into as many quadrilaterals as it has corners (fem.mesh.quads)
+    # every element is divided into as many quadrilaterals as it has corners (fem.mesh.quad_mesh)
     quads = sum(CORNERS[cells.kind] * len(cells.nodes) for cells in piece.mesh.cells)
     least = quads * LEAST_PER_QUAD
     if least <= MAX_UNKNOWNS:

@@ -3,7 +3,7 @@
 import sys
 
 from contact import burst, mean_motion
-from contact.answers.load_line import blocked_thrust
+from contact.answers.load_and_stall import blocked_thrust
 from contact.events.many_contacts import MANY
 from tests.contact.motors import orbit, slider
 

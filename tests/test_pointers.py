@@ -213,7 +213,7 @@ def test_a_pointer_to_nothing_is_seen():
     assert bare_names("x = 'gone.py'  # as absent.py\n", ".py") == ["absent.py"]
     assert not exists("absent.py", Path("fem/geometry.py"))
     assert not exists("solve/absent.py", Path("fem/geometry.py"))
-    assert exists("solve/passband.py", Path("fem/geometry.py"))
+    assert exists("solve/best_frequency.py", Path("fem/geometry.py"))
     assert not found("contact.answers.steady.nothing")
     assert not known("fem.nothing")
     assert known("contact.answers.steady")

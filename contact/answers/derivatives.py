@@ -14,11 +14,11 @@ respect to the full periodic motion is O((f_n/f)^2), as for the averaged velocit
 
 from collections.abc import Callable
 
-from contact.answers.load_line import mean_traction
-from contact.averaged.sweep import mean_motion
+from contact.answers.load_and_stall import mean_traction
+from contact.averaged.steady_sweep import mean_motion
 from contact.exceptions import ConvergenceError
+from contact.passing_wave import Surface, crest_direction
 from contact.slider import Slider
-from contact.wave import Surface, crest_direction
 
 # Of v (relative) and of s, for differences of fourth order of forces that are accurate to 1e-11. The longer the step,
 # the more contacts begin to stick within it. With 2e-3, 50 pillars are 0.2 % off, 50 balls in two of six draws 0.1 and

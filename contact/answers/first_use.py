@@ -45,7 +45,7 @@ def compiled_aside() -> Iterator[None]:
 def main() -> None:
     """Compile the event-driven kernel of the elastic law, by a burst of one cycle of any slider."""
     # only the other process needs it: the run's own process does not wait for its import
-    from contact.answers.transient import burst
+    from contact.answers.burst_motion import burst
 
     slider = Slider(
         radius=1e-3, mass=1e-4, preload=1e-3, load=0.0, friction_coefficient=0.1, effective_modulus=64e9,

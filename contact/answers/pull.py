@@ -8,8 +8,8 @@ import numpy as np
 
 from contact.averaged.riding import riding_height
 from contact.law.normal import load
+from contact.passing_wave import Surface, prescribed
 from contact.slider import Slider
-from contact.wave import Surface, prescribed
 
 # Phases of a cycle at which the force is sampled: the least force is found to 2e-7 of itself, the share to 5e-4.
 PHASES = 4096

@@ -17,7 +17,7 @@ from contact.choice import Answer
 from contact.codes import Status
 from contact.error_estimate import first_order_error, reference_speed
 from contact.exceptions import ConvergenceError
-from contact.wave import resonance_ratio
+from contact.passing_wave import resonance_ratio
 
 RATE_TOLERANCE = 3e-5  # relative tolerance of the averaged velocity
 PARTS = 8  # of a burst under an envelope: each begins with a short step, so that none passes over a change of the wave

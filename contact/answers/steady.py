@@ -4,8 +4,8 @@ The computation has two steps.
 
 1. *Averaged equilibrium.* A slider that is heavy on the wave's time scale keeps its height h and its velocity v nearly
    constant through a cycle. The condition <sum P_i> = preload gives h, and <sum Q_i>(v) = R_t v + load gives v, where
-   <> is the mean over a cycle, integrated exactly between events. For the elastic law `sweep.mean_motion` adds the
-   second-order correction and an error estimate. The other laws are averaged to first order.
+   <> is the mean over a cycle, integrated exactly between events. For the elastic law `steady_sweep.mean_motion` adds
+   the second-order correction and an error estimate. The other laws are averaged to first order.
 2. *Shooting* (method "exact"). The cycle map of the full equations takes the state (z_s, z_s', v, x_i) to the state one
    cycle later. Newton's method finds the fixed point of this map, starting from the averaged equilibrium.
 
@@ -24,12 +24,12 @@ import numpy as np
 from contact import parameter_check
 from contact.answers.ledger import Ledger, ledger
 from contact.answers.pull import damper_pull
-from contact.averaged.bounce import speed_lost
 from contact.averaged.burst import STIFFEST_STEADY, refusals
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.coupled_motion import WaveRows, coupled_motion
+from contact.averaged.endless_bounce import speed_lost
 from contact.averaged.event_equilibrium import Balance, balanced, cycle_at
-from contact.averaged.sweep import mean_motion
+from contact.averaged.steady_sweep import mean_motion
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer, Answered, Method, first_to_converge
 from contact.error_estimate import (
@@ -41,11 +41,11 @@ from contact.error_estimate import (
 )
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, towards_plus
+from contact.passing_wave import PassingWave, Surface, coupling, merged, prescribed, resonance_ratio
 from contact.periodic.settling import long_run, mean_from_rest, reached
 from contact.periodic.shooting import SETTLE, coarse_periodic, fine_periodic, quick_periodic
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.wave import PassingWave, Surface, coupling, merged, prescribed, resonance_ratio
 
 METHODS = ("auto", "exact", "averaged")
 # SLOWEST_WAVE: largest ratio of contact resonance to wave frequency for which shooting is tried. Above it a long run

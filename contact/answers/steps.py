@@ -34,10 +34,10 @@ from contact.events.segment import Column
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
 from contact.orbit import towards_plus
+from contact.passing_wave import Surface, prescribed
 from contact.problem import contact_parameters
 from contact.slider import Slider
 from contact.stepping.time_stepping import steps
-from contact.wave import Surface, prescribed
 
 MAX_CYCLES = 2**21  # the last number that `cycles_for` tries when it doubles from 256
 # The slider counts as held after this many spans (half periods of the ring) without slip: QUIET_SPANS if no slip can

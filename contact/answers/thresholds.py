@@ -27,7 +27,7 @@ slider. Examples are a surface that moves along one axis only, and pairs of cont
 
 *Corrections within a cycle.* The slider's motion within a cycle is smaller than that of the surface by (f_n/f)^2. Up to
 the first release the normal motion has no event, and up to the first slip the tangential motion has none. The full
-equations are then solved in harmonics of the wave (`periodic.sticking`). The *release* of every law except the
+equations are then solved in harmonics of the wave (`periodic.sticking_motion`). The *release* of every law except the
 reciprocal one, and the *threshold* of the elastic law, are the factors at which a contact in this motion just separates
 or slips. All other factors keep the error of averaging.
 """
@@ -48,11 +48,11 @@ from contact.law.elastic import tangential_force
 from contact.law.normal import approach, plain
 from contact.law.user import UserLaw
 from contact.orbit import as_orbits, towards_plus
-from contact.periodic.sticking import least, normal_motion, room_to_stick
+from contact.passing_wave import PassingWave, Surface, coupling, prescribed
+from contact.periodic.sticking_motion import least, normal_motion, room_to_stick
 from contact.problem import full_friction, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
-from contact.wave import PassingWave, Surface, coupling, prescribed
 
 # Relative accuracy of the bisection in the averaged equilibrium. It is part of the error, and below the error of
 # averaging for f_n/f above 0.0022.

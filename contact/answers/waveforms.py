@@ -22,10 +22,10 @@ from contact.error_estimate import two_orders_error
 from contact.events.segment import Sample
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, towards_plus
+from contact.passing_wave import Surface, prescribed
 from contact.periodic.settling import long_run, reached
 from contact.periodic.shooting import COARSE, FINE, coarse_periodic, fine_periodic
 from contact.slider import Slider
-from contact.wave import Surface, prescribed
 
 STAGES = ("start", "steady", "after")
 # Names in the order of `codes.Regime`. A hysteretic contact with a slip annulus is "partial"; one that grows sticks.

@@ -21,8 +21,8 @@ from contact.averaged.row_cycle import RowCycle
 from contact.codes import Status
 from contact.error_estimate import richardson, speed_scale
 from contact.exceptions import ConvergenceError, InputError
+from contact.passing_wave import HARMONICS, PassingWave, crest_direction
 from contact.slider import Slider
-from contact.wave import HARMONICS, PassingWave, crest_direction
 
 FULL_SLIP = 1.001  # safety factor on the velocity above which every contact slips through the whole cycle
 # Numbers of harmonics to try, until the error of the velocity by those left out is below OVERTONE_ERROR. It falls with

@@ -13,11 +13,11 @@ At rest h follows from <sum P> = p (`riding`) and V from <sum Q>(V) = d_t V + q,
 rest and the velocity at which every contact slips all the time. The search takes the mean from any provider with a
 function `left(problem, means, v)`, the mean force that is left to accelerate the slider:
 
-    `ClosedForm`               cycles in closed form between exact events (`cycle_mean`), here
+    `ClosedForm`                     cycles in closed form between exact events (`cycle_mean`), here
     `event_equilibrium.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
-    `bounce.Heights`           several heights of a bounce
-    `coupled_motion.CoupledSearch`  rows of contacts, with tilts, a soft backing or a wave that they load: each mean is
-                               taken in the equilibrium of these further unknowns at that v (`coupled_equilibrium`)
+    `endless_bounce.Heights`         several heights of a bounce
+    `coupled_motion.CoupledSearch`   rows of contacts, with tilts, a soft backing or a wave that they load: each mean is
+                                     taken in the equilibrium of these unknowns at that v (`coupled_equilibrium`)
 
 For a body that is held on a prescribed wave, whose only other unknown is h, this search is compiled as a whole
 (`solve_equilibrium`).

@@ -1,9 +1,9 @@
 r"""Averaged equilibrium of any contact law, with a cycle from which the event-driven solver can continue.
 
-For the elastic law `sweep.mean_motion` computes height h and velocity v, because its cycle means have closed forms
-between events; `cycle_at` adds the event-driven cycle at this h and v. For the other laws `balanced` computes h and v:
-the mean tangential force comes from a cycle of the event-driven solver, and `equilibrium.balanced_speed` searches v.
-The docstring of `answers.steady` states when a slider is held. The error with respect to the full motion is
+For the elastic law `steady_sweep.mean_motion` computes height h and velocity v, because its cycle means have closed
+forms between events; `cycle_at` adds the event-driven cycle at this h and v. For the other laws `balanced` computes h
+and v: the mean tangential force comes from a cycle of the event-driven solver, and `equilibrium.balanced_speed`
+searches v. The docstring of `answers.steady` states when a slider is held. The error with respect to the full motion is
 O((f_n/f)^2).
 
 At rest the mean tangential force is not unique: a contact that sticks all the time keeps the deformation that its
@@ -83,7 +83,7 @@ def cycle_at(
 ) -> Balance:
     """Return the equilibrium at a known mean approach in m and a known velocity in m/s.
 
-    `load_sign` is that of `sweep.MeanMotion`; the orbits are those of `balanced`.
+    `load_sign` is that of `steady_sweep.MeanMotion`; the orbits are those of `balanced`.
     """
     problem = scaled(slider, orbits, direction=load_sign, start=trough(orbits))
     height, speed = height / problem.length, velocity / problem.speed

@@ -18,9 +18,9 @@ from contact.jit.compiled import compiled, formula, native, summed
 from contact.law.elastic import coulomb
 from contact.law.normal import NormalLaw, load, plain, slope
 from contact.law.normal import approach as approach_under
+from contact.passing_wave import Surface, prescribed
 from contact.problem import Problem, scaled
 from contact.slider import Slider
-from contact.wave import Surface, prescribed
 
 NODES = 48  # of the answer for one slider
 

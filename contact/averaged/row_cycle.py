@@ -30,9 +30,9 @@ from contact.body import Coordinates, Paths, tilted
 from contact.codes import Shape, Tangential
 from contact.law.elastic import coulomb
 from contact.law.normal import load, plain, scaled
+from contact.passing_wave import PassingWave
 from contact.problem import ContactFactors, Problem
 from contact.slider import Slider
-from contact.wave import PassingWave
 
 STEP = 1e-7  # step of finite differences, relative to the incident amplitude
 # The ratio Q_1/u_x is used as a stiffness only if |u_x| exceeds this fraction of its largest possible value.

@@ -40,7 +40,7 @@ MAX_SWEEPS = 25  # of Picard's iteration
 # From this number of contacts on, what is done for each of them before and after a run is compiled. In Python it takes
 # 0.2 ms for one contact: 5 of the 15 s of a steady state of 3000 balls.
 COMPILED_CONTACTS = 100
-# shapes of a problem and a state, see `contact.jit.shapes`
+# shapes of a problem and a state, see `contact.jit.array_shapes`
 SHAPES = {
     "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
     "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n", "state.slider": "3",

@@ -37,13 +37,13 @@ from pathlib import Path
 
 from numpy import ndarray
 
-from contact.jit.shapes import check_shapes
+from contact.jit.array_shapes import check_shapes
 
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
 _MARKS = (b"@compiled", b"@formula", b"@native", b"@summed")
 # modules whose constants are compiled into kernels, and the compilers themselves
-_FROZEN = ("codes.py", "collocation.py", "problem.py", "compiled.py", "compiler.py")
+_FROZEN = ("codes.py", "collocation.py", "radau.py", "problem.py", "compiled.py", "compiler.py")
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting
@@ -78,7 +78,7 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
         numbers with so many axes, and t for a named tuple of numbers, arrays and further named tuples, or None.  The
         kernel returns an integer, a truth value or nothing.
     shapes : mapping of str to str, optional
-        Shapes of arrays by argument, see `contact.jit.shapes`.
+        Shapes of arrays by argument, see `contact.jit.array_shapes`.
     """
     return lambda function: function if PLAIN else Native(function, tuple(types.split()), shapes)
 

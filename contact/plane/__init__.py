@@ -13,7 +13,7 @@ _PUBLIC = {
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
     "trajectory": "PlaneTrajectory",
-    "waves": "PlaneWave PlaneWaves SurfaceWaves",
+    "plane_waves": "PlaneWave PlaneWaves SurfaceWaves",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = sorted(_HOME)

@@ -16,11 +16,11 @@ import numpy as np
 
 from contact.exceptions import ConvergenceError
 from contact.plane.cycle import COLUMNS, cycle_means
+from contact.plane.disc_contacts import Sum, state_of, work_of
 from contact.plane.heights import NormalMeans, approaches
-from contact.plane.motion import Sum, state_of, work_of
-from contact.plane.problem import PlaneProblem
+from contact.plane.plane_equations import PlaneProblem
+from contact.plane.plane_waves import SurfaceWaves
 from contact.plane.scaling import FREE, Scaled, scaled
-from contact.plane.waves import SurfaceWaves
 from contact.slider import Slider
 
 # Nodes and tolerance of a segment: of the answer, and of the check that differs from it in both

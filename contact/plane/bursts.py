@@ -11,16 +11,16 @@ from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError
+from contact.passing_wave import refuse_infinite_mass
 from contact.plane.averaged import ANSWER, CHECK, Averaged
 from contact.plane.fixed_steps import FixedSteps
 from contact.plane.full_motion import FullMotion, motion_at_rest, with_heights
-from contact.plane.problem import Body
+from contact.plane.plane_equations import Body
+from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
 from contact.plane.scaling import FREE, averaging_error, refuse_slow_beat, resonance_ratios, scaled
 from contact.plane.steady_state import refuse
 from contact.plane.trajectory import PlaneTrajectory
-from contact.plane.waves import Surface, SurfaceWaves, surface_under
 from contact.slider import Slider
-from contact.wave import refuse_infinite_mass
 
 METHODS = ("auto", "exact", "stepped", "averaged")
 # Nodes and tolerance of the exact motion and of the one that it is compared with, which differs in both, by the

@@ -11,8 +11,8 @@ import numpy as np
 
 from contact.codes import Regime
 from contact.jit.compiled import compiled, native
-from contact.plane.motion import Count, Sum, Total, advance
-from contact.plane.problem import Body, Surface, fill_surface
+from contact.plane.disc_contacts import Count, Sum, Total, advance
+from contact.plane.plane_equations import Body, Surface, fill_surface
 
 MAX_PERIODS = 400  # of a contact that never opens
 CLOSE = 1e-11  # change of its deformation in a period, over c z, at which it repeats

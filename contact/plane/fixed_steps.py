@@ -15,7 +15,7 @@ from contact.jit.compiled import native
 from contact.law.elastic import spring_force
 from contact.law.normal import load
 from contact.plane.full_motion import clipped, rest_deformations, rest_position, without_waves
-from contact.plane.problem import Body, Surface, fill_surface, turned_by
+from contact.plane.plane_equations import Body, Surface, fill_surface, turned_by
 from contact.plane.scaling import Scaled
 
 

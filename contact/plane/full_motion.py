@@ -15,10 +15,10 @@ from contact.exceptions import ConvergenceError
 from contact.law import normal
 from contact.law.elastic import spring_work
 from contact.plane.averaged import Averaged
-from contact.plane.motion import State, Sum, Total, Work, follow, state_of, work_of
-from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface
+from contact.plane.disc_contacts import State, Sum, Total, Work, follow, state_of, work_of
+from contact.plane.plane_equations import Body, PlaneProblem, Surface, fill_surface
+from contact.plane.plane_waves import SurfaceWaves
 from contact.plane.scaling import Scaled, scaled
-from contact.plane.waves import SurfaceWaves
 from contact.roots import bracketed
 from contact.slider import Slider
 

@@ -1,4 +1,4 @@
-"""The problem of a slider on surface waves in the units of `contact.plane.problem`, and the period of the waves."""
+"""The problem of a slider on surface waves in the units of `plane_equations`, and the period of the waves."""
 
 import math
 from fractions import Fraction
@@ -9,8 +9,8 @@ import numpy as np
 from contact.error_estimate import beat_error, first_order_error
 from contact.exceptions import ConvergenceError, InputError
 from contact.law import normal
-from contact.plane.problem import PlaneProblem
-from contact.plane.waves import SurfaceWaves
+from contact.plane.plane_equations import PlaneProblem
+from contact.plane.plane_waves import SurfaceWaves
 from contact.slider import Slider
 
 MAX_CYCLES = 400  # of the fastest wave in a common period

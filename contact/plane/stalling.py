@@ -14,10 +14,10 @@ from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, beat_error
 from contact.exceptions import InputError
 from contact.plane.averaged import CHECK, Averaged, balanced, rest_force
+from contact.plane.plane_waves import Surface, SurfaceWaves, places, surface_under
 from contact.plane.scaling import FREE, refuse_slow_beat, resonance_ratios
 from contact.plane.state import PlaneState
 from contact.plane.steady_state import refuse, steady
-from contact.plane.waves import Surface, SurfaceWaves, places, surface_under
 from contact.slider import Slider
 
 

@@ -12,12 +12,12 @@ from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError, InputError
 from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
 from contact.plane.cycle import Extra
-from contact.plane.motion import Sum
+from contact.plane.disc_contacts import Sum
+from contact.plane.plane_shooting import CHECK as CHECK_SHOOTING
+from contact.plane.plane_shooting import lost_in_dampers, periodic, sums_of
+from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
 from contact.plane.scaling import averaging_error, refuse_slow_beat, slowest_beat
-from contact.plane.shooting import CHECK as CHECK_SHOOTING
-from contact.plane.shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.state import Band, PlaneState, Powers
-from contact.plane.waves import Surface, SurfaceWaves, surface_under
 from contact.slider import Slider
 
 METHODS = ("auto", "averaged", "exact")

@@ -72,7 +72,7 @@ def electrode_charges(solution: Solution, transducer: int) -> ElectrodeCharges:
     unit_dipole = _unit_dipole(x[on_electrode], number[on_electrode])
     for sheet, charge in zip(sheets, charges, strict=True):
         # The nodal charges contain those dipole moments that follow from the sides; ``dipoles`` are the others
-        # (fem.waveguide.network.Sheet).
+        # (fem.waveguide.scattering_network.Sheet).
         charge[on_electrode] += unit_dipole * moment_unit * (sheet.dipoles @ weights)[number[on_electrode]]
     steps = tuple((sheet.length, charge) for sheet, charge in zip(sheets[1:], charges[1:], strict=True))
     return ElectrodeCharges(x=x, charge=charges[0], finger=finger, steps=steps)

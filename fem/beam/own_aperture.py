@@ -51,7 +51,7 @@ from fem.beam.point_potential import StripPotential
 from fem.condense.electrodes import charged
 from fem.condense.transducer import finger_ports
 from fem.geometry import Transducer
-from fem.waveguide.network import Scatterer, Sheet
+from fem.waveguide.scattering_network import Scatterer, Sheet
 
 # Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
 ACROSS = 4

@@ -56,8 +56,8 @@ from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
 from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.network import Network, PortSolution
 from fem.waveguide.port_fields import PortFields, StatorCascade
+from fem.waveguide.scattering_network import Network, PortSolution
 
 SHORTEST = 0.5  # smallest aperture over wavelength: shorter fingers are not line sources
 # Largest size of the system of waves between transducers, two waves per sheet and mode.  To keep it, modes that decay

@@ -15,15 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.cascade_piece import Blocks, Port
 from fem.condense.column import ELECTRODES, Column, ColumnField, Skeleton, condensed_column
-from fem.condense.piece import Blocks, Port
 from fem.discretize.section import Section
 from fem.discretize.spectral import gll_nodes, lagrange
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FingerColumns:
-    """A `fem.condense.piece.Piece` of columns of elements."""
+    """A `fem.condense.cascade_piece.Piece` of columns of elements."""
 
     size: int  # unknowns n of a line
     # shape (2 n + ports, 2 n + ports): over left line, right line and potentials of electrodes; scaled
@@ -33,7 +33,7 @@ class FingerColumns:
     ports: tuple[Port, ...] = ELECTRODES
     # how the piece was made, from which the field inside is recovered; None if it is never needed
     inside: "Column | Pair | Restated | LiftedHalf | None" = field(default=None, repr=False)
-    floating_potential: bool = False  # as in `fem.condense.piece.Piece`
+    floating_potential: bool = False  # as in `fem.condense.cascade_piece.Piece`
 
     @cached_property
     def at(self) -> Blocks:

@@ -13,17 +13,17 @@ in `tests/fem/direct.py`, the plain solver that the others are checked against:
 | short, open, loaded | a transducer without a source | V = 0, I = 0, V + Z I = 0 | `terminated` |
 
 A source of voltage S behind an impedance Z, V + Z I = S, is set in `fem.circuit.ports`, the only module in which
-transducers are driven; the loads of a P-matrix, whose ports are waves too, in `fem.solve.p_matrix`.
+transducers are driven; the loads of a P-matrix, whose ports are waves too, in `fem.solve.p_matrix_from_field`.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 
-from fem.condense.piece import Port
-from fem.discretize.quads import QuadSpace
+from fem.condense.cascade_piece import Port
+from fem.discretize.quad_elements import QuadSpace
 from fem.geometry import Transducer
-from fem.mesh.piece import FLOATING, GROUNDED, MeshPiece
+from fem.mesh.mesh_piece import FLOATING, GROUNDED, MeshPiece
 from fem.mesh.section_mesh import ELECTRODE
 
 

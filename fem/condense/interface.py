@@ -16,7 +16,7 @@ in P can therefore be detected only by comparison with the same segment without 
 import numpy as np
 from numpy.polynomial import legendre
 
-from fem.discretize.quads import QuadSpace
+from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.discretize.spectral import lagrange
 

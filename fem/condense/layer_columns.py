@@ -19,7 +19,7 @@ import numpy as np
 
 from fem.condense.column import ElementSets, schur
 from fem.discretize.element_matrices import element_matrix
-from fem.discretize.quads import QuadSpace
+from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.discretize.spectral import gll_nodes
 from fem.mesh.section_mesh import SAME

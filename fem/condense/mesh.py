@@ -15,14 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
+from fem.condense.cascade_piece import Port
 from fem.condense.fronts import Dissection, Factor
 from fem.condense.layer_columns import LayerColumns
-from fem.condense.piece import Port
-from fem.discretize.quads import QuadSpace, TopEdges, medium_block, medium_tables
+from fem.discretize.quad_elements import QuadSpace, TopEdges, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN
 from fem.exceptions import ConvergenceError
 from fem.materials.medium import Medium
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,7 +45,7 @@ class Assembly:
 
     @property
     def floating_potential(self) -> bool:
-        """As of `fem.condense.piece.Piece`."""
+        """As of `fem.condense.cascade_piece.Piece`."""
         return "phi" in self.fields and not (self.grounded or self.ports)
 
     @cached_property

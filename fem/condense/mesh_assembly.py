@@ -17,7 +17,7 @@ from fem.condense.interface import line_projection
 from fem.condense.layer_columns import LayerColumns
 from fem.condense.mesh import Assembly
 from fem.discretize.grading import Resolution
-from fem.discretize.quads import QuadSpace
+from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import Section
 from fem.exceptions import ConvergenceError
 from fem.geometry import Stator
@@ -25,8 +25,8 @@ from fem.materials import fields as coupled_fields
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import Medium, medium, units
 from fem.mesh.deepened import deepened
-from fem.mesh.piece import MAX_UNKNOWNS, MeshPiece
-from fem.mesh.quads import conditions_of, quad_mesh
+from fem.mesh.mesh_piece import MAX_UNKNOWNS, MeshPiece
+from fem.mesh.quad_mesh import conditions_of, quad_mesh
 
 # Elements of a mesh relative to those of the section, which are at most one wavelength long: half the size, one order
 # less, and one geometric layer more towards singular points.  The motion behind a groove then has the error 1.3e-3 at

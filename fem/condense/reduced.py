@@ -18,8 +18,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.condense.cascade_piece import Port, RecoveredField
 from fem.condense.mesh import Assembly, MeshedPiece
-from fem.condense.piece import Port, RecoveredField
 
 # Singular values of M of the clamped fields below this share of the largest are rounding of the divided differences.
 ROUNDING = 1e-8
@@ -27,7 +27,7 @@ ROUNDING = 1e-8
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReducedPiece:
-    """A meshed piece on reduced lines at one frequency (`fem.condense.piece.Piece`)."""
+    """A meshed piece on reduced lines at one frequency (`fem.condense.cascade_piece.Piece`)."""
 
     size: int
     matrix: np.ndarray = field(repr=False)

@@ -3,7 +3,7 @@
 The elements shrink by a fixed ratio per layer towards the surface, where the charge at a finger edge is singular
 (r^-1/2), and towards a bottom corner where a clamped face meets a free one.  An absorbing bottom is described in
 absorber.py, the vacuum above in vacuum.py.  The matrices of the elements (stiffness, inertia) are integrated in
-element_matrices.py, and on meshes in quads.py.
+element_matrices.py, and on meshes in quad_elements.py.
 """
 
 from dataclasses import replace

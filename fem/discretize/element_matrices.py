@@ -3,8 +3,8 @@
 They discretise the weak form of time-harmonic piezoelectricity (medium.py).  In a rectangular element of a homogeneous
 medium every integral is a product of integrals along x and z, so that the element's matrix is a sum of Kronecker
 products of one-dimensional matrices (spectral.py).  Elsewhere are the matrices of the quadrilaterals of a mesh
-(`QuadSpace` in quads.py), of uniform segments (`Section.matrices` in section.py) and of absorbing layers along their
-depth (graded_medium.py).
+(`QuadSpace` in quad_elements.py), of uniform segments (`Section.matrices` in section.py) and of absorbing layers along
+their depth (graded_medium.py).
 """
 
 from functools import lru_cache

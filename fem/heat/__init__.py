@@ -8,9 +8,9 @@ the temperature is uniform over the cross-section, which holds for a Biot number
 """
 
 from fem.heat.continuation import HeatedState, drive_folds, heated_states, sampled_foldover_number
+from fem.heat.hot_resonance import FOLDOVER_LIMIT, foldover_number, folds, heated_powers, runaway_rise
 from fem.heat.plate import MAX_BIOT_NUMBER, HeatedPlate
-from fem.heat.profile import HeatSource, TemperatureProfile, temperature_profile
-from fem.heat.resonance import FOLDOVER_LIMIT, foldover_number, folds, heated_powers, runaway_rise
+from fem.heat.plate_temperature import HeatSource, TemperatureProfile, temperature_profile
 
 __all__ = [
     "FOLDOVER_LIMIT",

@@ -3,7 +3,7 @@
 With the temperature as the parameter nothing is iterated: at each rise t above the surroundings the powers are known,
 and with them the rise m(t) that they would hold; a steady state is m(t) = t, stable where m falls below t beyond it. A
 resonance whose heat depends on the frequency alone, m(u), is met at a rise m by the drive u (1 + TCF m), which has an
-extremum at each fold (`fem.heat.resonance` has both in closed form for one resonance).
+extremum at each fold (`fem.heat.hot_resonance` has both in closed form for one resonance).
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem.exceptions import InputError
-from fem.heat.resonance import FOLDOVER_LIMIT
+from fem.heat.hot_resonance import FOLDOVER_LIMIT
 
 MIN_SAMPLES = 4  # of a cubic spline
 

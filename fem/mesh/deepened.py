@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.mesh.section_mesh import SAME, Cells, SectionMesh
-from fem.mesh.shapes import SQUARE, shape_functions
+from fem.mesh.shape_functions import SQUARE, shape_functions
 
 
 def deepened(mesh: SectionMesh, depth: float, largest: float) -> SectionMesh:

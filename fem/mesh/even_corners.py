@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.mesh.section_mesh import Cells, SectionMesh
-from fem.mesh.shapes import CORNERS, shape_functions
+from fem.mesh.shape_functions import CORNERS, shape_functions
 
 EVEN = 6.0  # ratio of the lengths; grooves meshed with ratios of 16 and 40 then converge by 8 a level, as even meshes
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.mesh.shapes import CORNERS
+from fem.mesh.shape_functions import CORNERS
 from fem.parameters import refuses
 
 LINE_GROUPS = ("left", "right", "bottom", "grounded", "clamped", "surface")

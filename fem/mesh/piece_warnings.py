@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fem.mesh.piece import MeshPiece
-from fem.mesh.quads import STRAIGHT, conditions_of, singular_vertices
+from fem.mesh.mesh_piece import MeshPiece
+from fem.mesh.quad_mesh import STRAIGHT, conditions_of, singular_vertices
 from fem.mesh.section_mesh import SectionMesh
 
 NEAR_INTERFACE = 1 / 8  # wavelengths: at 0.12 the admittance errs by 1e-5, at a third by 6e-7

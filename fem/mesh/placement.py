@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from fem.exceptions import InputError
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from fem.mesh.gmsh_file import ELECTRODE, Cells, MeshError, check_groups, grouped, parsed, where
-from fem.mesh.shapes import CORNERS
+from fem.mesh.shape_functions import CORNERS
 from fem.parameters import refuses
 
 MIN_AREA = 1e-9  # over the square of the element's longest edge; smaller ones are refused

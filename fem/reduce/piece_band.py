@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.block_matrix import block_diagonal
+from fem.condense.cascade_piece import Blocks
 from fem.condense.mesh import MeshedPiece, MeshField
-from fem.condense.piece import Blocks
 from fem.condense.reduced import PieceSample, RationalPiece, ReducedPiece, rational_piece
 from fem.reduce.basis import ReducedSection
 from fem.results.solution import Solution
 from fem.waveguide.ends import Wall
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.network import Scatterer
+from fem.waveguide.scattering_network import Scatterer
 
 # Frequencies at which interpolations are compared, and largest number of nodes: of a piece in a cascade, and of a mesh
 # that is the whole stator and has all of its resonances

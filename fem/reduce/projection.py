@@ -25,8 +25,8 @@ from fem.reduce.basis import (
     parity_groups,
     snapshots,
 )
-from fem.reduce.model import HalfCell, ReducedModel
 from fem.reduce.piece_band import piece_of_cascade
+from fem.reduce.reduced_model import HalfCell, ReducedModel
 from fem.results.solution import Solution, driven_solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_walls

@@ -27,7 +27,7 @@ from fem.results.solution import Solution
 from fem.results.surface import CondensedPiece, Surface, UniformSegment
 from fem.waveguide.ends import Beyond, Wall
 from fem.waveguide.modes import GuidedModes
-from fem.waveguide.network import SegmentWaves
+from fem.waveguide.scattering_network import SegmentWaves
 
 ENDS = (-1, -2)  # "scatterer" numbers of the left and the right end where they are condensed pieces
 
@@ -146,7 +146,7 @@ def wall_of(solution: Solution, side: int) -> Wall:
 
 
 def recovered(solution: Solution, index: int):
-    """Field inside a scatterer or an end (`ENDS`): `fem.condense.piece.RecoveredField`."""
+    """Field inside a scatterer or an end (`ENDS`): `fem.condense.cascade_piece.RecoveredField`."""
     network = solution.fields.network
     if index in ENDS:
         side = ENDS.index(index)

@@ -25,8 +25,8 @@ from fem.results.evaluation import end_line, recovered
 from fem.results.solution import Solution
 from fem.waveguide.ends import Beyond, Wall
 from fem.waveguide.modes import power
-from fem.waveguide.network import SegmentWaves
 from fem.waveguide.port_fields import PortFields
+from fem.waveguide.scattering_network import SegmentWaves
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,13 +16,13 @@ from fem.circuit import Circuit, Drive
 from fem.condense.electrodes import is_port
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.discretize.error_estimate import LEVELS, first_level
+from fem.discretize.mesh_refinement import LEVELS, first_level
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.mesh.placement import is_step
 from fem.parameters import refuses
-from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
+from fem.reduce.reduced_model import ReducedModel
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from fem.circuit import Drive
-from fem.discretize.error_estimate import GAIN_NEAR_FORCE, NEAR_FORCE, refine_stator
 from fem.discretize.grading import Resolution
+from fem.discretize.mesh_refinement import GAIN_NEAR_FORCE, NEAR_FORCE, refine_stator
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer, on_stator
 from fem.layout import check_layout

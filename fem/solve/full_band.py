@@ -24,7 +24,7 @@ FIRST_NODES = 3  # first frequencies of the interpolation: both limits and the m
 
 @dataclass(frozen=True, kw_only=True)
 class FullModel:
-    """A stator without reduced lines over a band; it answers as `fem.reduce.model.ReducedModel` does."""
+    """A stator without reduced lines over a band; it answers as `fem.reduce.reduced_model.ReducedModel` does."""
 
     stator: Stator
     transducers: tuple[Transducer, ...]  # from left to right

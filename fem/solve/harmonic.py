@@ -2,7 +2,7 @@
 
 The problem is solved on two neighbouring levels of discretisation, and on finer ones until the tolerance is met.  The
 difference of the last two answers divided by g - 1 is the error reported, where a level divides the error by at least g
-(`fem.discretize.error_estimate`).  With an infinite tolerance only the coarsest level is solved.
+(`fem.discretize.mesh_refinement`).  With an infinite tolerance only the coarsest level is solved.
 """
 
 import logging
@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from fem.circuit import Drive
-from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout

@@ -8,7 +8,7 @@ import numpy as np
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
 from fem.condense.electrodes import is_port
-from fem.discretize.error_estimate import refine_stator
+from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import ConvergenceError, InputError, refuse_above
 from fem.geometry import Stator, Transducer
 from fem.solve.band import Band, frequency_band

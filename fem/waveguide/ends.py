@@ -11,9 +11,9 @@ from functools import reduce
 
 import numpy as np
 
+from fem.condense.cascade_piece import Piece, RecoveredField
 from fem.condense.columns import condensed
 from fem.condense.join import joined
-from fem.condense.piece import Piece, RecoveredField
 from fem.discretize.grading import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
@@ -27,7 +27,7 @@ class Wall:
     """End of the stator as a condensed piece with one line."""
 
     matrix: np.ndarray  # shape (n, n): nodal flux out of the piece on its line, per unknown
-    # returns the piece's field (`fem.condense.piece.RecoveredField`) for the unknowns of the line
+    # returns the piece's field (`fem.condense.cascade_piece.RecoveredField`) for the unknowns of the line
     recover: Callable[[np.ndarray], object] = field(repr=False)
     floating_potential: bool = False  # as in `Piece`; the mean potential is then set to zero
     beyond: "Beyond | None" = field(default=None, repr=False)  # the uniform stator behind a step of thickness

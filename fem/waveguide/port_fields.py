@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.cascade_piece import Port
 from fem.condense.columns import FingerColumns
 from fem.condense.electrodes import electrode_potentials, transducer_ports, uncharged
-from fem.condense.piece import Port
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
@@ -30,7 +30,7 @@ from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import GuidedModes, guided_modes
-from fem.waveguide.network import Network, PortSolution, Scatterer
+from fem.waveguide.scattering_network import Network, PortSolution, Scatterer
 from fem.waveguide.stator_meshes import CondensedPieces, condensed_pieces, no_pieces
 
 # rad per slowest wavelength: the eigenproblem gives k^2, and below this |k| only its rounding error

@@ -14,7 +14,7 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.placement import is_step
 from fem.waveguide.ends import Beyond, End, Wall, closed
 from fem.waveguide.modes import GuidedModes, guided_modes

@@ -2,7 +2,7 @@
 
 The surface wave is the mode whose motion is most localised at the surface, with a wavenumber near that of the
 half-space.  In a plate with two equal faces it is split into two modes of nearly equal wavenumbers, which
-`solve.p_matrix.waves_of` and `solve.guided` combine to the wave of one face.
+`solve.p_matrix_from_field.waves_of` and `solve.guided` combine to the wave of one face.
 
 `CutSource.select_poles` (oblique waves) weighs modes in the same way, but accepts no twin by nearness alone (ONE_WAVE),
 because its bulk waves may have nearly the wavenumber of the surface wave.  `Grating` selects among the waves of a

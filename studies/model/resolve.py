@@ -220,7 +220,7 @@ def _with_thicknesses(model: Model) -> Model:
 
 
 def _with_source_numbers(model: Model) -> Model:
-    """Return the model with the periods, or the frequency, that give the strongest wave (fem/solve/passband.py)."""
+    """Return the model with the periods, or the frequency, of the strongest wave (fem/solve/best_frequency.py)."""
     block, scene = replace(model.stator, pieces=()), model.scene
     if "phi" not in block.fields:
         name = " on ".join(each.name for each in block.solids[::-1])

@@ -38,7 +38,7 @@ from studies.solve.solved_stator import contact_of_run
 from studies.solve.stroke_speed import StrokeSpeed, slider_range, stroke_speed
 
 if TYPE_CHECKING:
-    from contact.answers.transient import Trajectory
+    from contact.answers.burst_motion import Trajectory
 
 LOGGER = logging.getLogger(__name__)
 LOADS = 13  # number of loads of a load line
@@ -48,7 +48,7 @@ FULL_WAVE = "wave at full size from the first cycle"
 SETTLED = 0.9  # fraction of the steady velocity that ends the start
 BURST_RATIO = 8.0  # burst duration over the time in which the full friction force would reach the steady velocity
 CONTACT_TOLERANCE = 1e-4
-# relative error of the frequency of the strongest wave, computed on a coarse mesh (fem/solve/passband.py)
+# relative error of the frequency of the strongest wave, computed on a coarse mesh (fem/solve/best_frequency.py)
 FREQUENCY_ERROR = 5e-4
 
 GROUPS = {

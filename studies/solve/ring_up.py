@@ -19,7 +19,7 @@ from studies.solve.spectrum import response
 
 if TYPE_CHECKING:
     from contact.envelope import Envelope
-    from fem.solve.burst import BurstEnvelope
+    from fem.solve.burst_envelope import BurstEnvelope
     from studies.model.contact import Contact
 
 LOGGER = logging.getLogger(__name__)

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
 from fem.results.evaluation import surface_of

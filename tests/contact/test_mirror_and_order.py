@@ -34,7 +34,7 @@ from contact import (
     threshold,
     velocity_derivative,
 )
-from contact.answers.load_line import blocked_thrust
+from contact.answers.load_and_stall import blocked_thrust
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.contact.test_pillars import grid, scatter, wave
 

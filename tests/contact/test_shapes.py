@@ -5,7 +5,7 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
-from contact.jit.shapes import check_shapes
+from contact.jit.array_shapes import check_shapes
 
 Problem = namedtuple("Problem", "parameters paths")
 Paths = namedtuple("Paths", "height")

@@ -22,7 +22,7 @@ from contact import (
     step,
 )
 from contact.answers import burst_methods, steps
-from contact.answers import load_line as stalls
+from contact.answers import load_and_stall as stalls
 from contact.error_estimate import averaged_stall_error
 from contact.events.energy import Sum
 from contact.events.motion import Motion

@@ -12,27 +12,27 @@ import pytest
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import Resolution
+from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
 from fem.materials import material
 from fem.materials.christoffel import slowest_wavelength
-from fem.mesh import quads
+from fem.mesh import quad_mesh
 from fem.mesh.even_corners import with_even_corners
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import Cells, SectionMesh, read_mesh
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
-from fem.results.files import write_vtu
+from fem.results.field_files import write_vtu
 from fem.results.power_balance import power_balance
 from fem.results.solution import driven_solution
 from fem.solve.band import frequency_band
 from fem.solve.forced import forced_wave
 from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
-from fem.solve.p_matrix import cascade_admittance, p_matrix
-from fem.solve.reflector import reflector
+from fem.solve.p_matrix_from_field import cascade_admittance, p_matrix
+from fem.solve.piece_scattering import reflector
 from fem.waveguide.force import LineForce
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import stator_cascade
@@ -658,11 +658,11 @@ def test_the_vertices_of_an_arc_need_fewer_layers(tmp_path, monkeypatch):
         return surface_of(solved).motion(np.array([4.1e-3, 7.6e-3]))
 
     fewer = motion()
-    assert quads.corner_layers(np.deg2rad(13.3), 3) == 2
-    assert quads.corner_layers(np.deg2rad(30), 3) == 3
-    monkeypatch.setattr(quads, "corner_layers", lambda turn, layers: layers)
+    assert quad_mesh.corner_layers(np.deg2rad(13.3), 3) == 2
+    assert quad_mesh.corner_layers(np.deg2rad(30), 3) == 3
+    monkeypatch.setattr(quad_mesh, "corner_layers", lambda turn, layers: layers)
     every = motion()
-    monkeypatch.setattr(quads, "corner_layers", lambda turn, layers: 0)
+    monkeypatch.setattr(quad_mesh, "corner_layers", lambda turn, layers: 0)
     none = motion()
     assert 1e-9 < motion_difference(fewer, every) < 2e-6
     assert motion_difference(none, every) > 2e-5

@@ -9,7 +9,7 @@ from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.materials.christoffel import slowest_wavelength
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
 from fem.solve.band import frequency_band

@@ -15,13 +15,13 @@ from fem.materials import fields
 from fem.materials.christoffel import slowest_wavelength
 from fem.materials.medium import medium
 from fem.mesh.deepened import deepened
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import SectionMesh, read_mesh
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import solve_driven
-from fem.solve.reflector import reflector
+from fem.solve.piece_scattering import reflector
 from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import rectangle
 from tests.fem.stators import comb, cut, lossless, plate

@@ -3,7 +3,7 @@
 import pytest
 
 from fem import ConvergenceError
-from fem.discretize import error_estimate
+from fem.discretize import mesh_refinement
 from fem.solve import harmonic
 from studies.runs import run
 from studies.scene import Scene, read_table
@@ -11,8 +11,8 @@ from studies.scene import Scene, read_table
 
 @pytest.fixture
 def two_levels(monkeypatch):
-    monkeypatch.setattr(error_estimate, "LEVELS", error_estimate.LEVELS[:2])
-    monkeypatch.setattr(error_estimate, "EXPECTED", error_estimate.EXPECTED[:2])
+    monkeypatch.setattr(mesh_refinement, "LEVELS", mesh_refinement.LEVELS[:2])
+    monkeypatch.setattr(mesh_refinement, "EXPECTED", mesh_refinement.EXPECTED[:2])
 
 
 @pytest.fixture
@@ -48,12 +48,12 @@ def test_a_level_that_has_no_answer_leaves_the_one_below(monkeypatch, table):
     solve = harmonic.solve_driven
 
     def refused(*arguments, resolution, **rest):
-        if resolution == error_estimate.LEVELS[2]:
+        if resolution == mesh_refinement.LEVELS[2]:
             raise ConvergenceError("the guided modes leave a residual")
         return solve(*arguments, resolution=resolution, **rest)
 
     monkeypatch.setattr(harmonic, "solve_driven", refused)
     record = run(Scene.from_table("", table), tolerance=1e-4)
-    assert record.surface_wave.solution.fields.resolution == error_estimate.LEVELS[1]
+    assert record.surface_wave.solution.fields.resolution == mesh_refinement.LEVELS[1]
     assert 1e-4 < record.error["relative"] < 0.1
     assert "was asked for" in record.shortfall

@@ -21,8 +21,8 @@ from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.orbit import towards_plus
+from contact.passing_wave import prescribed
 from contact.stepping.time_stepping import steps
-from contact.wave import prescribed
 
 # Steps per cycle and collocation nodes of the two methods. The last gives the velocity, all give its error.
 STEPS, NODES = (64, 90, 128), (9, 14)

@@ -13,7 +13,7 @@ from fem import LEVELS, discretise, slowest_wavelength
 from fem.condense.electrodes import equipotential
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 
-LEVEL = 2  # of fem.discretize.error_estimate.LEVELS
+LEVEL = 2  # of fem.discretize.mesh_refinement.LEVELS
 BAND = (0.6, 1.6)  # relative to the frequency of the motor; brackets the first resonance of a piece
 STEPS = 60
 

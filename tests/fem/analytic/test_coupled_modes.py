@@ -7,7 +7,7 @@ from scipy.special import eval_legendre
 
 import fem
 from fem.analytic.coupled_modes import leaving, relative_amplitude, stop_band_edges
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.waveguide.grating import grating
 
 

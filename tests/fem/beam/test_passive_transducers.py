@@ -10,8 +10,8 @@ from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.condense.transducer import finger_ports
-from fem.discretize.error_estimate import LEVELS, refine
 from fem.discretize.grading import Resolution
+from fem.discretize.mesh_refinement import LEVELS, refine
 from fem.exceptions import ActivePortError, ConvergenceError, InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance

@@ -12,7 +12,7 @@ from fem.beam.cut_source import cut_source
 from fem.beam.electrode_charges import all_charges, electrode_charges
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import BeamError
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.materials import isotropic

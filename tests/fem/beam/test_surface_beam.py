@@ -11,7 +11,7 @@ from fem.beam.electrode_charges import electrode_charges
 from fem.beam.own_aperture import STEPS
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.results.solution import driven_solution
 from fem.solve.harmonic import solve_driven
 from fem.waveguide.modes import power

@@ -9,7 +9,7 @@ from fem.condense import join, transducer
 from fem.condense.column import Column
 from fem.condense.size import stator_size
 from fem.discretize.grading import Resolution
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import rectangle

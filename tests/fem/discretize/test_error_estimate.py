@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.discretize.error_estimate import GAIN, LEVELS, RESONANT_GAIN, level_gain
+from fem.discretize.mesh_refinement import GAIN, LEVELS, RESONANT_GAIN, level_gain
 from tests.fem.stators import cut, lossless, solution, wave_of
 
 # Stators as tests.validation.random_scene draws them: number 51 of seed 20261128 is the first one's kind.

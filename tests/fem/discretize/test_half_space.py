@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.discretize.absorber import absorber_kind
-from fem.discretize.error_estimate import LEVELS, level_gain
+from fem.discretize.mesh_refinement import LEVELS, level_gain
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of

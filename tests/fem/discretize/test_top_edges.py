@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.discretize.quads import QuadSpace, TopEdges
-from fem.mesh.quads import QuadMesh
+from fem.discretize.quad_elements import QuadSpace, TopEdges
+from fem.mesh.quad_mesh import QuadMesh
 
 CORNERS = [[0.0, -0.2], [1.0, -1.0], [1.0, 0.0], [0.0, 0.0]]
 # bottom arched, top hollow: 0.05 apart at x = 1/2

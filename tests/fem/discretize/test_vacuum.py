@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.discretize.spectral import reference_matrices
 from fem.discretize.vacuum import GROWTH, LAST_ALONG, needed_height, plate_reach
 from fem.geometry import Stator

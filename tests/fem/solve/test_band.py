@@ -7,7 +7,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated

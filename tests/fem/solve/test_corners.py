@@ -7,8 +7,8 @@ its own along x.
 import numpy as np
 import pytest
 
-from fem.discretize.error_estimate import LEVELS
 from fem.discretize.grading import CORNER_RATIO
+from fem.discretize.mesh_refinement import LEVELS
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.solve.harmonic import driven_wave, motion_difference, solve_driven

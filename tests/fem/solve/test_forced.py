@@ -10,7 +10,7 @@ from fem.analytic.wave_compliance import wave_compliance
 from fem.circuit import Drive
 from fem.discretize.grading import Resolution
 from fem.exceptions import InputError
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.error_estimate import EXPECTED, LEVELS
+from fem.discretize.mesh_refinement import EXPECTED, LEVELS
 from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material
@@ -176,8 +176,8 @@ def test_refusals(changes, message):
 
 def test_an_impossible_tolerance_is_refused(monkeypatch):
     """With the next step to try, and what is known; two levels instead of six, to be quick."""
-    monkeypatch.setattr("fem.discretize.error_estimate.LEVELS", LEVELS[:2])
-    monkeypatch.setattr("fem.discretize.error_estimate.EXPECTED", EXPECTED[:2])
+    monkeypatch.setattr("fem.discretize.mesh_refinement.LEVELS", LEVELS[:2])
+    monkeypatch.setattr("fem.discretize.mesh_refinement.EXPECTED", EXPECTED[:2])
     stator = plate(SOLID, length=2.0, thickness=0.15)
     with pytest.raises(ConvergenceError, match=r"is known to \d\.\de-\d+ only, 1\.0e-14 was asked for: ask for less"):
         drive(stator, (comb(stator, "a", 1.0),), tolerance=1e-14)

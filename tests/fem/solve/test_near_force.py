@@ -1,7 +1,7 @@
 """Motion beside a line force, against exact partial waves: its logarithm, its stated error, both components and sides.
 
 The true errors of the levels here (order 7 to 8, two to three layers) differ by 3.8 to 5, of which
-`fem.discretize.error_estimate.GAIN_NEAR_FORCE` is the lower side.
+`fem.discretize.mesh_refinement.GAIN_NEAR_FORCE` is the lower side.
 """
 
 from dataclasses import replace

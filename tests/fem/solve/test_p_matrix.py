@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, cascade_admittance, cell_parameters, material, p_matrix, rotated
-from fem.discretize.error_estimate import LEVELS
-from fem.solve.p_matrix import p_matrix_on_level
+from fem.discretize.mesh_refinement import LEVELS
+from fem.solve.p_matrix_from_field import p_matrix_on_level
 from fem.waveguide.port_fields import stator_cascade
 
 ROW = Transducer(name="t", center=0.05, finger_pairs=3, period=1e-3, metallisation=0.5, aperture=20e-3)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, automatic_period, best_frequency, best_period, material, port_admittance, rotated
-from fem.discretize.error_estimate import LEVELS
-from fem.solve.passband import MANY_PAIRS, surface_power
+from fem.discretize.mesh_refinement import LEVELS
+from fem.solve.best_frequency import MANY_PAIRS, surface_power
 from fem.waveguide.port_fields import stator_cascade
 
 KUROSAWA = Stator(solid=rotated(material("LiNbO3 (Kovacs)"), "128YX"), length=60e-3, thickness=1e-3, ends="absorbing")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix, rotated
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError
 from fem.reduce.basis import bases_of
-from fem.solve.p_matrix import matrix_difference
-from fem.solve.passband import surface_power
+from fem.solve.best_frequency import surface_power
+from fem.solve.p_matrix_from_field import matrix_difference
 from fem.waveguide.port_fields import stator_cascade
 
 ROW = Transducer(name="t", center=0.05, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=0.02)

@@ -18,10 +18,10 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.materials import isotropic
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
-from fem.solve.p_matrix import waves_of
-from fem.solve.reflector import reflector
+from fem.solve.p_matrix_from_field import waves_of
+from fem.solve.piece_scattering import reflector
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.stator_meshes import condensed_pieces
 from tests.fem.drawings import rectangle

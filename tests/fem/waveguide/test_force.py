@@ -5,7 +5,7 @@ import pytest
 
 from fem.analytic.wave_compliance import wave_compliance
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.force import force_response

@@ -9,9 +9,9 @@ from scipy.special import ellipk, eval_legendre
 from fem.analytic.half_space import coupling, rayleigh
 from fem.analytic.quasistatic import surface_permittivity
 from fem.condense.transducer import Condensation, finger_cell
-from fem.discretize.error_estimate import LEVELS
-from fem.solve.cell_parameters import cell_parameters
+from fem.discretize.mesh_refinement import LEVELS
 from fem.solve.harmonic import solve_driven
+from fem.solve.periodic_cell import cell_parameters
 from fem.waveguide.grating import StopBand, grating
 from tests.fem.stators import comb, lossless, plate, wave_of
 
@@ -160,7 +160,7 @@ def test_cell_parameters_have_the_numbers_of_their_stop_bands_and_the_error_of_t
         def capacitance(self):
             return 3e-10
 
-    monkeypatch.setattr("fem.solve.cell_parameters.grating", Known)
+    monkeypatch.setattr("fem.solve.periodic_cell.grating", Known)
     solid = lossless("PZT-8", "Z")
     found = cell_parameters(solid, period=PERIOD, metallisation=0.5, tolerance=3e-4)
     assert tuple(solved) == LEVELS[:3]

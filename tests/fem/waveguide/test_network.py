@@ -7,7 +7,7 @@ from fem.condense.columns import condensed
 from fem.condense.join import repeated
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.network import NEGLIGIBLE, Scatterer
+from fem.waveguide.scattering_network import NEGLIGIBLE, Scatterer
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution
 
 CASES = (

@@ -17,14 +17,14 @@ from contact.answers.steady import SteadyState, steady
 from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.coupled_motion import CoupledSearch, unloaded
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
-from contact.averaged.sweep import mean_motion
+from contact.averaged.steady_sweep import mean_motion
 from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, search_error
 from contact.exceptions import ConvergenceError
 from contact.orbit import towards_plus
+from contact.passing_wave import Surface, coupling, frequency, prescribed, resonance_ratio
 from contact.problem import scaled
 from contact.slider import Slider
-from contact.wave import Surface, coupling, frequency, prescribed, resonance_ratio
 
 # Largest relative tolerance of the search for the load at which the full motion stops. In eight motors it took 3 to 6
 # steady states, with 1e-3 2 to 4 and with 1e-9 5 to 10: a larger value would hardly save time.

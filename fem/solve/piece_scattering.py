@@ -1,9 +1,10 @@
 """Reflection and transmission of the surface wave at meshed pieces: one piece, a cascade of them, an end of the stator.
 
-The pieces stand between uniform semi-infinite segments.  Waves are scaled as in `fem.solve.p_matrix`: a wave of
-amplitude a carries the power |a|^2 / 2 per metre of y.  |R|^2 + |T|^2 is then the share of the power that stays in the
-surface wave; the rest goes into other modes of the section (bulk waves) or is lost in the solid.  Phases refer to the
-outer interfaces of the pieces.  A cascade couples its pieces by all modes that do not decay within the shortest gap.
+The pieces stand between uniform semi-infinite segments.  Waves are scaled as in `fem.solve.p_matrix_from_field`: a wave
+of amplitude a carries the power |a|^2 / 2 per metre of y.  |R|^2 + |T|^2 is then the share of the power that stays in
+the surface wave; the rest goes into other modes of the section (bulk waves) or is lost in the solid.  Phases refer to
+the outer interfaces of the pieces.  A cascade couples its pieces by all modes that do not decay within the shortest
+gap.
 """
 
 from collections.abc import Sequence
@@ -11,19 +12,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.condense.piece import Piece
+from fem.condense.cascade_piece import Piece
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator
 from fem.layout import check_beside_pieces, check_interfaces
 from fem.mesh.placement import is_step
-from fem.solve.p_matrix import PMatrix, of_segments, waves_of
+from fem.solve.p_matrix_from_field import PMatrix, of_segments, waves_of
 from fem.threads import one_blas_thread
 from fem.waveguide.ends import Wall
 from fem.waveguide.modes import GuidedModes, guided_modes
-from fem.waveguide.network import Network, Scatterer
+from fem.waveguide.scattering_network import Network, Scatterer
 from fem.waveguide.stator_meshes import CondensedPieces, condensed_pieces
 
 

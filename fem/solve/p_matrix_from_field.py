@@ -25,16 +25,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.discretize.error_estimate import refine_stator
 from fem.discretize.grading import Resolution
+from fem.discretize.mesh_refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
 from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.modes import GuidedModes, power
-from fem.waveguide.network import SegmentWaves
 from fem.waveguide.port_fields import stator_cascade
+from fem.waveguide.scattering_network import SegmentWaves
 from fem.waveguide.surface_modes import ONE_WAVE
 
 

@@ -1,7 +1,7 @@
 """High-order elements on a mesh of quadrilaterals: basis functions, and integration of stiffness and inertia.
 
 The basis is integrated Legendre polynomials (scikit-fem's `ElementQuadP`): vertices, edges, insides.  Its odd edge
-functions are continuous because neighbours agree on the direction of their edge (`fem.mesh.quads`).
+functions are continuous because neighbours agree on the direction of their edge (`fem.mesh.quad_mesh`).
 """
 
 from functools import cached_property
@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from fem.materials.medium import Medium
-from fem.mesh.quads import QuadMesh
-from fem.mesh.shapes import shape_functions
+from fem.mesh.quad_mesh import QuadMesh
+from fem.mesh.shape_functions import shape_functions
 
 CHUNK_BYTES = 2e8  # largest memory of the basis functions in a batch of elements
 # The scalar matrices of a mesh are kept for other frequencies if they take less memory than this.

@@ -30,10 +30,10 @@ from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
 from contact.events.segment import At, Column
 from contact.orbit import Orbits, towards_plus
+from contact.passing_wave import PassingWave, Surface, coupling, prescribed, refuse_infinite_mass
 from contact.slider import Slider
 from contact.stepping.along_track import Scaled
 from contact.track import Track
-from contact.wave import PassingWave, Surface, coupling, prescribed, refuse_infinite_mass
 
 QUASI_STATIC = "quasi-static"
 

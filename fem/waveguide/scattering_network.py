@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.condense.cascade_piece import Blocks, Piece, Port
 from fem.condense.columns import FingerColumns
-from fem.condense.piece import Blocks, Piece, Port
 from fem.exceptions import InputError
 from fem.waveguide.cascade import Element, solve_cascade
 from fem.waveguide.ends import End, end_reflection, with_gauge

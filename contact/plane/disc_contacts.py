@@ -25,8 +25,8 @@ from contact.codes import Regime
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import back_load, spring_force
 from contact.law.normal import load
-from contact.plane.collocation import Map, Nodes, radau
-from contact.plane.problem import Body, PlaneProblem, Surface, fill_surface, turned_by
+from contact.plane.plane_equations import Body, PlaneProblem, Surface, fill_surface, turned_by
+from contact.plane.radau import Map, Nodes, radau
 
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment

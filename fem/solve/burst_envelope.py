@@ -35,7 +35,7 @@ from typing import Protocol
 import numpy as np
 
 from fem.circuit import Drive
-from fem.discretize.error_estimate import refine
+from fem.discretize.mesh_refinement import refine
 from fem.exceptions import ConvergenceError
 from fem.parameters import positive
 from fem.results.driven_answer import SurfaceWave

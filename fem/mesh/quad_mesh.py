@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.mesh.even_corners import with_even_corners
-from fem.mesh.piece import MeshPiece
+from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import ELECTRODE, SectionMesh
-from fem.mesh.shapes import CORNERS, reference_corners, shape_functions
+from fem.mesh.shape_functions import CORNERS, reference_corners, shape_functions
 
 LAYER_RATIO = 0.15  # as in fem.discretize.grading
 STRAIGHT = np.deg2rad(0.5)  # a boundary that turns by less is straight

@@ -19,8 +19,8 @@ from functools import partial
 
 import numpy as np
 
+from fem.condense.cascade_piece import Blocks
 from fem.condense.columns import FingerColumns, LiftedHalf
-from fem.condense.piece import Blocks
 from fem.condense.reduced import RationalPiece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution

@@ -12,11 +12,11 @@ import numpy as np
 from contact.codes import Regime
 from contact.exceptions import ConvergenceError
 from contact.plane.averaged import Averaged, Root
+from contact.plane.disc_contacts import Sum, Total
 from contact.plane.full_motion import FullMotion, clipped, with_heights
-from contact.plane.motion import Sum, Total
-from contact.plane.problem import Body, Surface, fill_surface
+from contact.plane.plane_equations import Body, Surface, fill_surface
+from contact.plane.plane_waves import SurfaceWaves
 from contact.plane.scaling import scaled
-from contact.plane.waves import SurfaceWaves
 
 EXACT, CHECK = (6, 1e-6), (5, 1e-5)  # nodes and tolerance of a segment: of the answer, and of the check
 DIFFERENCE = 1e-6  # of the state, over its scale, for the derivatives of the map

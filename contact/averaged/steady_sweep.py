@@ -32,9 +32,9 @@ from contact.codes import Status, Steady
 from contact.error_estimate import averaged_stall_error, first_order_error
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits, crest_velocities, towards_plus
+from contact.passing_wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
-from contact.wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
 
 REGIMES = np.array([regime.name.lower() for regime in Steady])
 REFUSALS = {
