@@ -10,7 +10,6 @@ block that is no whole scene.
 import json
 import re
 import shlex
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -19,6 +18,7 @@ import fem
 from studies.__main__ import main
 from studies.command.parser import COMMANDS, parser
 from studies.scene import Scene, shipped_scenes
+from studies.website.fenced import BLOCK, TOOLS, Fenced, blocks, is_shell, named_file
 from tests.studies.solved_once import solved_once
 
 ROOT = Path(__file__).parents[1]
@@ -29,10 +29,6 @@ DOCUMENTS = sorted(
     if not path.parts[len(ROOT.parts)].startswith(".")
 )
 NAMES = [str(path.relative_to(ROOT)) for path in DOCUMENTS]
-BLOCK = re.compile(
-    r"^(?P<remark><!--[^\n]*-->)?\n*^```(?P<language>[^\n`]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
-)
-TOOLS = ("python3", "python", "pip", ".", "ruff", "lint-imports", "mypy", "pytest", "dask", "git", "cd", "export")
 # tutorials whose steps tests/studies/test_lab.py, test_positioning.py and test_export_motor.py take on small motors
 SLOW_DOCUMENTS = ("studies/lab/README.md", "studies/motor/README.md")
 # commands whose study, field, measurement and bands test_studies.py, test_view.py, test_measured.py and
@@ -50,36 +46,11 @@ PLACEHOLDER = re.compile(r"[\[\]|<>]|\.\.\.|\b[A-Z]{3,}\b")
 LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
 
 
-@dataclass(frozen=True)
-class Fenced:
-    """A fenced block: the comment on the line before it, its language and its text."""
-
-    remark: str
-    language: str
-    text: str
-    line: int
-
-
-def blocks(text: str) -> list[Fenced]:
-    """Return the fenced blocks of a document."""
-    return [
-        Fenced(found["remark"] or "", found["language"].strip(), found["text"], text[: found.start()].count("\n") + 1)
-        for found in BLOCK.finditer(text)
-    ]
-
-
 def commands(text: str) -> list[list[str]]:
     """Return the commands of a shell block, as words."""
     lines = text.replace("\\\n", " ").splitlines()
     parts = [part.strip() for line in lines for part in re.split(r"\s&&\s|\s&\s", line.split(" #")[0])]
     return [shlex.split(part) for part in parts if part and not part.startswith("#")]
-
-
-def is_shell(block: Fenced) -> bool:
-    """Return whether a block holds commands; one without a language may be what a command prints."""
-    if block.language in ("sh", "bash", "shell", "console"):
-        return True
-    return not block.language and block.text.split()[:1] and block.text.split()[0] in ("sawmotor", *TOOLS)
 
 
 def is_sawmotor(each: list[list[str]]) -> bool:
@@ -166,8 +137,7 @@ def test_the_blocks_of_a_document_run(document, whole, tmp_path, monkeypatch, so
         elif block.language == "toml":
             if "part of a scene" not in block.remark:
                 # a first line such as "# my-motor.toml" tells the reader, and the later blocks, the file's name
-                named = re.match(r"# ([\w-]+\.toml)$", block.text.splitlines()[0])
-                file = tmp_path / (named[1] if named else "scene of a document.toml")
+                file = tmp_path / (named_file(block) or "scene of a document.toml")
                 file.write_text(block.text, encoding="utf-8")
                 Scene.load(file)
         elif is_shell(block):
