@@ -5,7 +5,6 @@ process, because a thread pool or a cache of the first would change the time and
 """
 
 import os
-import resource
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -47,5 +46,9 @@ def peak_memory() -> int:
     if status.exists():
         (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
         return 1024 * int(line.split()[1])
+    try:
+        import resource  # Windows has none
+    except ImportError:
+        raise RunError("the peak memory of a process is known on Linux and macOS only") from None
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else 1024 * peak
