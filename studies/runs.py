@@ -8,12 +8,12 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import fem
-from studies.model.contact import Contact
 from studies.model.model import Model
-from studies.model.resolve import with_numbers
+from studies.model.resolve import build
 from studies.progress import reported_to
 from studies.record import Record
 from studies.record.blocks import ErrorBlock, WaveBlock
@@ -28,7 +28,7 @@ from studies.solve.electrical import electrical_block, with_powers
 from studies.solve.free_wave import free_wave_record
 from studies.solve.heat import heat_block
 from studies.solve.point_answer import SliderAnswer
-from studies.solve.refinement import ROUNDS, finer
+from studies.solve.refinement import refined
 from studies.solve.ring_up import RingUp
 from studies.solve.ripple import with_ripple
 from studies.solve.solved_stator import SolvedStator
@@ -83,14 +83,8 @@ def run(
 
 
 def _run(scene: Scene, tolerance: float) -> Record:
-    model = Model(scene)
-    model, heated = at_own_temperature(with_numbers(model), tolerance)
-    if model.scene.slider is not None:
-        record = _with_slider(model, tolerance)
-    elif model.scene.transducer:
-        record = _surface_alone(model, tolerance)
-    else:
-        record = replace(free_wave_record(model, tolerance), left_out=left_out(model))
+    model, heated = at_own_temperature(build(scene), tolerance)
+    record = _solved(model, tolerance)
     if model.scene.uncertain is not None:
         from studies.solve.uncertainty import with_bands  # imports scipy.stats, 0.3 s
 
@@ -99,107 +93,93 @@ def _run(scene: Scene, tolerance: float) -> Record:
     return replace(record, warnings=warnings_of(record))
 
 
-def _with_slider(model: Model, tolerance: float) -> Record:
+def _solved(model: Model, tolerance: float) -> Record:
+    """Return the record of a resolved scene without its bands, model errors and warnings."""
+    if model.scene.slider is not None:
+        return _with_slider(model, Stators(tolerance=tolerance, slider=True))
+    if model.scene.transducer:
+        return _surface_alone(model, Stators(tolerance=tolerance, slider=False))
+    return replace(free_wave_record(model, tolerance), left_out=left_out(model))
+
+
+def _with_slider(model: Model, stators: Stators) -> Record:
     """Return the record of a slider on a driven stator or a prescribed wave."""
-    start_time, stators = time.perf_counter(), Stators(tolerance=tolerance, slider=True)
-    driven, answer, seconds = _refined(model, stators)
-    motion, refusal = None, ""
+    start_time, tolerance = time.perf_counter(), stators.tolerance
+    answer = refined(partial(_answers, stators), [model], tolerance)[model]
+    driven, motion, refusal = answer.driven, None, ""
     if driven.solved is not None:
         motion = stators.motion_under(driven)
         # of a passing wave, the centre is one place of many
-        vanished = "" if driven.passing else node(motion, model.scene.positions)
-        refusal = vanished or driven.refusal
-        if not refusal and not driven.rough:
-            contact_start = time.perf_counter()
-            answer = _rippled(answer, driven, motion, tolerance)
-            seconds += time.perf_counter() - contact_start
-    elif model.scene.planar:
-        answer = _in_plane(answer, driven, tolerance)
+        refusal = ("" if driven.passing else node(motion, driven.scene.positions)) or driven.refusal
+    if not refusal:
+        answer = _with_ripple(answer, motion, tolerance)
     record = Record(
         scene=model.scene, tolerance=tolerance, points=answer.points, summary=answer.summary,
         trajectories=answer.trajectories, pillars=answer.pillars, slider_wave=answer.slider_wave, error=answer.error,
         shortfall=f"no answer: {refusal}" if refusal else answer.shortfall(tolerance), refused=bool(refusal),
-        seconds={"contact": seconds},
+        seconds={"stator": stators.seconds, "contact": time.perf_counter() - start_time - stators.seconds},
     )  # fmt: skip
-    if motion is None:
-        given = model.scene.wave
-        wave = WaveBlock(frequency_Hz=given.frequency, surface_ratio=given.tangential_ratio)
-        return replace(record, wave=wave, left_out=left_out(model))
-    return _on_stator(record, model, motion, start_time, driven.ringing)
+    if motion is not None:
+        return _on_stator(record, model, motion, driven.ringing)
+    given = model.scene.wave
+    wave = WaveBlock(frequency_Hz=given.frequency, surface_ratio=given.tangential_ratio)
+    return replace(record, wave=wave, left_out=left_out(model))
 
 
-def _refined(model: Model, stators: Stators) -> tuple[Contact, SliderAnswer, float]:
-    """Return the contact, its answers at all levels, and the time in s that they took.
-
-    The stator is solved until it is as accurate as the velocities need.
-    """
-    driven, before = stators.bursting(stators.contact(model)), None
-    answer, seconds = _timed_answer(driven, stators.tolerance)
-    for _ in range(ROUNDS - 1):
-        goal = finer(answer.answers, driven, stators.tolerance, before)
-        if goal is None:
-            break
-        before = driven
+def _answers(stators: Stators, goals: dict[Model, float | None]) -> dict[Model, SliderAnswer]:
+    """Return the answers of models at all their levels, on stators solved to some goals."""
+    answers = {}
+    for model, goal in goals.items():
         try:
             driven = stators.bursting(stators.contact(model, goal))
         except RunError:
-            break  # the answer of the round before is recorded, with its error
-        answer, more = _timed_answer(driven, stators.tolerance)
-        seconds += more
-    return driven, answer, seconds
+            if goal is None:
+                raise
+            continue  # the answer of the round before is recorded, with its error
+        answers[model] = slider_answer(driven, tolerance=stators.tolerance)
+    return answers
 
 
-def _timed_answer(driven: Contact, tolerance: float) -> tuple[SliderAnswer, float]:
-    start_time = time.perf_counter()
-    answer = slider_answer(driven, tolerance=tolerance)
-    return answer, time.perf_counter() - start_time
+def _with_ripple(answer: SliderAnswer, motion: SurfaceMotion | None, tolerance: float) -> SliderAnswer:
+    """Return the answer with mean and range of the velocity over the places near the slider's."""
+    driven = answer.driven
+    if driven.scene.planar:
+        from studies.solve.plane_ripple import with_plane_ripple
+
+        return with_plane_ripple(answer, tolerance)
+    if motion is None or driven.rough:
+        return answer
+    LOGGER.debug("velocities about the position")
+    if driven.passing:
+        return with_wave_ripple(answer, tolerance)
+    solved = SolvedStator.of(motion, driven.scene.positions, nearby=True)
+    return with_ripple(replace(answer, driven=replace(driven, solved=solved)), tolerance)
 
 
-def _surface_alone(model: Model, tolerance: float) -> Record:
+def _surface_alone(model: Model, stators: Stators) -> Record:
     """Return the record of a driven stator without a slider, whose result is the amplitude of its surface."""
-    start_time, stators = time.perf_counter(), Stators(tolerance=tolerance, slider=False)
-    motion = stators.motion(model.alone, model.scene.positions)
-    error = motion.relative_error(model.scene.positions[:1])
+    positions, tolerance = model.scene.positions, stators.tolerance
+    motion = stators.motion(model.alone, positions)
+    error = motion.relative_error(positions[:1])
     short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: give a larger tolerance"
     record = Record(
-        scene=model.scene, tolerance=tolerance, points=amplitude_points(model, motion),
+        scene=model.scene, tolerance=tolerance, points=amplitude_points(model.scene, motion),
         error=ErrorBlock(relative=error, parts={"stator": error}), shortfall=short if error > tolerance else "",
+        seconds={"stator": stators.seconds},
     )  # fmt: skip
-    return _on_stator(record, model, motion, start_time)
+    return _on_stator(record, model, motion)
 
 
-def _on_stator(
-    record: Record, model: Model, motion: SurfaceMotion, start_time: float, ringing: RingUp | None = None
-) -> Record:
+def _on_stator(record: Record, model: Model, motion: SurfaceMotion, ringing: RingUp | None = None) -> Record:
     """Return a record with what the motion of its stator's surface adds."""
-    if motion.beam is not None:
-        model = model.with_blocks(stator=replace(model.scene.stator, diffraction=True))
-    electrical = electrical_block(model, motion)
-    neglected = left_out(
-        model, beam=motion.beam is not None, reason=motion.reason, ringing=ringing, trajectories=record.trajectories
-    )
+    scene, beam = model.scene, motion.beam is not None
+    neglected = left_out(model, beam=beam, reason=motion.reason, ringing=ringing, trajectories=record.trajectories)
+    if beam:
+        scene = replace(scene, stator=replace(scene.stator, diffraction=True))
+    electrical = electrical_block(scene.drive, motion)
     record = replace(
-        record, scene=model.scene, wave=wave_block(model, motion, ringing), electrical=electrical,
-        points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(model, motion),
+        record, scene=scene, wave=wave_block(scene, motion, ringing), electrical=electrical,
+        points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(scene, motion),
         surface_motion=motion, meshed_pieces=motion.wave.meshed_pieces,
     )  # fmt: skip
-    record = replace(record, heat=heat_block(record))
-    seconds = time.perf_counter() - start_time - sum(record.seconds.values())
-    return replace(record, seconds={"stator": seconds} | record.seconds)
-
-
-def _rippled(answer: SliderAnswer, driven: Contact, motion: SurfaceMotion, tolerance: float) -> SliderAnswer:
-    """Return the answer with mean and range of the velocity over half a wavelength."""
-    LOGGER.debug("velocities about the position")
-    if driven.scene.planar:
-        return _in_plane(answer, driven, tolerance)
-    solved = SolvedStator.of(motion, driven.scene.positions, nearby=not driven.passing)
-    driven = Contact.of_stator(driven.model, solved, lambda: motion)
-    return (with_wave_ripple if driven.passing else with_ripple)(answer, driven, tolerance)
-
-
-def _in_plane(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
-    """Return the answer of a slider in the plane with mean and range of the velocity over nearby places."""
-    from studies.solve.plane_ripple import with_plane_ripple
-
-    return with_plane_ripple(answer, driven, tolerance)
+    return replace(record, heat=heat_block(record))

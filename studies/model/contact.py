@@ -141,6 +141,11 @@ class Contact:
         return contact_slider(self.scene.slider)
 
     @property
+    def slider_along_x(self):
+        """The `contact.Slider` that moves along x alone, on smooth balls."""
+        return contact_slider(self.scene.slider.along_x)
+
+    @property
     def rough(self) -> bool:
         """Whether the slider stands on rough balls."""
         return self.scene.slider is not None and self.scene.slider.roughness is not None

@@ -156,12 +156,6 @@ def drive(block: Drive):
     return fem.Drive(sources=block.driven, impedance=block.source_impedance, match=tuple(ladder))
 
 
-@lru_cache(64)
-def spreads(block: Stator, positions: tuple | None) -> bool:
-    """Return True if finite apertures are computed for contacts at ``positions`` (x, y), m; None without slider."""
-    return not section_reason(block, stator(block), positions)
-
-
 def section_reason(block: Stator, whole, positions) -> str:
     """Return why the plane section is used instead of the finite aperture; empty where the beam is to be computed.
 

@@ -133,7 +133,7 @@ class Model:
 
     def spreads(self, positions: tuple | None) -> bool:
         """Return True if finite apertures are computed for contacts at ``positions`` (x, y), m; None without slider."""
-        return fem_objects.spreads(self.scene.stator, positions)
+        return not fem_objects.section_reason(self.scene.stator, self.plain, positions)
 
     @property
     def alone(self) -> "Model":

@@ -30,51 +30,22 @@ TOGETHER = 1e-3  # relative difference of the releases of two contacts that leav
 
 def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     """Return the answers at all levels of the scene; the contact solvers get ``SHARE`` of the tolerance."""
-    scene = driven.scene
     LOGGER.info("contact")
-    if scene.planar:
-        from studies.solve.plane_answer import plane_slider_answer
-
-        return plane_slider_answer(driven, tolerance=tolerance)
-    if driven.rough:
-        return _rough(driven, tolerance)
-    summary, threshold = SummaryBlock(), math.inf
-    with slider_keys():
-        driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
-    if not driven.passing:  # the threshold of a loaded wave takes about as long as 30 levels
-        if not contact.kernels.ready():
-            LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")
-        summary, threshold = _summary(driven)
+    summary, threshold = _summary(driven)
     answers, last = [], None
-    for number, level in enumerate(scene.levels, start=1):
-        LOGGER.debug(f"point {number} of {len(scene.levels)}")
+    for number, level in enumerate(driven.scene.levels, start=1):
+        LOGGER.debug(f"point {number} of {len(driven.scene.levels)}")
         answer = point_answer(driven, level, tolerance)
-        point = Point(voltage_V=None if scene.wave is not None else level) | driven.amplitudes_at(level) | answer.point
-        if not driven.passing:
-            point |= contact_load(driven.slider, driven.at(level), threshold / level if level else math.inf)
+        volts = None if driven.scene.wave is not None else level
+        point = Point(voltage_V=volts) | driven.amplitudes_at(level) | answer.point
+        if not (driven.passing or driven.rough):
+            point |= contact_load(driven.slider_along_x, driven.at(level), threshold / level if level else math.inf)
         if answer.motion is not None:
             point |= face_point(driven, answer.motion, level)
         answers.append(replace(answer, point=point))
         last = answer.motion if answer.motion is not None and level > 0.0 else last
-    tables = wave_tables(last)
-    return SliderAnswer(
-        answers=tuple(answers), summary=summary, **{name: Columns(table) for name, table in tables.items()}
-    )
-
-
-def _rough(driven: Contact, tolerance: float) -> SliderAnswer:
-    """Return the answers of a slider on rough balls."""
-    from studies.solve.rough_answer import rough_threshold
-
-    if driven.scene.burst is not None:
-        driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
-    answers = []
-    for number, level in enumerate(driven.scene.levels, start=1):
-        LOGGER.debug(f"point {number} of {len(driven.scene.levels)}")
-        answer = point_answer(driven, level, tolerance)
-        voltage = None if driven.scene.wave is not None else level
-        answers.append(replace(answer, point=Point(voltage_V=voltage) | driven.amplitudes_at(level) | answer.point))
-    return SliderAnswer(answers=tuple(answers), summary=_limit(driven, "threshold", rough_threshold(driven)))
+    tables = {name: Columns(table) for name, table in wave_tables(last).items()}
+    return SliderAnswer(answers=tuple(answers), driven=driven, summary=summary, **tables)
 
 
 def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
@@ -163,7 +134,22 @@ def _nearby(slider, state, steady):
 
 
 def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
-    """Return the values of threshold and release that exist, and the factor on the orbits at the threshold."""
+    """Return the values of threshold and release that exist, and the factor on the orbits at the threshold.
+
+    Neither is computed in the plane, and on a loaded wave, where a threshold takes about as long as 30 levels.
+    """
+    if driven.rough:
+        from studies.solve.rough_answer import rough_threshold
+
+        if driven.scene.burst is not None:
+            driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
+        return _limit(driven, "threshold", rough_threshold(driven)), math.inf
+    with slider_keys():
+        driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
+    if driven.passing or driven.scene.planar:
+        return SummaryBlock(), math.inf
+    if not contact.kernels.ready():
+        LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")
     threshold, release = (
         factor_of(driven.slider, driven.orbits) for factor_of in (contact.threshold_factor, contact.release_factor)
     )

@@ -1,15 +1,14 @@
 """The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
 
-from studies.model.model import Model
 from studies.record.blocks import ElectricalBlock
 from studies.record.point import Point
 from studies.scene.drive import Drive
 from studies.solve.solved_stator import SolvedStator
 
 
-def electrical_block(model: Model, motion) -> ElectricalBlock:
+def electrical_block(drive: Drive, motion) -> ElectricalBlock:
     """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V."""
-    circuit, balance, drive = motion.circuit, motion.power, model.scene.drive
+    circuit, balance = motion.circuit, motion.power
     block = ElectricalBlock(
         admittance_S=circuit.admittance,
         comb_voltage_per_volt=circuit.voltage,

@@ -4,7 +4,6 @@ A load that is a number acts against the velocity that the slider has without it
 the velocity by the changes of `velocity_error`: of all amplitudes, and of those along the surface alone.
 """
 
-import logging
 import math
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,21 +12,17 @@ import numpy as np
 
 import contact
 from contact import plane
-from studies.model.contact import Contact, contact_slider
+from studies.model.contact import Contact
 from studies.model.plane import opposing
 from studies.model.scene_errors import slider_keys
-from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
 from studies.record.status import Status
 from studies.scene import Scene
 from studies.scene.plane import AXLE
 from studies.solve.bursts import STEADY_METHODS, method_of
-from studies.solve.crest_pressure import contact_load
-from studies.solve.point_answer import PointAnswer, SliderAnswer
+from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import judged
-
-LOGGER = logging.getLogger(__name__)
 
 PER_MINUTE = 60.0 / (2.0 * math.pi)  # turns per minute of 1 rad/s
 WEAKEST_FIRST = ("separated", "stick", "slip", "intermittent")
@@ -79,19 +74,6 @@ def contact_speed(slider: contact.Slider, velocity: np.ndarray, yaw_rate: float)
     """Return the largest speed of a contact over the surface, m/s."""
     x, y = np.atleast_1d(slider.x), np.atleast_1d(slider.y)
     return float(np.hypot(velocity[0] - yaw_rate * y, velocity[1] + yaw_rate * x).max())
-
-
-def plane_slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
-    """Return the answers at all levels of a scene whose slider moves in the plane."""
-    answers, body = [], contact_slider(driven.scene.slider.along_x)
-    for number, level in enumerate(driven.scene.levels, start=1):
-        LOGGER.debug(f"point {number} of {len(driven.scene.levels)}")
-        answer = plane_point_answer(driven, level, tolerance)
-        volts = None if driven.scene.wave is not None else level
-        point = Point(voltage_V=volts) | driven.amplitudes_at(level) | answer.point
-        point |= contact_load(body, driven.at(level), math.inf)
-        answers.append(replace(answer, point=point))
-    return SliderAnswer(answers=tuple(answers), summary=SummaryBlock())
 
 
 def plane_point_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:

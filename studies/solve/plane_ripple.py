@@ -22,8 +22,9 @@ from studies.solve.point_answer import PointAnswer, SliderAnswer
 LATTICES = ((11, 3), (13, 5))
 
 
-def with_plane_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
+def with_plane_ripple(answer: SliderAnswer, tolerance: float) -> SliderAnswer:
     """Return the answers with mean and range of the velocity, where the waves differ from place to place."""
+    driven = answer.driven
     if not differs(driven):
         return answer
     answers = []

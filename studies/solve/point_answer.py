@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from studies.model.contact import Contact
 from studies.record.blocks import ErrorBlock, SummaryBlock
 from studies.record.point import Point
 from studies.record.values import Columns
@@ -25,12 +26,18 @@ class PointAnswer:
 
 @dataclass(frozen=True, kw_only=True)
 class SliderAnswer:
-    """The answers of the slider at all levels of a run."""
+    """The answers of a motor at one or more levels."""
 
     answers: tuple[PointAnswer, ...]
-    summary: SummaryBlock  # threshold, release and ripple
+    driven: Contact | Any = field(default=None, repr=False)  # that gave them; None where there is none
+    summary: SummaryBlock = field(default_factory=SummaryBlock)  # threshold, release and ripple
     pillars: Columns = field(default_factory=Columns)  # columns of pillars.csv
     slider_wave: Columns = field(default_factory=Columns)  # columns of slider_wave.csv
+
+    @property
+    def answered(self) -> bool:
+        """Whether one of the levels has an answer."""
+        return any(each.point.answered for each in self.answers)
 
     @property
     def points(self) -> tuple[Point, ...]:

@@ -9,7 +9,6 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import NamedTuple
 
 import fem
 from studies.model.changed_scenes import ChangedScenes
@@ -22,18 +21,11 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.solve.contact_at_level import point_answer
 from studies.solve.free_wave import free_wave_record
-from studies.solve.point_answer import PointAnswer
-from studies.solve.refinement import ROUNDS, finer
+from studies.solve.point_answer import PointAnswer, SliderAnswer
+from studies.solve.refinement import ROUNDS, refined
 from studies.solve.requested_quantities import FREE, amplitudes, requested_quantities
 from studies.solve.stators import UNSHARED, Shared, Stators
 from studies.solve.steady_states import averaged_answers
-
-
-class _Solved(NamedTuple):
-    """The answer of a point and the contact that gave it; without a contact where there is none."""
-
-    answer: PointAnswer
-    driven: Contact | None = None
 
 
 class Predictor:
@@ -133,37 +125,30 @@ class Predictor:
         tolerance = tolerance or self.tolerance
         accepted = math.inf if averaged else tolerance if quick else None
         self.stators.nearby = self.stators.nearby or "ripple" in also
-        found: dict[int, _Solved] = {}
-        goals: dict[int, float | None] = dict.fromkeys(range(len(many)))
-        for _ in range(self.rounds):
+
+        def solve(goals: dict[int, float | None]) -> dict[int, SliderAnswer]:
             with fem.blas_on_one_thread():  # as a run: the number of threads changes the last digits
-                results = self._solved([many[at] for at in goals], list(goals.values()), tolerance, accepted)
-            again = {}
-            for at, solved in zip(goals, results, strict=True):
-                before = found.get(at)
-                # if the more accurate stator has no answer, the previous answer is returned
-                if before is None or solved.answer.point.answered:
-                    found[at] = solved
-                if solved.driven is not None:
-                    again[at] = finer([solved.answer], solved.driven, tolerance, before and before.driven)
-            goals = {at: goal for at, goal in again.items() if goal is not None}
-            if not goals:
-                break
+                return self._solved(many, goals, tolerance, accepted)
+
+        found = refined(solve, range(len(many)), tolerance, self.rounds)
         return [_with_quantities(found[at], also, tolerance, averaged) for at in range(len(many))]
 
     def _solved(
-        self, many: list[dict], goals: list[float | None], tolerance: float, accepted: float | None
-    ) -> list[_Solved]:
-        """Return the answers on stators solved to some goals; ``accepted``: tolerance of averaged states, or None."""
+        self, many: Sequence[dict], goals: dict[int, float | None], tolerance: float, accepted: float | None
+    ) -> dict[int, SliderAnswer]:
+        """Return the answers of some of many on stators solved to their goals.
+
+        ``accepted``: tolerance of averaged states, or None.
+        """
         self._solve_together(many, goals)
-        results: list[_Solved | None] = [None] * len(many)
+        results: dict[int, SliderAnswer] = {}
         contacts: dict[int, Contact] = {}
-        for k, (changes, goal) in enumerate(zip(many, goals, strict=True)):
+        for k, goal in goals.items():
             try:
                 if self.free:
-                    results[k] = _Solved(_free_answer(self.scene(changes), self.tolerance))
+                    results[k] = SliderAnswer(answers=(_free_answer(self.scene(many[k]), self.tolerance),))
                 else:
-                    contacts[k] = self._contact_at_one_level(changes, goal)
+                    contacts[k] = self._contact_at_one_level(many[k], goal)
             except Exception as error:
                 results[k] = _failed(error)
         steady = [k for k, each in contacts.items() if accepted is not None and _is_steady(each)]
@@ -171,18 +156,18 @@ class Predictor:
         side_by_side = dict(zip(steady, averaged_answers(states, accepted or 0.0), strict=True))
         for k, driven in contacts.items():
             try:
-                averaged = side_by_side.get(k)
-                results[k] = _Solved(averaged, driven) if averaged else self._alone(driven, tolerance)
+                answer = side_by_side.get(k) or self._alone(driven, tolerance)
+                results[k] = SliderAnswer(answers=(answer,), driven=driven)
             except Exception as error:
                 results[k] = _failed(error)
-        return [each for each in results if each is not None]
+        return results
 
-    def _solve_together(self, many: list[dict], goals: list[float | None]) -> None:
+    def _solve_together(self, many: Sequence[dict], goals: dict[int, float | None]) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
         resolved = []
-        for changes, goal in zip(many, goals, strict=True) if self.stators.limits else ():
+        for k, goal in goals.items() if self.stators.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
-                resolved.append((self.scenes.model(changes), goal))
+                resolved.append((self.scenes.model(many[k]), goal))
         self.stators.solve_together(resolved)
 
     def _contact_at_one_level(self, changes: dict, goal: float | None) -> Contact:
@@ -192,28 +177,28 @@ class Predictor:
             raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
         return driven
 
-    def _alone(self, driven: Contact, tolerance: float) -> _Solved:
+    def _alone(self, driven: Contact, tolerance: float) -> PointAnswer:
         """Return the answer of one contact, or of a stator without a slider, as in a run."""
         if driven.scene.slider is None:
             error, status = driven.stator_error, Status.OK.value
             if error > tolerance:
                 status = Status.ABOVE_TOLERANCE.because(f"the stator's error is {error:.1e}")
             error = error if driven.level else 0.0
-            return _Solved(PointAnswer(point=Point(relative_error=error, status=status), from_stator=error), driven)
+            return PointAnswer(point=Point(relative_error=error, status=status), from_stator=error)
         driven = self.stators.bursting(driven)
         answer = point_answer(driven, driven.level, tolerance)
         if not answer.point.answered:
             answer = replace(answer, point=Point(status=Status.NO_ANSWER.because(answer.point.status)))
-        return _Solved(answer, driven)
+        return answer
 
 
 def _is_steady(driven: Contact) -> bool:
     return driven.scene.slider is not None and driven.scene.burst is None
 
 
-def _with_quantities(solved: _Solved, also: Sequence[str], tolerance: float, averaged: bool) -> PointAnswer:
+def _with_quantities(solved: SliderAnswer, also: Sequence[str], tolerance: float, averaged: bool) -> PointAnswer:
     """Return an answer with the amplitudes of the surface and the requested quantities."""
-    answer, driven = solved
+    (answer,), driven = solved.answers, solved.driven
     if driven is None:
         return answer
     try:
@@ -222,12 +207,13 @@ def _with_quantities(solved: _Solved, also: Sequence[str], tolerance: float, ave
             point |= requested_quantities(also, tolerance, driven, answer, averaged=averaged)
         return replace(answer, point=point)
     except Exception as error:
-        return _failed(error).answer
+        return _failed(error).answers[0]
 
 
-def _failed(error: Exception) -> _Solved:
+def _failed(error: Exception) -> SliderAnswer:
     """Return the answer of a point that has none."""
-    return _Solved(PointAnswer(point=Point(status=reason(error)), refused=isinstance(error, SceneError)))
+    answer = PointAnswer(point=Point(status=reason(error)), refused=isinstance(error, SceneError))
+    return SliderAnswer(answers=(answer,))
 
 
 def reason(error: Exception) -> str:

@@ -6,10 +6,13 @@ accuracy that the velocity needs (`finer`), in `ROUNDS` rounds at most.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import TypeVar
 
 from studies.model.contact import Contact
-from studies.solve.point_answer import PointAnswer
+from studies.solve.point_answer import PointAnswer, SliderAnswer
+
+Motor = TypeVar("Motor", bound=Hashable)
 
 SHARE = 0.25  # fraction of the tolerance for the contact and, in the first round, for the stator
 # The same for a stator that is solved in a band of frequencies: a band that is one level finer costs half as much
@@ -21,6 +24,39 @@ ROUNDS = 3  # largest number of solutions of the stator; each round determines t
 STALLED = 0.7
 # Goals after the first are fractions SHARE / STEP**k of the tolerance, so that points of a sweep share finer stators
 STEP = 2.0
+
+
+def refined(
+    solve: Callable[[dict[Motor, float | None]], Mapping[Motor, SliderAnswer]], motors: Sequence[Motor],
+    tolerance: float, rounds: int = ROUNDS,
+) -> dict[Motor, SliderAnswer]:  # fmt: skip
+    """Return the answers of some motors, each solved again on a finer stator as long as `finer` gives a goal.
+
+    Parameters
+    ----------
+    solve : callable
+        Returns the answers of motors for the goals of their sections, None for that of the first round.
+    motors : sequence
+        Keys of the motors, as ``solve`` takes them.
+    tolerance : float
+        Of the velocities, over their reference speed.
+    rounds : int
+        Largest number of solutions of a stator.
+    """
+    found: dict[Motor, SliderAnswer] = {}
+    goals: dict[Motor, float | None] = dict.fromkeys(motors)
+    for _ in range(rounds):
+        again = {}
+        for motor, latest in solve(goals).items():
+            before = found.get(motor)
+            if before is None or latest.answered:  # without an answer on the finer stator, the previous one is kept
+                found[motor] = latest
+            if latest.driven is not None:
+                again[motor] = finer(latest.answers, latest.driven, tolerance, before.driven if before else None)
+        goals = {motor: goal for motor, goal in again.items() if goal is not None}
+        if not goals:
+            break
+    return found
 
 
 def finer(

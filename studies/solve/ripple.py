@@ -115,11 +115,12 @@ class Known(NamedTuple):
     stator_factor: float  # relative error of the velocity by the stator over that of the surface motion
 
 
-def with_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
+def with_ripple(answer: SliderAnswer, tolerance: float) -> SliderAnswer:
     """Return the answer of a slider on balls with mean and range of its points, and the ripple in its summary.
 
     The columns are added if the range exceeds the tolerance at one point or more.
     """
+    driven = answer.driven
     nearby, answered = NearbyContact.of(driven, tolerance), [each for each in answer.answers if each.point.answered]
     if nearby is None or not answered:
         return answer

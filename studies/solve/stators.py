@@ -129,9 +129,13 @@ class Stators:
         scene, along = driven.scene, None
         if scene.burst is None or driven.solved is None:
             return driven
-        if scene.slider.travel is not False:
-            along = WaveAlong.under(driven.model, self.motion_under(driven))
-        return replace(driven, ringing=self.ring_up(driven), along=along)
+        motion = None if scene.slider.travel is False else self.motion_under(driven)
+        start_time = time.perf_counter()
+        if motion is not None:
+            along = WaveAlong.under(driven.model, motion)
+        ringing = self.ring_up(driven)
+        self.seconds += time.perf_counter() - start_time
+        return replace(driven, ringing=ringing, along=along)
 
     def ring_up(self, driven: Contact) -> RingUp | None:
         """Return the ring-up of a burst; None under a transducer."""

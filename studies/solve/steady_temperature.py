@@ -135,8 +135,8 @@ def _held(model: Model, temperature_degC: float, tolerance: float) -> float:
         warm.alone, scene.positions, tolerance=tolerance, slider=scene.slider is not None, missed=True
     )  # fmt: skip
     record = Record(
-        scene=warm.scene, tolerance=tolerance, wave=wave_block(warm, motion, None),
-        electrical=electrical_block(warm, motion), surface=surface_columns(warm, motion),
+        scene=warm.scene, tolerance=tolerance, wave=wave_block(warm.scene, motion, None),
+        electrical=electrical_block(scene.drive, motion), surface=surface_columns(warm.scene, motion),
     )  # fmt: skip
     if scene.stator.ends != "absorbing":
         return _plate(scene.stator).steady_rise(sum(each.power for each in sources(record, duty(scene.drive) or 1.0)))

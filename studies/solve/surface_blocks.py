@@ -2,24 +2,24 @@
 
 import numpy as np
 
-from studies.model.model import Model
 from studies.record.blocks import WaveBlock
 from studies.record.point import Point
 from studies.record.status import Status
 from studies.record.values import Columns
+from studies.scene import Scene
 from studies.solve.surface_motion import SurfaceMotion
 
 NODE = 1e-9  # relative to the largest |u_z| of the section; smaller amplitudes are rounding errors
 PER_WAVELENGTH = 12  # lines of surface.csv per wavelength if the section does not lie along x
 
 
-def wave_block(model: Model, motion: SurfaceMotion, ringing) -> WaveBlock:
+def wave_block(scene: Scene, motion: SurfaceMotion, ringing) -> WaveBlock:
     """Return the block ``wave`` of run.json.
 
     It contains the motion at the slider's centre, its relative error and the properties of the section's wave.
     ``ringing`` is the `RingUp` of a burst or None.
     """
-    wave, slider, position = motion.wave, model.scene.slider, model.scene.positions[0]
+    wave, slider, position = motion.wave, scene.slider, scene.positions[0]
     positions = [position] if slider is None else [position, *slider.contact_positions]
     components = motion.at(positions)
     tangential, lateral, normal = map(complex, components[:, 0])
@@ -57,9 +57,9 @@ def node(motion: SurfaceMotion, positions) -> str:
     )
 
 
-def amplitude_points(model: Model, motion: SurfaceMotion) -> tuple[Point, ...]:
+def amplitude_points(scene: Scene, motion: SurfaceMotion) -> tuple[Point, ...]:
     """Return the points of a scene without a slider, whose result is the amplitude at its position."""
-    position = model.scene.positions[0]
+    position = scene.positions[0]
     tangential, _, normal = (float(size) for size in abs(motion.at([position])[:, 0]))
     error = motion.relative_error([position])
     return tuple(
@@ -67,13 +67,12 @@ def amplitude_points(model: Model, motion: SurfaceMotion) -> tuple[Point, ...]:
             voltage_V=voltage, normal_amplitude_m=normal * voltage, tangential_amplitude_m=tangential * voltage,
             relative_error=error if voltage else 0.0, status=Status.OK.value,
         )
-        for voltage in model.scene.levels
+        for voltage in scene.levels
     )  # fmt: skip
 
 
-def surface_columns(model: Model, motion: SurfaceMotion) -> Columns:
+def surface_columns(scene: Scene, motion: SurfaceMotion) -> Columns:
     """Return x and the motion per volt along the section, or along y = 0 if the section does not lie along x."""
-    scene = model.scene
     if scene.driven_obliquely:
         spacing = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
         x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / spacing) + 1)

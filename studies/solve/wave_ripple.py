@@ -91,11 +91,12 @@ def mean_velocity(driven: Contact, level: float, velocity: float, tolerance: flo
         return math.nan
 
 
-def with_wave_ripple(answer: SliderAnswer, driven: Contact, tolerance: float) -> SliderAnswer:
+def with_wave_ripple(answer: SliderAnswer, tolerance: float) -> SliderAnswer:
     """Return the answer of a slider on a passing wave with mean and range of its points, and the ripple in its summary.
 
     The columns are added if the range exceeds the tolerance at one point or more.
     """
+    driven = answer.driven
     wave = driven.orbits
     sizes = sorted((abs(wave.forward), abs(wave.backward)))
     bound = BOUND * sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0

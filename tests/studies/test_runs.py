@@ -3,6 +3,7 @@
 import gc
 import weakref
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
@@ -20,7 +21,7 @@ from studies.scene import read_table
 from studies.solve import stators
 from studies.solve.point_answer import PointAnswer
 from studies.solve.predictor import Predictor
-from studies.solve.refinement import finer
+from studies.solve.refinement import finer, refined
 from studies.solve.ring_up import RingUp
 from studies.solve.solved_stator import SolvedStator, contact_of_run
 from tests.studies.settings import changed
@@ -188,7 +189,7 @@ def test_a_stator_that_is_too_rough_for_the_slider_is_solved_again(chip, monkeyp
     assert len(goals) == 2
     assert goals[1] < 1e-3 < goals[0]
     assert record.error["relative"] <= 1e-3
-    monkeypatch.setattr(runs, "ROUNDS", 1)
+    monkeypatch.setattr(runs, "refined", partial(refined, rounds=1))
     rough = run(chip, tolerance=1e-3)
     assert rough.error["relative"] > 1e-3
     assert "1.0e-03 was asked for" in rough.shortfall

@@ -12,7 +12,6 @@ import pytest
 from PIL import Image
 
 from studies import Scene, run
-from studies.model.model import Model
 from studies.record.plots import new_figure
 from studies.record.run_pictures import velocity
 from studies.remarks.model_error import model_error
@@ -85,7 +84,7 @@ def test_the_error_of_the_wave_is_that_of_the_worst_ball(plane):
     known = {place: (np.array([1e-10j, 0, 1e-10]), size) for place, size in zip(places, sizes, strict=True)}
     motion = SurfaceMotion(wave=plane.surface_wave)
     motion.evaluated.update(known)
-    assert wave_block(Model(scene), motion, None)["relative_error"] == 7e-3
+    assert wave_block(scene, motion, None)["relative_error"] == 7e-3
     assert motion.relative_error(places[:2]) == 3e-4
 
 
