@@ -121,12 +121,14 @@ def result_directory(path: str | Path, origin: Origin, *, named_by_user: bool = 
         raise (RunError(sentence) if ready else SceneError("", sentence)) from None
     finally:
         if lock is not None and lock.is_locked:
-            with suppress(OSError):
-                _complete(target)  # of a commit that was interrupted
-            shutil.rmtree(target / WORK, ignore_errors=True)
-            with suppress(OSError):  # the lock ends with its process; its file does no harm
-                (target / LOCK).unlink(missing_ok=True)
-            lock.release()
+            try:
+                with suppress(OSError):
+                    _complete(target)  # of a commit that was interrupted
+                shutil.rmtree(target / WORK, ignore_errors=True)
+                with suppress(OSError):  # the lock ends with its process; its file does no harm
+                    (target / LOCK).unlink(missing_ok=True)
+            finally:  # exhausted memory is no OSError
+                lock.release()
         for folder in made:
             with suppress(OSError):
                 folder.rmdir()  # only if empty

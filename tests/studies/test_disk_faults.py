@@ -1,4 +1,4 @@
-"""A disk that fails: at each operation of a run that replaces a former result, and of a sweep's store.
+"""A disk that fails, memory that is exhausted: at each operation of a run that replaces a former result; a full store.
 
 The fault is raised by the operation itself (`io.open`, a write, a rename, ...), at every operation in turn, so that no
 place is left out. Nothing of the user's is lost, the message is one sentence, and the next command repairs the rest.
@@ -51,8 +51,8 @@ class FailingFile:
 class Disk:
     """The operations on files below a folder; the one of a number fails, and all that follow where it is full."""
 
-    def __init__(self, monkeypatch, folder, code):
-        self.folder, self.code, self.count, self.fails = str(folder), code, 0, None
+    def __init__(self, monkeypatch, folder, error):
+        self.folder, self.error, self.count, self.fails = str(folder), error, 0, None
         plain = io.open
 
         def opened(file, mode="r", *arguments, **keywords):
@@ -81,7 +81,7 @@ class Disk:
         """Count an operation and raise if it is the one that fails."""
         self.count += 1
         if self.count - 1 == self.fails:
-            raise OSError(self.code, os.strerror(self.code))
+            raise type(self.error)(*self.error.args)
 
 
 def written(folder):
@@ -100,8 +100,15 @@ def refuse_mixture(folder):
         assert not missing
 
 
-@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EIO])
-def test_no_failing_operation_of_a_run_loses_anything(code, tmp_path, monkeypatch, capsys):
+FAULTS = {
+    "full": (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), os.strerror(errno.ENOSPC)),
+    "broken": (OSError(errno.EIO, os.strerror(errno.EIO)), os.strerror(errno.EIO)),
+    "memory": (MemoryError(), "needs more memory than this machine gives it"),
+}
+
+
+@pytest.mark.parametrize(("error", "reason"), FAULTS.values(), ids=FAULTS)
+def test_no_failing_operation_of_a_run_loses_anything(error, reason, tmp_path, monkeypatch, capsys):
     former, folder = tmp_path / "former", tmp_path / "motor"
     words = ["run", "rayleigh", "--no-plot", "--out", str(folder)]
     assert main(words) == 0
@@ -117,7 +124,7 @@ def test_no_failing_operation_of_a_run_loses_anything(code, tmp_path, monkeypatc
     while True:
         shutil.copytree(former, folder)
         with monkeypatch.context() as patch:
-            disk = Disk(patch, folder, code)
+            disk = Disk(patch, folder, error)
             disk.fails = k
             status = main(changed)
         said = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
@@ -128,8 +135,8 @@ def test_no_failing_operation_of_a_run_loses_anything(code, tmp_path, monkeypatc
             failed += 1
             assert status in (2, 3), (k, said)
             assert len(said) == 1, (k, said)
-            assert os.strerror(code) in said[0], (k, said)
-        assert main(changed) == 0
+            assert reason in said[0], (k, said)
+        assert main(changed) == 0, k
         assert (folder / "note.txt").read_text() == NOTE
         assert FORMER in [each.read_text() for each in folder.glob("profile*.csv")]
         assert json.loads((folder / "run.json").read_text())["scene"]["drive"]["frequency"] == 2.3e6
