@@ -47,7 +47,7 @@ _PUBLIC = {
     "heat": "drive_folds foldover_number FOLDOVER_LIMIT folds heated_powers heated_states HeatedPlate HeatedState "
     "HeatSource MAX_BIOT_NUMBER runaway_rise sampled_foldover_number temperature_profile TemperatureProfile",
     "discretize.absorber": "absorber_kind",
-    "discretize.grading": "Resolution",
+    "discretize.element_sizes": "Resolution",
     "discretize.mesh_refinement": "LEVELS planned_levels",
     "discretize.spectral": "reference_matrices",
     "discretize.depth_mesh": "discretise",

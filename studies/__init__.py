@@ -24,22 +24,22 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from studies.inverse.fit_result import Fit
     from studies.inverse.fitting import fit
+    from studies.inverse.free_parameters import Parameter
     from studies.inverse.optimum import Design, design
-    from studies.inverse.parameters import Parameter
     from studies.inverse.residual import Residual
-    from studies.inverse.result import Fit
     from studies.lab.measurement import Measurement
     from studies.record.record import Record
     from studies.refusal import RunError, SceneError
     from studies.report.comparison import Comparison, compare
-    from studies.report.datasheet import Datasheet, datasheet
+    from studies.report.motor_datasheet import Datasheet, datasheet
     from studies.runs import run
-    from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Stator, Transducer
     from studies.scene.drive import Drive, Wave
     from studies.scene.file import shipped_scenes
     from studies.scene.scene import Scene
-    from studies.scene.slider import Damping, Slider
+    from studies.scene.slider_keys import Damping, Slider
+    from studies.scene.stator_keys import IsotropicSolid, PiezoelectricSolid, Stator, Transducer
     from studies.solve.predictor import Predictor
     from studies.solve.scattering import network
     from studies.sweeps import Sweep, sweep
@@ -50,18 +50,18 @@ _PUBLIC = {
     "solve.scattering": "network",
     "inverse.fitting": "fit",
     "inverse.optimum": "Design design",
-    "inverse.parameters": "Parameter",
+    "inverse.free_parameters": "Parameter",
     "inverse.residual": "Residual",
-    "inverse.result": "Fit",
+    "inverse.fit_result": "Fit",
     "lab.measurement": "Measurement",
     "record.record": "Record",
     "refusal": "RunError SceneError",
     "report.comparison": "Comparison compare",
-    "report.datasheet": "Datasheet datasheet",
-    "scene.blocks": "IsotropicSolid PiezoelectricSolid Stator Transducer",
+    "report.motor_datasheet": "Datasheet datasheet",
+    "scene.stator_keys": "IsotropicSolid PiezoelectricSolid Stator Transducer",
     "scene.file": "shipped_scenes",
     "scene.scene": "Scene",
-    "scene.slider": "Damping Slider",
+    "scene.slider_keys": "Damping Slider",
     "scene.drive": "Drive Wave",
     "sweeps": "Sweep sweep",
 }  # names by the module that defines them

@@ -18,8 +18,8 @@ from studies.progress import reported_to
 from studies.record import Record
 from studies.record.blocks import ErrorBlock, WaveBlock
 from studies.refusal import RunError
-from studies.remarks.left_out import left_out
 from studies.remarks.model_error import with_model_error
+from studies.remarks.neglected_effects import left_out
 from studies.remarks.run_warnings import warnings_of
 from studies.scene import Scene
 from studies.scene.numbers import Quantity

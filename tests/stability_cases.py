@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from fem import Resolution, slowest_wavelength, solve_circuit
-from studies.evidence.stability import reference, stator
+from studies.evidence.stability import reference_solutions, stator
 from studies.record.text import csv_text
 from tests.fem.direct import direct_solution
 from tests.motors import corner
@@ -78,9 +78,9 @@ def main() -> None:
         rows.append(
             {"varied": name, "value": repr(value)} | {key: f"{complex(each):.12e}" for key, each in numbers.items()}
         )
-    reference.STORED.write_text(csv_text(rows), encoding="utf-8")
+    reference_solutions.STORED.write_text(csv_text(rows), encoding="utf-8")
     lines = ",\n".join(json.dumps(each) for each in corners())
-    reference.STORED.with_name("corners.json").write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+    reference_solutions.STORED.with_name("corners.json").write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ import numpy as np
 from fem.beam.lateral import PLANE, LateralRule, lateral_rule, rounded_reach
 from fem.beam.line_source import LOADED, LOCAL, NEGLIGIBLE, Branch, Load, load_scale
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.eigenproblem import companion_modes, even_odd_modes, opposite_modes
 from fem.waveguide.port_fields import PortFields

@@ -16,7 +16,7 @@ from fem.condense.electrodes import MeshElectrodes
 from fem.condense.interface import line_projection
 from fem.condense.layer_columns import LayerColumns
 from fem.condense.mesh import Assembly
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import Section
 from fem.exceptions import ConvergenceError

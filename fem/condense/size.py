@@ -10,7 +10,7 @@ from fem.condense.mesh import Assembly
 from fem.condense.mesh_assembly import assembled
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer
 

@@ -15,7 +15,7 @@ from fem.condense.columns import FingerColumns, Restated, condensed
 from fem.condense.electrodes import open_circuit
 from fem.condense.join import exchanged, joined, mirrored, repeated, with_fingers, with_ports
 from fem.condense.moments import finger_dipole
-from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps
 

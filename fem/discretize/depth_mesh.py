@@ -13,8 +13,8 @@ import numpy as np
 from fem.analytic.layered_wave import bound_wave
 from fem.discretize import bond as bonds
 from fem.discretize.absorber import absorber
+from fem.discretize.element_sizes import CORNER_RATIO, LAYER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.graded_medium import is_bond
-from fem.discretize.grading import CORNER_RATIO, LAYER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.layered_depth import Region, divided, with_corner
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.discretize.vacuum import vacuum_elements

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.discretize.grading import CORNER_RATIO, LAYER_RATIO, graded
+from fem.discretize.element_sizes import CORNER_RATIO, LAYER_RATIO, graded
 
 SLACK = 1.15  # factor by which an element may exceed its size before another one is added
 

@@ -14,7 +14,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from fem.discretize.absorber import absorber_kind, backwardness
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator
 from fem.parameters import InputError, positive

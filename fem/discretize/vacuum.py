@@ -23,7 +23,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem.discretize.grading import LAYER_RATIO, Resolution, graded
+from fem.discretize.element_sizes import LAYER_RATIO, Resolution, graded
 from fem.geometry import Stator
 from fem.materials.medium import Medium, units, vacuum_medium
 

@@ -19,7 +19,7 @@ from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import ELECTRODE, SectionMesh
 from fem.mesh.shape_functions import CORNERS, reference_corners, shape_functions
 
-LAYER_RATIO = 0.15  # as in fem.discretize.grading
+LAYER_RATIO = 0.15  # as in fem.discretize.element_sizes
 STRAIGHT = np.deg2rad(0.5)  # a boundary that turns by less is straight
 WEAK = np.deg2rad(30)  # the vertices of an arc that is drawn by edges are re-entrant by less, corners by more
 SQUARE_NODES = np.array(  # of the quadratic map: corners, middles of the edges, centre

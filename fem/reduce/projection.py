@@ -12,7 +12,7 @@ from fem.condense.mesh import MeshedPiece
 from fem.condense.moments import finger_moment
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer

@@ -23,7 +23,7 @@ from fem.condense.cascade_piece import Blocks
 from fem.condense.columns import FingerColumns, LiftedHalf
 from fem.condense.reduced import RationalPiece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_transducers

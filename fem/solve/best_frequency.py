@@ -24,7 +24,7 @@ from fem.analytic.layered_wave import bound_period
 from fem.analytic.quasistatic import transducer_estimate
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread

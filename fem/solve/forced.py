@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.circuit import Drive
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import GAIN_NEAR_FORCE, NEAR_FORCE, refine_stator
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer, on_stator

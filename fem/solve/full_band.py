@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.geometry import Stator, Transducer
 from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
 from fem.waveguide.force import LineForce

@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import absorbs_slowly, refine
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.exceptions import refuse_above

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fem.circuit import Drive
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer

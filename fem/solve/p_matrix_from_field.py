@@ -25,7 +25,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import refine_stator
 from fem.discretize.section import FIELD_COLUMN
 from fem.exceptions import refuse_above

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.analytic.half_space import rayleigh
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS, refine
 from fem.exceptions import refuse_above
 from fem.geometry import Above

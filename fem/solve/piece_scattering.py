@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.condense.cascade_piece import Piece
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import InputError, refuse_above
 from fem.geometry import Stator

@@ -14,7 +14,7 @@ import numpy as np
 from fem.condense.cascade_piece import Piece, RecoveredField
 from fem.condense.columns import condensed
 from fem.condense.join import joined
-from fem.discretize.grading import CORNER_RATIO, Resolution, graded
+from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.waveguide.modes import GuidedModes

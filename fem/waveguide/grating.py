@@ -28,7 +28,7 @@ from fem.analytic.half_space import automatic_period
 from fem.condense.columns import FingerColumns
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.exceptions import ConvergenceError, InputError

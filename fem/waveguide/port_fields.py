@@ -24,7 +24,7 @@ from fem.condense.columns import FingerColumns
 from fem.condense.electrodes import electrode_potentials, transducer_ports, uncharged
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import LineSpace
 from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps

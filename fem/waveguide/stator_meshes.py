@@ -11,7 +11,7 @@ from fem.condense.mesh import Assembly, MeshedPiece
 from fem.condense.mesh_assembly import assembled
 from fem.condense.reduced import ReducedPiece
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.mesh.mesh_piece import MeshPiece

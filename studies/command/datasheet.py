@@ -20,8 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Compute a motor's datasheet; print its table and write its page and numbers."""
-    from studies.report.datasheet import datasheet as computed
     from studies.report.datasheet_page import page
+    from studies.report.motor_datasheet import datasheet as computed
     from studies.results.content import write_json
 
     tolerance, scene = read_tolerance(arguments.tolerance), changed_scene(arguments)

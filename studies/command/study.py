@@ -49,7 +49,7 @@ def call(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.record.text import labelled
     from studies.report.explanation import announced
-    from studies.study import COMMAND_OPTIONS, STUDIES, draw_study, expected_seconds, module, question, run_study
+    from studies.study_list import COMMAND_OPTIONS, STUDIES, draw_study, expected_seconds, module, question, run_study
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))

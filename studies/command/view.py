@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def call(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
     from studies.view import view as show
-    from studies.view.options import Wanted
+    from studies.view.view_options import Wanted
 
     wanted = Wanted.read(arguments)
     with Progress():

@@ -5,9 +5,9 @@ import argparse
 import fem
 from studies.command.output import print_answer
 from studies.refusal import SceneError
-from studies.scene.blocks import ORIENTATION, TEMPERATURE
 from studies.scene.override import toml_value
 from studies.scene.rule import choice
+from studies.scene.stator_keys import ORIENTATION, TEMPERATURE
 
 HELP = "compute the Rayleigh wave of a half-space, bare or under layers, without a mesh and without loss"
 

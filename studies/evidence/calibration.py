@@ -28,7 +28,7 @@ from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError, SceneError
 from studies.runs import run as run_chain
 from studies.scene import Scene
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -19,14 +19,14 @@ from pathlib import Path
 
 import contact
 from studies.evidence.own_process import alone, peak_memory
-from studies.model.contact import contact_slider
 from studies.model.resolve import resolved
+from studies.model.wave_to_contact import contact_slider
 from studies.record.plots import finished
 from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.runs import run as run_chain
 from studies.scene import Scene
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -20,7 +20,7 @@ from studies.record.plots import finished, upper_half
 from studies.record.quantities import quantity
 from studies.record.text import markdown
 from studies.scene import Scene
-from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

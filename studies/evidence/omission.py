@@ -13,7 +13,7 @@ import numpy as np
 
 import contact
 import fem
-from studies.evidence.stability.contact import SLIDER
+from studies.evidence.stability.extreme_contacts import SLIDER
 from studies.evidence.stability.stator import other_motor, small_motor
 
 ROUNDING = 2e-11  # of joined pieces, on the machines seen: up to 4e-12

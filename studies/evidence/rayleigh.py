@@ -18,7 +18,7 @@ import fem
 from studies.record.plots import COLOURS, curve, finished
 from studies.record.quantities import quantity
 from studies.record.values import Columns
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -13,11 +13,11 @@ import contact
 from studies.export import reduced_motor as model
 from studies.export.force_grid import force_tables, mean_forces, packed
 from studies.export.motor_model import RESPONSE_STEP, AveragedMotor, Drive, ring_speed
-from studies.model.contact import Contact
 from studies.model.scene_errors import as_run_errors
+from studies.model.wave_to_contact import Contact
 from studies.scene import Scene
 from studies.solve.ring_up import RingUp, switched
-from studies.study import driven_contact
+from studies.study_list import driven_contact
 
 LOGGER = logging.getLogger(__name__)
 

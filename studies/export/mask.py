@@ -21,9 +21,9 @@ from fem.parameters import refuses
 from studies.model.resolve import build
 from studies.refusal import SceneError, nearest
 from studies.scene import Scene
-from studies.scene.blocks import Transducer
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
+from studies.scene.stator_keys import Transducer
 
 LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "openings": 4, "marks": 10, "outline": 20}
 # in periods: largest default side of a pad, and smallest distance of a pad from the edge of the chip

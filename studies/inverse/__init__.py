@@ -4,10 +4,10 @@
 next.  Every parameter that is positive is worked with as its logarithm.  Only scipy's solvers are used.
 """
 
+from studies.inverse.fit_result import Fit
 from studies.inverse.fitting import fit
-from studies.inverse.parameters import Parameter, read_measurement, read_parameter
+from studies.inverse.free_parameters import Parameter, read_measurement, read_parameter
 from studies.inverse.residual import Residual
-from studies.inverse.result import Fit
 from studies.lab.measurement import Measurement
 
 __all__ = ["Fit", "Measurement", "Parameter", "Residual", "fit", "read_measurement", "read_parameter"]

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from studies.inverse.free_parameters import Parameter
 from studies.inverse.goals import LEAST
-from studies.inverse.parameters import Parameter
 from studies.record.plots import COLOURS, finished, saved
 from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.stats import chi2
 
-from studies.inverse.parameters import Parameter
+from studies.inverse.free_parameters import Parameter
 
 LEVEL = 0.95
 ENOUGH = float(np.sqrt(chi2.ppf(LEVEL, 1)))

@@ -9,7 +9,7 @@ import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studies.inverse.parameters import Parameter
+from studies.inverse.free_parameters import Parameter
 from studies.model.model import POSITION_KEYS
 from studies.progress import Countdown
 from studies.record.values import Columns

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 import fem
 from studies.model.contact_moduli import pair_moduli
-from studies.model.materials import named_solid
 from studies.model.scene_errors import as_run_errors
+from studies.model.solid_of_material import named_solid
 from studies.record.quantities import quantity
 from studies.refusal import RunError, SceneError
 from studies.runs import run
 from studies.scene import Scene
-from studies.scene.blocks import ORIENTATION
 from studies.scene.numbers import Quantity
 from studies.scene.quantity import si_value
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
+from studies.scene.stator_keys import ORIENTATION
 from studies.scene.toml import document
 
 # Material of a cut that is named without one, and pairs of fingers of usual motors

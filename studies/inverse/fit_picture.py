@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.inverse.result import QUANTITIES, Fit
+from studies.inverse.fit_result import QUANTITIES, Fit
 from studies.lab.measurement import Measurement
 from studies.record.plots import COLOURS, finished, new_figure
 from studies.record.quantities import quantity

@@ -17,12 +17,18 @@ import numpy as np
 
 from fem.parameters import refuses
 from studies.inverse.directions import Direction, direction, undetermined
+from studies.inverse.fit_result import Fit
+from studies.inverse.free_parameters import (
+    AMPLITUDE_FACTOR,
+    AMPLITUDE_PER_VOLT,
+    Parameter,
+    as_measurements,
+    as_parameters,
+)
 from studies.inverse.least_squares import CLEARLY, Minimum, Problem, standard_deviations
 from studies.inverse.next_measurement import ranked
-from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter, as_measurements, as_parameters
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
-from studies.inverse.result import Fit
 from studies.inverse.ties import Ties, is_of_scene, refuse_names
 from studies.lab.measurement import FIELD, Measurement
 from studies.lab.measurement_csv import measured_scan

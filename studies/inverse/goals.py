@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from studies.inverse.parameters import Parameter, read_parameter
+from studies.inverse.free_parameters import Parameter, read_parameter
 from studies.record.quantities import quantity
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.keys import rule_at

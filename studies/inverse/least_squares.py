@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import qmc
 
-from studies.inverse.parameters import Parameter
+from studies.inverse.free_parameters import Parameter
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.ties import Ties, is_of_scene
 from studies.lab.measurement import Measurement

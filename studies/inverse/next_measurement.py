@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from studies.inverse.free_parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.inverse.least_squares import Problem, standard_deviations
-from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.lab.measurement import FIELD, Measurement
 from studies.progress import counted
 from studies.record.prefixes import si

@@ -19,8 +19,8 @@ import numpy as np
 from fem.parameters import refuses
 from studies.inverse.design_result import Design
 from studies.inverse.evaluations import Evaluations, Options, planned
+from studies.inverse.free_parameters import Parameter, ranges
 from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read_goals, read_variable
-from studies.inverse.parameters import Parameter, ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.model.resolve import build
 from studies.progress import reported_to

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import contact
-from studies.inverse.parameters import (
+from studies.inverse.free_parameters import (
     AMPLITUDE_FACTOR,
     AMPLITUDE_PER_VOLT,
     BANDWIDTH,
@@ -25,22 +25,22 @@ from studies.inverse.parameters import (
 )
 from studies.lab.encoder import recorded, travelled_distance
 from studies.lab.measurement import Measurement
-from studies.lab.network import NetworkData
+from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import Scan
-from studies.model.contact import Contact
 from studies.model.model import POSITION_KEYS, Model, changes_stator
 from studies.model.resolve import following, resolved
+from studies.model.wave_to_contact import Contact
 from studies.progress import Countdown
 from studies.record.quantities import quantity
 from studies.record.values import as_array
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
-from studies.solve.bursts import followed_burst
 from studies.solve.loaded_wave import wave_velocity
 from studies.solve.predictor import Predictor
 from studies.solve.ripple import Known, NearbyContact, ripples
 from studies.solve.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
+from studies.solve.slider_burst import followed_burst
 from studies.solve.steady_states import steady_answers
 from studies.solve.wave_ripple import mean_velocity
 

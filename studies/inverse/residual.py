@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from studies.inverse.fitting import prepared
-from studies.inverse.parameters import key_of
+from studies.inverse.free_parameters import key_of
 from studies.lab.measurement import Measurement
 from studies.refusal import needed
 from studies.scene import Scene

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.optimize import differential_evolution, minimize
 
 from studies.inverse.evaluations import Evaluations
+from studies.inverse.free_parameters import Parameter
 from studies.inverse.goals import Constraint, Goal
-from studies.inverse.parameters import Parameter
 from studies.record.values import Columns
 
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone

@@ -37,7 +37,7 @@ from studies.record.quantities import quantity
 from studies.report.explanation import plan
 from studies.scene import Scene
 from studies.scene.keys import coordinate
-from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"outcomes": ("velocity",)}
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none

@@ -6,7 +6,7 @@ from copy import deepcopy
 from typing import Any
 
 from fem.parameters import refuses
-from studies.inverse.parameters import FREE, Parameter, key_of
+from studies.inverse.free_parameters import FREE, Parameter, key_of
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from studies.lab.analyser_heads import UNITS, Head, head_of, unit_of
 from studies.lab.csv_columns import PHASES, above_zero, file_error, finite_number, no_number, other_number
-from studies.lab.network import NetworkData, gains
+from studies.lab.s_parameters import NetworkData, gains
 from studies.lab.waves import scattering
 from studies.refusal import SceneError, reading
 

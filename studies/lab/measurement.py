@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from studies.lab.network import NetworkData
+from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import Scan
 
 FIELD = ("scan", "network")  # quantities of the stator alone

@@ -19,8 +19,8 @@ from pathlib import Path
 from studies.lab.analyser_csv import analyser_table, file_lines
 from studies.lab.csv_columns import DISPLACEMENTS, TIMES, VELOCITIES, VOLTAGES, CsvColumns
 from studies.lab.measurement import Measurement
-from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
+from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import Scan, motions, scan_of_columns
 from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.lab.touchstone import TOUCHSTONE

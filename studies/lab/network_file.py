@@ -7,7 +7,7 @@ import numpy as np
 
 from studies.lab.analyser_csv import network_of_text
 from studies.lab.csv_columns import above_zero
-from studies.lab.network import NetworkData, gains
+from studies.lab.s_parameters import NetworkData, gains
 from studies.lab.touchstone import TOUCHSTONE, TouchstoneFile, read_touchstone
 from studies.lab.waves import in_ohm, scattering
 

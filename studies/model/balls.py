@@ -8,7 +8,7 @@ from studies.model.model import Model
 from studies.model.scene_errors import slider_keys
 from studies.scene import Scene
 from studies.scene.friction import Friction, LawText
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
 
 
 def slider_of(slider: Slider):

@@ -13,10 +13,10 @@ from studies.model.model import Model, at_one_volt
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
-from studies.scene.blocks import Stator
 from studies.scene.drive import Drive
 from studies.scene.override import replaced, value_at
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
+from studies.scene.stator_keys import Stator
 
 MAX_BLOCKS = 10_000  # of each kind, in memory
 

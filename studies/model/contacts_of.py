@@ -13,7 +13,7 @@ Either module has the same functions, for a slider whose preload and moduli are 
 from importlib import import_module
 from typing import Any
 
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
 
 
 def contacts_of(slider: Slider) -> Any:

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import fem
-from studies.model.materials import LOSSES, crystal, crystal_at, frequency_coefficient, reference_temperature
 from studies.model.scene_errors import stator_keys
+from studies.model.solid_of_material import LOSSES, crystal, crystal_at, frequency_coefficient, reference_temperature
 from studies.refusal import SceneError
-from studies.scene.blocks import Piece, Stator, Transducer, wavelengths_of
 from studies.scene.drive import Drive
+from studies.scene.stator_keys import Piece, Stator, Transducer, wavelengths_of
 
 ROUNDED = 1e-6  # relative change of a length by the roundings of a mesh file
 

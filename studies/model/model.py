@@ -8,8 +8,8 @@ import fem
 from studies.model import fem_objects
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import Stator
 from studies.scene.drive import Drive
+from studies.scene.stator_keys import Stator
 
 MAX_DRIVES = 10_000  # in memory
 MAX_STATORS = 64  # in memory, with the objects that were made of them

@@ -32,8 +32,8 @@ from studies.model.scene_errors import slider_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Wave
-from studies.scene.pillars import MAX_PILLARS, SEED
-from studies.scene.slider import Slider
+from studies.scene.pillar_keys import MAX_PILLARS, SEED
+from studies.scene.slider_keys import Slider
 
 LENGTHS = POSITIONS | DISPLACEMENTS  # units of the columns of a file
 LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds

@@ -16,8 +16,8 @@ import numpy as np
 import contact
 from contact import plane
 from studies.scene.drive import Wave
-from studies.scene.plane import AXLE
-from studies.scene.slider import Slider
+from studies.scene.plane_keys import AXLE
+from studies.scene.slider_keys import Slider
 
 SOME_LENGTH = 1.0  # m: wavelength of prescribed waves under contacts that are all at one place
 

@@ -20,15 +20,15 @@ from fem.parameters import refuses
 from studies.model.contact_moduli import pair_moduli
 from studies.model.contacts_of import contacts_of
 from studies.model.fem_objects import layers, stator, unturned
-from studies.model.materials import crystal, crystal_at, reference_temperature, thermal_table
 from studies.model.model import Model
 from studies.model.scene_errors import stator_keys
+from studies.model.solid_of_material import crystal, crystal_at, reference_temperature, thermal_table
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import Stator, Transducer
 from studies.scene.drive import Element
 from studies.scene.keys import tolerances
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
+from studies.scene.stator_keys import Stator, Transducer
 
 MAX_BURST_SECONDS = 3600.0  # largest time to compute one burst, on one processor
 # Time in s to compute one cycle of the wave, by method, measured on a 2-core x86_64 machine.

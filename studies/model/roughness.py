@@ -16,8 +16,8 @@ import contact
 from studies.lab.afm_patch import AfmPatch, read_patch
 from studies.model.scene_errors import as_run_errors
 from studies.refusal import SceneError, refuses
-from studies.scene.roughness import Roughness
-from studies.scene.slider import Slider
+from studies.scene.roughness_keys import Roughness
+from studies.scene.slider_keys import Slider
 
 MOST = 20_000  # asperities drawn for a ball; of these at most 2500 may touch (`contact.Asperities`)
 FEWEST = 10.0  # asperities in contact below which the mean field is not that of one ball

@@ -29,7 +29,7 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 from studies.sweeps import sweep
 from studies.sweeps.axes import axis, level_key
 

@@ -20,7 +20,7 @@ from studies.runs import run as run_chain
 from studies.scene import Scene
 from studies.solve.solved_stator import contact_of_run
 from studies.stator import admittance
-from studies.study import Panel, StudyRecord
+from studies.study_list import Panel, StudyRecord
 from studies.view.contact_view import steady_history
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import run_field

@@ -15,8 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.model.materials import crystal, knows_temperature
 from studies.model.model import model_of
+from studies.model.solid_of_material import crystal, knows_temperature
 from studies.record import Record
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.prefixes import si
@@ -26,7 +26,7 @@ from studies.runs import run as run_chain
 from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.heat import AIR_BAND, allowed_rise, plate, temperature, thermal_constants
-from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

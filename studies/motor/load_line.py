@@ -17,7 +17,7 @@ from studies.record.plots import curve, family, finished
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.study import Answered, Panel, contact_of_study, judged, of_record, study
+from studies.study_list import Answered, Panel, contact_of_study, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

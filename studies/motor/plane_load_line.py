@@ -11,13 +11,13 @@ from dataclasses import replace
 import numpy as np
 
 from contact import plane
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.plots import curve, finished
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
-from studies.scene.plane import AXLE
+from studies.scene.plane_keys import AXLE
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor
-from studies.study import Answered, Panel, judged
+from studies.study_list import Answered, Panel, judged
 
 LOGGER = logging.getLogger(__name__)
 

@@ -41,7 +41,7 @@ from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
 from studies.solve.stroke_speed import slider_range
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

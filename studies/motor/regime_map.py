@@ -19,11 +19,11 @@ import numpy as np
 
 import contact
 from contact.error_estimate import averaged_threshold_error
-from studies.model.contact import Contact, scaled
+from studies.model.wave_to_contact import Contact, scaled
 from studies.record.plots import COLOURS, curve, finished, logarithmic, own
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.study import Answered, Panel, driven_contact, judged, of_record, study
+from studies.study_list import Answered, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -8,9 +8,9 @@ import numpy as np
 
 import contact
 from studies.export.motor_model import AveragedMotor
-from studies.model.contact import Contact
 from studies.model.model import changes_stator
 from studies.model.resolve import resolved
+from studies.model.wave_to_contact import Contact
 from studies.scene import Scene
 from studies.scene.keys import LEVELS, tolerances
 from studies.solve.burst_steps import Steps

@@ -24,7 +24,7 @@ from studies.record.plots import COLOURS, curve, family, finished, logarithmic
 from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve.burst_steps import Steps
-from studies.study import Answered, Finding, Panel, driven_contact, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

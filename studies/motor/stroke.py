@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 
 import contact
-from studies.model.contact import scaled
+from studies.model.wave_to_contact import scaled
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve.averaged_states import averaged_states
 from studies.solve.stroke_speed import slider_range
 from studies.solve.travel import WaveAlong
-from studies.study import Answered, Panel, driven_contact, judged, of_record, study
+from studies.study_list import Answered, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -21,7 +21,7 @@ from studies.scene import Scene
 from studies.solve.plane_answer import PlaneMotor, waves_at
 from studies.solve.plane_path import LONGEST_COAST, RATE, STOPPED, V_X, V_Y, YAW, Body, Leg, X, Y, at_rest
 from studies.solve.plane_sources import driven_by, waves_of_sources
-from studies.study import Answered, Panel, driven_contact, judged, of_record, study
+from studies.study_list import Answered, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

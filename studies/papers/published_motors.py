@@ -25,7 +25,7 @@ from studies.papers.published import Comparison, comparisons, corners, left_asid
 from studies.papers.seed import Seed
 from studies.record.plots import COLOURS, finished
 from studies.record.text import csv_text, markdown
-from studies.study import Answered, Finding, Panel, StudyRecord, of_record, study
+from studies.study_list import Answered, Finding, Panel, StudyRecord, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -22,7 +22,7 @@ import fem
 from studies.papers.published import Unknown
 from studies.record.plots import COLOURS, finished
 from studies.refusal import RunError
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

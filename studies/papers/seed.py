@@ -1,8 +1,8 @@
 """The slider and the wave of the seed paper's simulation."""
 
 import contact
-from studies.model.contact import contact_slider, prescribed_orbits, scaled
 from studies.model.resolve import resolved
+from studies.model.wave_to_contact import contact_slider, prescribed_orbits, scaled
 from studies.scene import Scene
 
 TOLERANCE = 1e-3  # relative tolerance of steady velocities

@@ -6,7 +6,7 @@ import numpy as np
 
 from studies.papers.seed import Seed
 from studies.record.quantities import Quantity, quantity
-from studies.study import Panel, judged
+from studies.study_list import Panel, judged
 
 CONSTANT, INTERMITTENT = 3e-9, 10e-9  # amplitudes of Figs 6(a) and 6(b), m
 ACCELERATION = 2200  # cycles from rest: 1 ms

@@ -14,7 +14,7 @@ from studies.papers.seed import Seed
 from studies.papers.seed_contact import figure_6a, figure_6b, figure_7
 from studies.papers.seed_slider import figure_2, figure_5a, figure_5b
 from studies.record.plots import COLOURS, legend_below, titled
-from studies.study import Answered, Panel, of_record, study
+from studies.study_list import Answered, Panel, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

@@ -7,7 +7,7 @@ import numpy as np
 import contact
 from studies.papers.seed import Seed
 from studies.record.quantities import quantity
-from studies.study import Panel, judged
+from studies.study_list import Panel, judged
 
 LOGGER = logging.getLogger(__name__)
 

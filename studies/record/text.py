@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from studies.record.blocks import ElectricalBlock, HeatBlock, SummaryBlock, UncertaintyBlock
 from studies.record.quantities import quantity
-from studies.scene.plane import AXLE
-from studies.scene.roughness import STARTS
+from studies.scene.plane_keys import AXLE
+from studies.scene.roughness_keys import STARTS
 
 if TYPE_CHECKING:
     from studies.record import Record

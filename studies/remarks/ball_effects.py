@@ -15,8 +15,8 @@ import numpy as np
 
 import contact
 import fem
-from studies.model.contact import contact_slider
 from studies.model.model import model_of
+from studies.model.wave_to_contact import contact_slider
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.stator_effects import AMPLITUDE, Effects, amplitude_per_power, wavelength

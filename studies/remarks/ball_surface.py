@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import contact
-from studies.model.contact import contact_slider
+from studies.model.wave_to_contact import contact_slider
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.stator_effects import Effects

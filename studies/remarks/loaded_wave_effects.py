@@ -19,8 +19,8 @@ import numpy as np
 import contact
 import fem
 from studies.model import pillars
-from studies.model.contact import Contact
 from studies.model.model import model_of
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.record.point import Point
 from studies.remarks.ball_effects import LOAD, OVERTONES, point_admittance

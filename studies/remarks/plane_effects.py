@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from studies.model.contact import contact_slider
+from studies.model.wave_to_contact import contact_slider
 from studies.record import Record
 from studies.remarks.stator_effects import Effects
-from studies.scene.plane import AXLE
+from studies.scene.plane_keys import AXLE
 
 SPIN = 3.0 * math.pi / 16.0
 # Loss of velocity over (u_y/u_x)^2 at the contact with the most, of three balls of which two have u_y in step with u_x

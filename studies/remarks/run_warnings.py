@@ -12,10 +12,10 @@ import numpy as np
 
 import contact
 import fem
-from studies.model.contact import contact_slider
 from studies.model.fem_objects import unturned
 from studies.model.free_way import free_way
 from studies.model.model import model_of
+from studies.model.wave_to_contact import contact_slider
 from studies.record import Record
 from studies.record.text import percent
 from studies.remarks.ball_effects import NODE

@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator
 from itertools import combinations
 
-from studies.model.materials import solid_remarks
+from studies.model.solid_of_material import solid_remarks
 from studies.scene import Scene
-from studies.scene.pillars import SEED
-from studies.scene.slider import Slider
+from studies.scene.pillar_keys import SEED
+from studies.scene.slider_keys import Slider
 
 LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that a smaller preload is suspicious
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error

@@ -18,10 +18,10 @@ from contextlib import suppress
 import numpy as np
 
 import fem
-from studies.model.materials import frequency_coefficient, thermal_table
 from studies.model.model import model_of
+from studies.model.solid_of_material import frequency_coefficient, thermal_table
 from studies.record import Record
-from studies.scene.blocks import Transducer
+from studies.scene.stator_keys import Transducer
 
 # Relative error of |u_z| if the charge is assumed uniform along the fingers. Measured on PZT-8 for 3 to 30 finger
 # pairs and apertures of 5 to 30 wavelengths: 2.6 to 10 % at the worst of 80 points, 0.9 to 3.7 % rms

@@ -9,7 +9,7 @@ from studies.model.model import model_of
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.scene.blocks import Stator
+from studies.scene.stator_keys import Stator
 
 
 def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:

@@ -7,7 +7,7 @@ from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity
 from studies.record.run_pictures import velocity
 from studies.record.text import sentences
-from studies.report.datasheet import GROUPS, SETTLED, Datasheet
+from studies.report.motor_datasheet import GROUPS, SETTLED, Datasheet
 from studies.report.page import rendered
 from studies.results.content import provenance
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import contact
 from studies.record import Record
-from studies.solve.bursts import STEADY_METHODS
 from studies.solve.contact_at_level import SHARE
+from studies.solve.slider_burst import STEADY_METHODS
 from studies.solve.solved_stator import contact_of_run
 
 MAX_POINTS = 3  # first moving point, middle point, last point

@@ -14,13 +14,13 @@ import numpy as np
 
 import contact
 import fem
-from studies.model.contact import contact_slider
 from studies.model.fem_objects import section_reason
 from studies.model.model import Model
 from studies.model.resolve import build
 from studies.model.scene_errors import as_run_errors
+from studies.model.wave_to_contact import contact_slider
 from studies.record.text import labelled, table
-from studies.remarks.left_out import left_out
+from studies.remarks.neglected_effects import left_out
 from studies.report.contents import section
 from studies.scene import Scene
 from studies.solve.contact_at_level import SHARE

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
-from studies.model.materials import named_solid
 from studies.model.scene_errors import as_run_errors
+from studies.model.solid_of_material import named_solid
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
 from studies.record.values import Columns
 from studies.refusal import SceneError, refuse_ending, writing
 from studies.results.content import plain
-from studies.scene.blocks import ORIENTATION
+from studies.scene.stator_keys import ORIENTATION
 
 DEPTHS = tuple(k / 20 for k in range(61))  # in wavelengths
 FORMATS = (".png", ".jpg", ".jpeg", ".pdf", ".svg", ".tif", ".tiff")

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from studies.model.contact import contact_slider
+from studies.model.wave_to_contact import contact_slider
 from studies.record import Record
 from studies.record.prefixes import si
 

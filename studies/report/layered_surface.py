@@ -3,8 +3,8 @@
 import math
 
 import fem
-from studies.model.materials import named_solid
 from studies.model.scene_errors import as_run_errors
+from studies.model.solid_of_material import named_solid
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
@@ -12,8 +12,8 @@ from studies.record.values import Columns
 from studies.refusal import SceneError
 from studies.report.free_surface import DEPTHS
 from studies.results.content import plain
-from studies.scene.blocks import ORIENTATION
 from studies.scene.quantity import si_value
+from studies.scene.stator_keys import ORIENTATION
 
 MAX_WAVELENGTHS = 3.0  # a layer that is thicker holds the whole wave
 FORM = 'must be "MATERIAL [ORIENTATION], THICKNESS" such as "SiO2, 0.05 lambda", "LiNbO3 (Kovacs) 128YX, 2 um"'

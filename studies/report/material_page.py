@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.model.materials import named_solid
 from studies.model.scene_errors import stator_keys
+from studies.model.solid_of_material import named_solid
 from studies.record.quantities import quantity
 from studies.record.text import labelled
 from studies.record.values import Columns

@@ -8,12 +8,12 @@ import numpy as np
 
 import contact
 from contact import plane
-from studies.model.contact import Contact
 from studies.model.plane import Sum
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.record.point import Point
 from studies.report.datasheet_rows import Row
-from studies.scene.plane import AXLE
+from studies.scene.plane_keys import AXLE
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor
 from studies.solve.plane_path import LONGEST_COAST, RATE, STOPPED, V_X, V_Y, Body, Leg, X, Y, at_rest
 from studies.solve.plane_quantities import stall_force

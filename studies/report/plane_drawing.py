@@ -10,7 +10,7 @@ from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.run_pictures import velocity
 from studies.scene import Scene
-from studies.scene.plane import AXLE
+from studies.scene.plane_keys import AXLE
 
 ARROW = 0.6  # length of the longest arrow over the distance of the farthest contact from the middle of all
 NARROW = 4e-3  # m: that distance where all contacts are at one place

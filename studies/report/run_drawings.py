@@ -12,7 +12,7 @@ from studies.record import Record
 from studies.record.plots import COLOURS, curve, finished, shaded
 from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity
-from studies.report.surface_map import draw_surface_map
+from studies.report.beam_map import draw_surface_map
 from studies.solve.solved_stator import contact_of_run
 
 SHOWN_WAVELENGTHS = 12  # of the section that is drawn

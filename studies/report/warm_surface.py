@@ -8,13 +8,13 @@ velocities that are exact to 1e-12, over steps in which the constants' third ord
 from collections.abc import Sequence
 
 import fem
-from studies.model.materials import solid_at, thermal_table
 from studies.model.scene_errors import as_run_errors
+from studies.model.solid_of_material import solid_at, thermal_table
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.refusal import SceneError
 from studies.results.content import plain
-from studies.scene.blocks import MATERIAL, ORIENTATION
+from studies.scene.stator_keys import MATERIAL, ORIENTATION
 
 STEP, WIDE_STEP = 1.0, 5.0  # K, of the differences of first and second order
 

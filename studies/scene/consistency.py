@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import fem
 from studies.refusal import nearest, shown
-from studies.scene.plane import check_scene as check_plane
+from studies.scene.plane_keys import check_scene as check_plane
 
 MIN_COSINE = 0.7  # of the angle between x and the wave of at least one driven transducer
 NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"

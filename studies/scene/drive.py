@@ -10,7 +10,7 @@ import fem
 from studies.refusal import nearest
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import AMPLITUDE, Listed, Quantity, impedance
-from studies.scene.plane import WaveSource
+from studies.scene.plane_keys import WaveSource
 from studies.scene.rule import FLAG, TEXT, Named, choice
 
 SUCH = ', such as "50 ohm"'

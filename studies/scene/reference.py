@@ -9,35 +9,44 @@ import json
 from collections.abc import Sequence
 
 import fem
-from studies.scene import adhesion, blocks, drive, friction, pillars, plane, roughness, slider
+from studies.scene import (
+    adhesion_keys,
+    drive,
+    friction,
+    pillar_keys,
+    plane_keys,
+    roughness_keys,
+    slider_keys,
+    stator_keys,
+)
 from studies.scene.block import Block, block_schema, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
 
 BLOCKS = {
     "The file": Scene,
-    "[stator]": blocks.Stator,
-    "[stator.cooling]": blocks.Cooling,
-    "[[stator.layer]]": blocks.Layer,
-    "[stator.layer.bond]": blocks.Bond,
-    "[stator.material.temperature]": blocks.TemperatureCoefficients,
-    "[[transducer]]": blocks.Transducer,
-    "[[piece]]": blocks.Piece,
+    "[stator]": stator_keys.Stator,
+    "[stator.cooling]": stator_keys.Cooling,
+    "[[stator.layer]]": stator_keys.Layer,
+    "[stator.layer.bond]": stator_keys.Bond,
+    "[stator.material.temperature]": stator_keys.TemperatureCoefficients,
+    "[[transducer]]": stator_keys.Transducer,
+    "[[piece]]": stator_keys.Piece,
     "[drive]": drive.Drive,
     "[[drive.match]]": drive.Element,
     "[drive.recovery]": drive.Recovery,
     "[wave]": drive.Wave,
-    "[[wave.sources]]": plane.WaveSource,
-    "[slider]": slider.Slider,
-    "[slider.damping]": slider.Damping,
+    "[[wave.sources]]": plane_keys.WaveSource,
+    "[slider]": slider_keys.Slider,
+    "[slider.damping]": slider_keys.Damping,
     "[slider.friction_coefficient]": friction.Friction,
     "[slider.law]": friction.LawText,
-    "[slider.normal_law]": adhesion.NormalLawText,
-    "[slider.adhesion]": adhesion.Adhesion,
-    "[slider.pillars]": pillars.Pillars,
-    "[slider.roughness]": roughness.Roughness,
-    "[stator.material], a piezoelectric crystal or ceramic": blocks.PiezoelectricSolid,
-    "[stator.material], an isotropic solid": blocks.IsotropicSolid,
+    "[slider.normal_law]": adhesion_keys.NormalLawText,
+    "[slider.adhesion]": adhesion_keys.Adhesion,
+    "[slider.pillars]": pillar_keys.Pillars,
+    "[slider.roughness]": roughness_keys.Roughness,
+    "[stator.material], a piezoelectric crystal or ceramic": stator_keys.PiezoelectricSolid,
+    "[stator.material], an isotropic solid": stator_keys.IsotropicSolid,
 }
 PAGE = SHIPPED / "README.md"
 MARK = "<!-- From here on: generated from the blocks and the catalogue by `python -m studies.scene.reference`. -->\n"

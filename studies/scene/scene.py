@@ -9,12 +9,12 @@ import fem
 from studies.refusal import SceneError
 from studies.scene import consistency
 from studies.scene.block import Block, Blocks, Within
-from studies.scene.blocks import Piece, Stator, Transducer
 from studies.scene.drive import Drive, Wave
 from studies.scene.file import SceneFile
 from studies.scene.override import merged
 from studies.scene.rule import TEXT
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
+from studies.scene.stator_keys import Piece, Stator, Transducer
 from studies.scene.uncertain import Uncertain, split_tolerances
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import contact
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.solve.ring_up import RingUp, switched
 
 # Fraction of the ring-up's band; the error at the corners of the envelope is proportional to one over the width

@@ -5,19 +5,19 @@ import math
 from dataclasses import replace
 
 import contact
-from studies.model.contact import Contact
 from studies.model.scene_errors import slider_keys
+from studies.model.wave_to_contact import Contact
 from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
 from studies.record.status import Status
 from studies.record.values import Columns
-from studies.solve.bursts import STEADY_METHODS, followed_burst, method_of
 from studies.solve.crest_pressure import contact_load
 from studies.solve.event_counts import burst_events, burst_values, steady_events
 from studies.solve.face_motion import face_point
 from studies.solve.loaded_wave import wave_point, wave_tables
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 from studies.solve.refinement import SHARE
+from studies.solve.slider_burst import STEADY_METHODS, followed_burst, method_of
 from studies.solve.velocity_error import judged, velocity_sensitivities
 
 LOGGER = logging.getLogger(__name__)

@@ -21,7 +21,7 @@ import numpy as np
 import contact
 import fem
 from studies.model import pillars
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 
 

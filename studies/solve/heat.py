@@ -17,13 +17,13 @@ import numpy as np
 
 import fem
 from studies.model.fem_objects import relative_frequency
-from studies.model.materials import crystal, frequency_coefficient, knows_temperature, thermal_table
+from studies.model.solid_of_material import crystal, frequency_coefficient, knows_temperature, thermal_table
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import Cooling, Stator
 from studies.scene.drive import Drive
+from studies.scene.stator_keys import Cooling, Stator
 
 END_LENGTH = 5e-3  # m: of the absorber's share that heats the stator
 AIR_BAND = 0.4  # of the air's coefficient, with radiation: relative half-width

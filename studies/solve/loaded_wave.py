@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 import contact
-from studies.model.contact import Contact, scaled
 from studies.model.scene_errors import slider_keys
+from studies.model.wave_to_contact import Contact, scaled
 from studies.record.point import Point
 
 SHOWN_OVERTONES = 7  # largest number of overtones in slider_wave.csv

@@ -12,16 +12,16 @@ import numpy as np
 
 import contact
 from contact import plane
-from studies.model.contact import Contact
 from studies.model.plane import opposing
 from studies.model.scene_errors import slider_keys
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.record.status import Status
 from studies.scene import Scene
-from studies.scene.plane import AXLE
-from studies.solve.bursts import STEADY_METHODS, method_of
+from studies.scene.plane_keys import AXLE
 from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
+from studies.solve.slider_burst import STEADY_METHODS, method_of
 from studies.solve.velocity_error import judged
 
 PER_MINUTE = 60.0 / (2.0 * math.pi)  # turns per minute of 1 rad/s

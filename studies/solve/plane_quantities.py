@@ -8,10 +8,10 @@ import numpy as np
 
 import contact
 from contact import plane
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.refusal import SceneError
-from studies.scene.plane import AXLE
+from studies.scene.plane_keys import AXLE
 from studies.solve.plane_answer import PlaneMotor
 from studies.solve.plane_ripple import differs, ripple_of
 from studies.solve.point_answer import PointAnswer

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 import contact
-from studies.model.contact import Contact
 from studies.model.plane import StatorSurface, turned
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor, contact_speed, waves_at
 from studies.solve.point_answer import PointAnswer, SliderAnswer

@@ -8,9 +8,9 @@ import numpy as np
 
 import fem
 from contact import plane
-from studies.model.contact import Contact
 from studies.model.model import Model
 from studies.model.plane import StatorSurface, Sum
+from studies.model.wave_to_contact import Contact
 from studies.solve.refinement import SHARE
 from studies.solve.surface_motion import solved_motion
 

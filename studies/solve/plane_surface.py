@@ -6,9 +6,9 @@ from functools import cache, partial
 from typing import Any
 
 import fem
-from studies.model.contact import Contact
 from studies.model.model import Model, model_of
 from studies.model.plane import StatorSurface
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.solve.refinement import SHARE
 from studies.solve.surface_motion import SurfaceMotion, solved_motion

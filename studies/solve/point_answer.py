@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.blocks import ErrorBlock, SummaryBlock
 from studies.record.point import Point
 from studies.record.values import Columns

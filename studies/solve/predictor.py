@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import fem
 from studies.model.changed_scenes import ChangedScenes
-from studies.model.contact import Contact
 from studies.model.resolve import build, following
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.record.point import Point
 from studies.record.status import Status

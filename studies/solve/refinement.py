@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import TypeVar
 
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 
 Motor = TypeVar("Motor", bound=Hashable)

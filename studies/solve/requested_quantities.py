@@ -9,14 +9,14 @@ import numpy as np
 
 import contact
 from fem.parameters import refuses
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.refusal import SceneError
-from studies.solve.bursts import QUASI_STATIC
 from studies.solve.crest_pressure import contact_load
 from studies.solve.electrical import source_power
 from studies.solve.point_answer import PointAnswer
 from studies.solve.ripple import Known, NearbyContact, ripple_point, ripples
+from studies.solve.slider_burst import QUASI_STATIC
 from studies.solve.wave_ripple import wave_ripple_point
 
 RISE = 1.0 - 0.36787944117144233  # fraction 1 - 1/e of the final velocity, which defines the start-up time

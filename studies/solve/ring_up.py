@@ -20,7 +20,7 @@ from studies.solve.spectrum import response
 if TYPE_CHECKING:
     from contact.envelope import Envelope
     from fem.solve.burst_envelope import BurstEnvelope
-    from studies.model.contact import Contact
+    from studies.model.wave_to_contact import Contact
 
 LOGGER = logging.getLogger(__name__)
 

@@ -17,16 +17,16 @@ from typing import NamedTuple
 import numpy as np
 
 import contact
-from studies.model.contact import Contact, scaled
 from studies.model.scene_errors import slider_keys
+from studies.model.wave_to_contact import Contact, scaled
 from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
 from studies.solve import chebyshev
 from studies.solve.averaged_states import AveragedState, averaged_states
-from studies.solve.bursts import STEADY_METHODS, method_of
 from studies.solve.nearby_motion import NearbyMotion
 from studies.solve.point_answer import SliderAnswer
 from studies.solve.refinement import SHARE
+from studies.solve.slider_burst import STEADY_METHODS, method_of
 
 PLACES = 17  # velocities in an interval, of which every second makes the polynomial of comparison
 # Where averaging does not apply, each place needs the motion itself: its places are taken until the polynomials agree

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 import contact
-from studies.model.contact import Contact, scaled
 from studies.model.roughness import rough_balls
 from studies.model.scene_errors import as_run_errors, slider_keys
+from studies.model.wave_to_contact import Contact, scaled
 from studies.record.point import Point
 from studies.record.status import Status
-from studies.scene.roughness import STARTS
+from studies.scene.roughness_keys import STARTS
 from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import judged, velocity_sensitivities

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem.parameters import refuses
-from studies.lab.network import NetworkData
+from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
 from studies.model.model import Model
 from studies.record.quantities import quantity

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import contact
-from studies.model.contact import Contact
 from studies.model.model import model_of
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.solve.nearby_motion import NearbyMotion, nearby_motions
 from studies.solve.surface_motion import SurfaceMotion

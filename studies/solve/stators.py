@@ -14,8 +14,8 @@ from functools import lru_cache
 from typing import Any
 
 import fem
-from studies.model.contact import Contact
 from studies.model.model import Model
+from studies.model.wave_to_contact import Contact
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.solve.nearby_motion import POINTS

@@ -4,7 +4,7 @@ Averaged states are computed together in a compiled loop and cost microseconds e
 its error is below a fraction of the tolerance; otherwise the motion itself is solved, as in a run.
 """
 
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.solve.averaged_states import averaged_states
 from studies.solve.contact_at_level import RUNAWAY, point_answer

@@ -17,12 +17,12 @@ import numpy as np
 
 import fem
 from studies.model.fem_objects import relative_frequency
-from studies.model.materials import crystal
 from studies.model.model import Model
+from studies.model.solid_of_material import crystal
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.refusal import RunError
-from studies.scene.blocks import Stator
+from studies.scene.stator_keys import Stator
 from studies.solve.electrical import electrical_block
 from studies.solve.heat import KNOWN_RISE, duty, frequency_slope, plate, sources, temperature, thermal_constants
 from studies.solve.spectrum import converged_admittances

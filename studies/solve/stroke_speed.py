@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from studies.model.contact import Contact
 from studies.model.free_way import free_way
 from studies.model.model import Model
+from studies.model.wave_to_contact import Contact
 from studies.solve.ripple import Known, NearbyContact, Ripple, ripples
 from studies.solve.solved_stator import SolvedStator
 from studies.solve.surface_motion import SurfaceMotion

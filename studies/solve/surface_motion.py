@@ -15,7 +15,7 @@ import fem
 from studies.model.fem_objects import section_reason
 from studies.model.model import Model
 from studies.model.scene_errors import as_run_errors
-from studies.scene.blocks import Stator
+from studies.scene.stator_keys import Stator
 
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam

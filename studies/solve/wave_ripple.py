@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 import contact
-from studies.model.contact import Contact
+from studies.model.wave_to_contact import Contact
 from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
 from studies.solve.loaded_wave import wave_state

@@ -15,7 +15,7 @@ from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.spectrum import driving_point, port_admittances
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 5, "tolerance": 0.1}
 

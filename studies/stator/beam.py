@@ -24,7 +24,7 @@ from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.surface_motion import solved_motion
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 QUICK = {"count": 25}
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins

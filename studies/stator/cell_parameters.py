@@ -23,7 +23,7 @@ from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
 from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve import passband
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

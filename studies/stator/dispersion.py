@@ -20,7 +20,7 @@ from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.stator.layer_dispersion import draw_coupling, draw_velocity, of_layers
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

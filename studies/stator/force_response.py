@@ -26,7 +26,7 @@ from studies.refusal import RunError
 from studies.report.explanation import band_seconds, plan
 from studies.scene import Scene
 from studies.solve import passband
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

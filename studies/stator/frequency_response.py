@@ -23,7 +23,7 @@ from studies.solve import passband
 from studies.solve.spectrum import response
 from studies.solve.surface_motion import solved_motion
 from studies.stator.scan_panel import scan_answer, scan_file, scan_panel
-from studies.study import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

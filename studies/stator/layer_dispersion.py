@@ -12,7 +12,7 @@ from studies.refusal import SceneError
 from studies.report.intermediate import si
 from studies.scene import Scene
 from studies.scene.numbers import Listed, Quantity
-from studies.study import Panel
+from studies.study_list import Panel
 
 LOGGER = logging.getLogger(__name__)
 

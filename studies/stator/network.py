@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
+from studies.lab.s_parameters import NetworkData
 from studies.model.model import Model
 from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
@@ -29,7 +29,7 @@ from studies.solve.scan_prediction import refuse_other_range
 from studies.solve.scattering import converged_scattering, reference_impedance
 from studies.solve.spectrum import driving_point
 from studies.stator.network_deviation import deviations
-from studies.study import Answered, Panel, StudyRecord, judged, of_record, study
+from studies.study_list import Answered, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 11, "tolerance": 0.3}
 BRANCHES = 5

@@ -13,7 +13,7 @@ from itertools import permutations
 import numpy as np
 
 import fem
-from studies.lab.network import NetworkData
+from studies.lab.s_parameters import NetworkData
 
 UNITS = {"resonance": ("MHz", 1e-6), "G": ("mS", 1e3), "C0": ("pF", 1e12), "K2": ("", 1.0), "loss": ("", 1.0)}
 # Deviation after an exchange of ports over the one before, below which the exchange is remarked

@@ -22,7 +22,7 @@ from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.spectrum import port_admittances
 from studies.stator.reflector import from_the_left, stator_beside_pieces
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

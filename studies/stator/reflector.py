@@ -19,7 +19,7 @@ from studies.record.quantities import quantity
 from studies.record.values import Columns
 from studies.scene import Scene
 from studies.solve import passband
-from studies.study import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 

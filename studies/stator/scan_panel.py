@@ -10,7 +10,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.solve.measured_run import scan_block
 from studies.solve.scan_prediction import placed, scan_and_error
-from studies.study import Panel
+from studies.study_list import Panel
 
 
 def scan_file(scene: Scene, path: str, over: str) -> Scan:

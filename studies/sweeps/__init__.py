@@ -22,8 +22,8 @@ from studies.scene import Scene, read_table
 from studies.scene.numbers import Quantity
 from studies.sweeps.driver import Driver
 from studies.sweeps.plan import Design, designed
-from studies.sweeps.result import Sweep
 from studies.sweeps.store import Store
+from studies.sweeps.sweep_result import Sweep
 from studies.sweeps.workers import workers as start_workers
 
 __all__ = ["Sweep", "sweep"]

@@ -18,14 +18,14 @@ import fem
 from studies.record import Record, plots
 from studies.record.point import Point
 from studies.refusal import RunError, SceneError, writing
+from studies.report.beam_map import draw_surface_map, pixels
 from studies.report.page import picture_page
-from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
 from studies.view.contact_view import contact_writers
-from studies.view.options import Wanted
+from studies.view.field_quantities import palette, quantity
 from studies.view.picture import Picture, solid_height
-from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, recomputed_motion, run_field, saved_run
+from studies.view.view_options import Wanted
 from studies.view.views import limits, near, span_views, views
 from studies.view.window import open_window
 

@@ -21,9 +21,9 @@ from studies.record.run_pictures import surface, velocity
 from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
-from studies.view.options import NORMAL
+from studies.view.field_quantities import MOTIONS, QUANTITIES, palette
 from studies.view.picture import Picture
-from studies.view.quantities import MOTIONS, QUANTITIES, palette
+from studies.view.view_options import NORMAL
 from studies.view.views import span_views, views
 
 LOGGER = logging.getLogger(__name__)

@@ -25,9 +25,9 @@ from studies.model.model import model_of
 from studies.record.quantities import quantity
 from studies.refusal import needed
 from studies.view import overlays
-from studies.view.quantities import shade
+from studies.view.field_points import SectionPart, Sheet, beam_sheet, magnification, sheets, strips
+from studies.view.field_quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import SectionPart, Sheet, beam_sheet, magnification, sheets, strips
 from studies.view.views import BELOW, MM, RIGHT, SOLID, Frame, View, frames, right_edge
 
 BARE, EDGE = "#D9D9D9", "#606060"

@@ -14,11 +14,11 @@ import matplotlib
 import numpy as np
 
 from studies.record.plots import DPI, as_uri
-from studies.report.surface_map import draw_surface_map, pixels
+from studies.report.beam_map import draw_surface_map, pixels
 from studies.view import overlays
-from studies.view.quantities import Shade, present, shade
+from studies.view.field_points import magnification, thinned
+from studies.view.field_quantities import Shade, present, shade
 from studies.view.run_field import RunField
-from studies.view.section import magnification, thinned
 
 SPACING = 1 / 30  # smallest distance of nodes, in wavelengths
 MAX_INT16 = 32767

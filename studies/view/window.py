@@ -4,9 +4,9 @@ import time
 
 import numpy as np
 
+from studies.view.field_points import MOTIONS
+from studies.view.field_quantities import present
 from studies.view.picture import Picture
-from studies.view.quantities import present
-from studies.view.section import MOTIONS
 
 CYCLE, TICK = 2.5, 40  # duration of one period of the wave in s; interval between instants in ms
 

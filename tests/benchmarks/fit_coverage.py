@@ -14,7 +14,7 @@ import numpy as np
 
 from studies import Scene
 from studies.inverse import Measurement, fit, read_parameter
-from studies.inverse.parameters import AMPLITUDE_PER_VOLT
+from studies.inverse.free_parameters import AMPLITUDE_PER_VOLT
 from studies.inverse.prediction import MeasurementPredictor
 
 FREE = ("slider.friction_coefficient=0.01:0.6", "slider.preload=0.1 mN:8 mN", "amplitude_per_volt=0.05 nm:1 nm")

@@ -24,7 +24,7 @@ import numpy as np
 from fem import coupling, frequency_band, material, rayleigh, rotated
 from fem.condense.columns import condensed
 from fem.condense.join import repeated
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength

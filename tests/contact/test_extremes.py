@@ -14,9 +14,9 @@ from contact.error_estimate import reference_speed
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.orbit import towards_plus
-from studies.evidence.stability import contact as part
-from studies.evidence.stability.contact import CORNERS, SWEPT, VARIED, built, motor
+from studies.evidence.stability import extreme_contacts as part
 from studies.evidence.stability.cross_check import cross_check
+from studies.evidence.stability.extreme_contacts import CORNERS, SWEPT, VARIED, built, motor
 from studies.evidence.stability.verdict import VERDICTS, Case, cases_of, judge
 from tests.contact.motors import orbit, slider
 from tests.motors import CORNER_RANGES

@@ -17,7 +17,7 @@ from skfem import Basis, BilinearForm, ElementQuadP, MappingIsoparametric, MeshQ
 
 from fem.condense.electrodes import electrode_potentials, is_port, transducer_ports
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.layout import check_layout

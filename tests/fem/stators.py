@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer
 from fem.materials import Solid, material, rotated

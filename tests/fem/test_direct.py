@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix
 
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from tests.fem.direct import direct_solution, sparse_solution
 from tests.fem.stators import FREQUENCY, comb, cut, plate

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.results.power_balance import power_balance
 from tests.fem.direct import direct_solution
 from tests.fem.stators import FREQUENCY, lossless, solution, wave_of

@@ -12,7 +12,7 @@ import pytest
 from fem.circuit import Drive
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer

@@ -7,7 +7,7 @@ import pytest
 
 from fem.condense.reduced import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh

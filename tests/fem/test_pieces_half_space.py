@@ -7,7 +7,7 @@ import pytest
 
 from fem.analytic.half_space import rayleigh
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.layout import check_layout

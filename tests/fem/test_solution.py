@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.circuit import Drive
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.power_balance import power_balance

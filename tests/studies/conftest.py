@@ -13,7 +13,7 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.scene import Scene
-from studies.study import module
+from studies.study_list import module
 from tests.studies.solved_once import solved_once
 
 SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose stator costs a second

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from hypothesis import strategies as st
 
 from studies import SceneError, shipped_scenes
-from studies.scene import Scene, blocks, read_table
+from studies.scene import Scene, read_table, stator_keys
 from studies.scene.block import keys_of
-from studies.scene.blocks import IsotropicSolid, Piece, PiezoelectricSolid, Stator, Transducer
 from studies.scene.drive import Drive, Wave
 from studies.scene.friction import Friction
 from studies.scene.numbers import Quantity
-from studies.scene.pillars import Pillars
+from studies.scene.pillar_keys import Pillars
 from studies.scene.quantity import POWERS, si_value
-from studies.scene.slider import Damping, Slider
+from studies.scene.slider_keys import Damping, Slider
+from studies.scene.stator_keys import IsotropicSolid, Piece, PiezoelectricSolid, Stator, Transducer
 
 BLOCKS = (
     Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Piece, Drive, Wave, Slider, Damping, Friction,
@@ -263,7 +263,7 @@ def mutants(draw) -> Mutant:
 
 
 CHOICES = {
-    "orientation": [*blocks.ORIENTATION.words, [10, 20, 30], [0, 0, 0], [0, 90, 0]],
+    "orientation": [*stator_keys.ORIENTATION.words, [10, 20, 30], [0, 0, 0], [0, 90, 0]],
     "material": ["PZT-8", "PIC181", "LiNbO3 (Warner)", "quartz (Bechmann)", "steel", ISOTROPIC],
     "bottom": ["free", "grounded", "clamped", "absorbing"],
     "ends": ["absorbing", "free", "clamped"],

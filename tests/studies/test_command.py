@@ -98,7 +98,7 @@ def test_scenes_of_one_name_do_not_replace_each_other(call, tmp_path):
 
 
 def test_a_run_and_a_study_of_one_name_have_directories_of_their_own(call, tmp_path, monkeypatch):
-    from studies.study import StudyRecord
+    from studies.study_list import StudyRecord
 
     record = StudyRecord(name="rayleigh", panels=(), findings=(), seconds=0.0)
     monkeypatch.setattr("studies.evidence.rayleigh.run", lambda: record)
@@ -146,7 +146,7 @@ def test_files_of_the_working_directory_are_not_imported(call, tmp_path, monkeyp
 
 
 def test_a_contradicted_finding_is_a_warning_and_the_study_an_answer(call, monkeypatch):
-    from studies.study import Finding, StudyRecord
+    from studies.study_list import Finding, StudyRecord
 
     def record(confirmed):
         finding = Finding(statement="It holds.", quantity="ratio", expected="1", found=2.0, confirmed=confirmed)

@@ -4,7 +4,7 @@ import pytest
 
 import contact
 from studies import Scene, run, sweep
-from studies.model.contact import contact_slider
+from studies.model.wave_to_contact import contact_slider
 
 THREE = {"contacts": ["-5 mm", "0 mm", "5 mm"]}
 

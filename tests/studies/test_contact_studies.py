@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.model.contact import Contact
 from studies.model.resolve import build
+from studies.model.wave_to_contact import Contact
 from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
 from studies.runs import run
 from studies.scene import Scene
-from studies.study import Panel
+from studies.study_list import Panel
 from tests.studies.legible import assert_legible
 from tests.studies.settings import SHORT, changed
 

@@ -10,7 +10,7 @@ from studies import Scene, run
 from studies.model import resolve
 from studies.model.model import Model
 from studies.model.resolve import build
-from studies.report.surface_map import draw_surface_map
+from studies.report.beam_map import draw_surface_map
 from studies.stator import beam
 from tests.studies.conftest import SMALL
 

@@ -16,7 +16,7 @@ from studies.__main__ import main
 from studies.record.plots import new_figure
 from studies.record.text import sentences
 from studies.report import datasheet_page
-from studies.report.datasheet import GROUPS, datasheet
+from studies.report.motor_datasheet import GROUPS, datasheet
 from studies.runs import run
 from studies.scene import Scene, read_table
 from studies.solve.burst_steps import Steps

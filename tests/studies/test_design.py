@@ -15,9 +15,9 @@ import pytest
 
 from studies import Scene, run
 from studies.__main__ import main
+from studies.inverse.free_parameters import Parameter
 from studies.inverse.goals import read_constraint, read_variable
 from studies.inverse.optimum import Options, design
-from studies.inverse.parameters import Parameter
 from studies.inverse.search import REPEATED
 from studies.model.resolve import build
 from studies.refusal import RunError, SceneError

@@ -7,11 +7,11 @@ import contact
 import fem
 from studies import Scene, run, sweep
 from studies.model import fem_objects
-from studies.model.contact import contact_slider
 from studies.model.model import Model
+from studies.model.wave_to_contact import contact_slider
 from studies.solve.solved_stator import contact_of_run
 from studies.solve.surface_motion import surface_motion
-from studies.study import driven_contact
+from studies.study_list import driven_contact
 
 BALLS = [["-0.3 mm", "4 mm"], ["-0.2 mm", "-3 mm"], "0.3 mm"]
 TOLERANCE = 1e-2
@@ -179,7 +179,7 @@ def test_the_beam_is_drawn_from_above(spread, tmp_path):
     from matplotlib.figure import Figure
 
     from studies.__main__ import main
-    from studies.report.surface_map import draw_surface_map, surface_map
+    from studies.report.beam_map import draw_surface_map, surface_map
 
     beam = spread.surface_motion.beam
     ax = draw_surface_map(beam, spread.scene, Figure().add_subplot())

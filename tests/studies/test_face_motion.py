@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 import contact
 from studies import Scene, run
-from studies.model.contact import contact_slider
 from studies.model.pillars import prescribed_wave
+from studies.model.wave_to_contact import contact_slider
 from studies.solve.face_motion import face_point
 from studies.solve.solved_stator import contact_of_run
 

@@ -16,8 +16,8 @@ from studies.inverse import Measurement, Parameter, Residual, fit, read_measurem
 from studies.inverse import fit as fit_function
 from studies.inverse.directions import undetermined
 from studies.inverse.fitting import fit_about
+from studies.inverse.free_parameters import as_parameters
 from studies.inverse.least_squares import Problem
-from studies.inverse.parameters import as_parameters
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 

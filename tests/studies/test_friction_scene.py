@@ -8,7 +8,7 @@ import pytest
 import contact
 from studies import Scene, run
 from studies.__main__ import main
-from studies.model.contact import contact_slider
+from studies.model.wave_to_contact import contact_slider
 from studies.scene.toml import document
 
 TABLE = {"static": 0.3, "sliding": 0.15, "speed": "50 mm/s", "high_pressure": 0.2, "pressure": "80 MPa"}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from studies.results import MANIFEST
-from studies.study import Panel, StudyRecord, draw_study, run_study
+from studies.study_list import Panel, StudyRecord, draw_study, run_study
 from tests.studies.settings import SHORT, changed
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ from scipy.linalg import solve_banded
 from studies import Scene, run
 from studies.refusal import SceneError
 from studies.remarks.heat_warnings import heat_warnings
-from studies.scene.blocks import Cooling, IsotropicSolid, Stator
+from studies.scene.stator_keys import Cooling, IsotropicSolid, Stator
 from studies.solve.heat import drift, frequency_slope, heat_block, plate, powers, sources
 
 

@@ -19,8 +19,8 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.encoder import aligned, averaged, low_pass, travelled_distance
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_scan, read_measured
-from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
+from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import Scan, scan_csv
 from studies.model import fem_objects, resolve
 from studies.model.model import Model
@@ -34,7 +34,7 @@ from studies.solve.measured_run import measured_block
 from studies.solve.scan_prediction import at_other_velocity, drawn_line, placed
 from studies.solve.scattering import scattering_matrix
 from studies.stator.network_deviation import deviations
-from studies.study import driven_contact
+from studies.study_list import driven_contact
 from tests.studies.settings import without
 from tests.studies.solved_once import solved_once
 

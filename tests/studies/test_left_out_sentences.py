@@ -2,7 +2,7 @@
 
 from studies import Scene
 from studies.model.resolve import build
-from studies.remarks.left_out import left_out
+from studies.remarks.neglected_effects import left_out
 
 
 def reasons(name, **stator):

@@ -7,7 +7,7 @@ import pytest
 
 from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
-from studies.report.datasheet import datasheet
+from studies.report.motor_datasheet import datasheet
 from studies.scene import Scene
 from tests.studies.legible import assert_legible
 

@@ -12,9 +12,9 @@ import fem
 from studies import Scene, SceneError
 from studies.__main__ import main
 from studies.model.fem_objects import solid
-from studies.model.materials import crystal, named_solid
+from studies.model.solid_of_material import crystal, named_solid
 from studies.scene.block import keys_of
-from studies.scene.blocks import PiezoelectricSolid
+from studies.scene.stator_keys import PiezoelectricSolid
 
 SCENE = """
 [stator]

@@ -6,10 +6,10 @@ import pytest
 import fem
 from studies import Scene, SceneError
 from studies.model.fem_objects import solid
-from studies.model.materials import crystal
+from studies.model.solid_of_material import crystal
 from studies.remarks.scene_warnings import scene_warnings
 from studies.scene.block import keys_of
-from studies.scene.blocks import PiezoelectricSolid, Stator
+from studies.scene.stator_keys import PiezoelectricSolid, Stator
 from tests.fem.materials.test_forms import strain_charge
 
 EPS0 = 8.8541878188e-12

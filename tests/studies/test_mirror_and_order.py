@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from studies import Record, Scene, run
-from studies.report.datasheet import datasheet
+from studies.report.motor_datasheet import datasheet
 from studies.solve.predictor import Predictor
 from tests.seed_motor import SCENE_SLIDER
 

@@ -13,8 +13,8 @@ import contact
 import fem
 from studies import Record, Scene, run
 from studies.model import fem_objects
-from studies.model.contact import contact_slider
 from studies.model.model import Model
+from studies.model.wave_to_contact import contact_slider
 from studies.record.text import sentences
 from studies.remarks import ball_effects
 from studies.remarks.model_error import model_error

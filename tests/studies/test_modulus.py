@@ -6,7 +6,7 @@ import fem
 from studies.__main__ import main
 from studies.model.contact_moduli import direction_dependence, pair_moduli
 from studies.model.resolve import build, resolved
-from studies.remarks.left_out import left_out
+from studies.remarks.neglected_effects import left_out
 from studies.scene import Scene, read_table
 from tests.oracles import fem_surface_compliance as oracle
 

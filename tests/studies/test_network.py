@@ -14,7 +14,7 @@ from studies.model.resolve import build, resolved
 from studies.refusal import RunError, SceneError
 from studies.scene import read_table
 from studies.stator import network
-from studies.study import run_study
+from studies.study_list import run_study
 
 
 def chip(**transducer) -> Scene:

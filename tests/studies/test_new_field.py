@@ -43,7 +43,7 @@ def patched(tmp_path_factory):
 
 def test_it_touches_two_files():
     files = re.findall(r"^\+\+\+ b/(\S+)", PATCH.read_text(), re.MULTILINE)
-    assert sorted(files) == ["fem/geometry.py", "studies/scene/blocks.py"]
+    assert sorted(files) == ["fem/geometry.py", "studies/scene/stator_keys.py"]
 
 
 def test_the_field_is_read_checked_and_passed_on(patched):

@@ -8,7 +8,7 @@ import contact
 from studies import run
 from studies.__main__ import main
 from studies.export.averaged_motor import first_drive
-from studies.model.contact import contact_slider
+from studies.model.wave_to_contact import contact_slider
 from studies.motor import regime_map
 from studies.refusal import SceneError
 from studies.scene import Scene

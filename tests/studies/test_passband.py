@@ -9,7 +9,7 @@ from studies.record.plots import saved
 from studies.runs import run
 from studies.solve import passband
 from studies.stator import admittance, frequency_response
-from studies.study import StudyRecord, judged
+from studies.study_list import StudyRecord, judged
 from tests.studies.settings import changed
 
 

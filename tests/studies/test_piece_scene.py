@@ -17,13 +17,13 @@ from studies.export.mask_files import gds_files
 from studies.model.model import Model
 from studies.model.resolve import build, resolved
 from studies.solve.predictor import Predictor
-from studies.study import module
+from studies.study_list import module
 from studies.sweeps.plan import designed
 from studies.view import wave_page
+from studies.view.field_points import SectionPart, sheets
+from studies.view.field_quantities import shade
 from studies.view.picture import Picture
-from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import SectionPart, sheets
 from studies.view.views import views
 from tests.fem.drawings import bevelled_end, chip, rectangle, write_msh
 

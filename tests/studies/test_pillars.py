@@ -384,7 +384,7 @@ def test_a_page_states_the_limits_of_pillars():
 
 def test_a_datasheet_and_a_load_line_are_those_of_the_pillars():
     from studies.motor import load_line
-    from studies.report.datasheet import datasheet
+    from studies.report.motor_datasheet import datasheet
 
     table = scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9, "seed": 3})
     body, wave = by_hand(heights=np.random.default_rng(3).normal(scale=5e-9, size=60))
@@ -460,7 +460,7 @@ def test_the_pictures_show_the_tables():
 def test_a_fit_on_pillars_solves_hundreds_of_slider_motions_not_thousands(monkeypatch):
     """Each costs 0.06 s for 2500 pillars: a band of drawn motors and a close search would take an hour."""
     from studies.inverse import fit, prediction
-    from studies.inverse.result import GRID
+    from studies.inverse.fit_result import GRID
 
     levels = (10e-9, 20e-9)
     true = scene(wave={"normal_amplitude": list(levels)}, friction_coefficient=0.2, pillars={"rows": 4})

@@ -144,14 +144,14 @@ def test_a_run_of_more_than_a_minute_is_said_before_it_begins(levels, said):
 )
 def test_a_study_over_a_band_announces_its_time(name, band, said, monkeypatch, capsys, tmp_path):
     """Two forces at each frequency, with the stator's solution and its beam; an interpolated band is cheap."""
-    from studies import study
+    from studies import study_list
     from studies.refusal import RunError
 
     def refused(*given, **options):
         raise RunError("here the study would begin")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(study, "run_study", refused)
+    monkeypatch.setattr(study_list, "run_study", refused)
     assert main(["study", name, "--band", band]) == 3
     one = plan(Scene.load("twente").replace(slider=None), tolerance=1e-3)["expected"]["stator_seconds"]
     minutes = round((5.0 + 2 * 402 * one) / 60.0)

@@ -15,7 +15,7 @@ from studies import Scene, SceneError, run, sweep
 from studies.motor import load_line, trajectory
 from studies.record import Record
 from studies.remarks.heat_warnings import heat_warnings
-from studies.study import driven_contact
+from studies.study_list import driven_contact
 
 BALL = {
     "radius": "1 mm", "mass": "0.089 g", "contacts": 1, "preload": "0.87309 mN", "friction_coefficient": 0.08,
@@ -147,7 +147,7 @@ def test_stall_curve_of_one_wave():
 def test_a_scene_in_x_imports_nothing_of_the_plane():
     script = (
         "import sys, studies; studies.run('twente-contact'); "
-        "found = [each for each in sys.modules if 'plane' in each and each not in ('studies.scene.plane',"
+        "found = [each for each in sys.modules if 'plane' in each and each not in ('studies.scene.plane_keys',"
         " 'studies.remarks.plane_effects')]; print(found); sys.exit(bool(found))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
@@ -227,7 +227,7 @@ def test_arrows_of_a_rotor_are_its_velocities():
 
 def test_datasheet_of_one_wave():
     """Its stall, direction and start: momentum over the stall force bounds the time of the start from below."""
-    from studies.report.datasheet import datasheet
+    from studies.report.motor_datasheet import datasheet
 
     sheet = datasheet(scene({}, load="1 uN"), tolerance=1e-3)
     rows = {row.name: row.value for row in sheet.rows}

@@ -14,7 +14,7 @@ from studies.papers import published_motors as study
 from studies.papers import published_rotors as rotors
 from studies.papers.published import Comparison, Unknown, comparisons, corners, left_aside
 from studies.record.plots import SIZE
-from studies.study import Panel
+from studies.study_list import Panel
 from tests.studies.legible import assert_legible
 
 BY_QUANTITY = {(each.motor, each.quantity): each for each in comparisons()}

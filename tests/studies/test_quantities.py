@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from studies.refusal import SceneError
-from studies.view.quantities import DIVERGING, QUANTITIES, SEQUENTIAL, palette, quantity
+from studies.view.field_quantities import DIVERGING, QUANTITIES, SEQUENTIAL, palette, quantity
 
 # Machado, Oliveira and Fernandes 2009, severity 1.0, on linear sRGB
 BLINDNESS = {

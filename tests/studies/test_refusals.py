@@ -14,9 +14,9 @@ from studies import Scene, SceneError, Wave, run
 from studies.export.averaged_motor import averaged_motor
 from studies.export.mask_files import gds_files
 from studies.model.resolve import resolved
-from studies.report.datasheet import datasheet
+from studies.report.motor_datasheet import datasheet
 from studies.scene import read_table
-from studies.study import module
+from studies.study_list import module
 from tests.fem.drawings import chip, rectangle
 from tests.studies.conftest import SMALL
 from tests.studies.settings import assigned

@@ -10,7 +10,7 @@ import fem
 from studies import Scene
 from studies.model.model import Model
 from studies.model.resolve import build, resolved
-from studies.remarks.left_out import left_out
+from studies.remarks.neglected_effects import left_out
 from studies.runs import run
 from studies.scene import read_table
 from studies.solve.ring_up import RingUp, ring_up

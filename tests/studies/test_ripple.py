@@ -16,9 +16,9 @@ from studies import Scene, run, sweep
 from studies.inverse.optimum import Options, design
 from studies.inverse.prediction import MeasurementPredictor
 from studies.lab.measurement_csv import read_measured
-from studies.model.contact import Contact
 from studies.model.model import Model
 from studies.model.resolve import build
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.record.run_pictures import velocity as draw_velocity
 from studies.remarks.run_warnings import warnings_of

@@ -128,8 +128,8 @@ def test_refusals(roughness, slider, sentence):
 
 def test_rough_balls_answer_steady_velocities_alone():
     """Threshold, load line and burst would be those of a smooth ball: refused."""
-    from studies.model.contact import Contact
     from studies.model.resolve import build
+    from studies.model.wave_to_contact import Contact
 
     for roughness in ({"rms": "3 nm", "seed": 5}, {"rms": "3 nm"}):
         with pytest.raises(SceneError, match="run and sweep alone take rough balls"):

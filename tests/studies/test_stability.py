@@ -11,13 +11,13 @@ import fem
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS
 from studies.evidence.stability import chain as stability_chain
-from studies.evidence.stability import contact as stability_contact
+from studies.evidence.stability import extreme_contacts as stability_contact
 from studies.evidence.stability import free as stability_free
 from studies.evidence.stability import stator as stability_stator
-from studies.evidence.stability.reference import stored_references
+from studies.evidence.stability.reference_solutions import stored_references
 from studies.evidence.stability.verdict import Case, NoReference, Outcome, judge, judged
 from studies.refusal import RunError
-from studies.study import STUDIES
+from studies.study_list import STUDIES
 from tests import stability_cases
 
 

@@ -9,7 +9,7 @@ from studies.__main__ import main
 from studies.model.model import Model
 from studies.model.resolve import build, resolved
 from studies.refusal import RunError, SceneError
-from studies.scene.blocks import Cooling
+from studies.scene.stator_keys import Cooling
 from studies.scene.toml import document
 from studies.solve.steady_temperature import steady_temperature
 

@@ -13,7 +13,7 @@ from studies.refusal import SceneError
 from studies.results import MANIFEST
 from studies.scene import Scene
 from studies.scene.toml import document
-from studies.study import ALIASES, STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
+from studies.study_list import ALIASES, STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
 
 
 def test_every_study_says_question_method_expectation_and_run_time():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import fem
-from studies.lab.network import NetworkData
 from studies.lab.network_file import read_network
+from studies.lab.s_parameters import NetworkData
 from studies.lab.waves import WAVES, in_ohm, scattering
 from studies.refusal import SceneError
 from studies.stator.network_deviation import deviations

@@ -20,7 +20,7 @@ from studies.solve.ring_up import RingUp
 from studies.solve.surface_blocks import wave_block
 from studies.solve.surface_motion import SurfaceMotion
 from studies.view import movie
-from studies.view.quantities import QUANTITIES, shade_of
+from studies.view.field_quantities import QUANTITIES, shade_of
 from tests.studies.test_warnings import record
 
 

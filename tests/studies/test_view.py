@@ -27,16 +27,16 @@ from studies.__main__ import main
 from studies.model.resolve import resolved
 from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
-from studies.report import surface_map
+from studies.report import beam_map
 from studies.runs import run
 from studies.scene import Scene, read_table
-from studies.view import field_data, gallery_pictures, movie, overlays, section, wave_page
-from studies.view.options import Wanted
+from studies.view import field_data, field_points, gallery_pictures, movie, overlays, wave_page
+from studies.view.field_points import SectionPart, beam_sheet, magnification, sheets
+from studies.view.field_quantities import shade
 from studies.view.overlays import electrodes, shown_fingers
 from studies.view.picture import Picture, validity
-from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import SectionPart, beam_sheet, magnification, sheets
+from studies.view.view_options import Wanted
 from studies.view.views import RIGHT, View, frames, limits, near, span_views, views
 from tests.studies.legible import assert_legible
 from tests.studies.pixels import BALL, BARE, BLACK, MM, PINK, SolidPicture, Window, close, ink, runs, values
@@ -63,7 +63,7 @@ def moved(motor, phase, factor):
 @pytest.fixture(autouse=True, scope="module")
 def _the_map_of_a_beam_is_computed_once():
     """Three pictures show the same beam, whose motion over the surface takes most of their time."""
-    of_surface, known = section.surface_map, {}
+    of_surface, known = field_points.surface_map, {}
 
     def once(beam, stator, *arguments):
         key = id(beam), stator, arguments
@@ -72,7 +72,7 @@ def _the_map_of_a_beam_is_computed_once():
         return known[key][1]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(section, "surface_map", once)
+        patch.setattr(field_points, "surface_map", once)
         yield
 
 
@@ -579,12 +579,12 @@ def test_the_map_of_the_beam_has_room_for_its_texts(monkeypatch, length, width):
     scene = Scene.load("lithium-niobate-yz").replace(stator={"length": length, "width": width})
     x, y = np.linspace(0, scene.stator.length, 9), np.linspace(-0.5, 0.5, 5) * scene.stator.width
     field = np.multiply.outer(np.ones(3), np.outer(np.cos(3e3 * x), y + scene.stator.width)) * 1e-9
-    monkeypatch.setattr(surface_map, "surface_map", lambda beam, stator: (x, y, field))
-    wide, high = (each / 150 for each in surface_map.pixels(scene.stator))
+    monkeypatch.setattr(beam_map, "surface_map", lambda beam, stator: (x, y, field))
+    wide, high = (each / 150 for each in beam_map.pixels(scene.stator))
     figure = Figure(figsize=(wide, high), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     ax = figure.add_subplot()
-    surface_map.draw_surface_map(None, scene, ax)
+    beam_map.draw_surface_map(None, scene, ax)
     assert_legible(figure)
     drawn = ax.get_window_extent()
     assert drawn.width * drawn.height > 0.45 * figure.bbox.width * figure.bbox.height
@@ -594,7 +594,7 @@ def test_the_page_shows_the_beam_beside_the_plane_section(page, plane):
     """A picture of the size of u_z over the surface, in its proportions; none where the wave does not spread."""
     (picture,) = re.findall(r'<img alt="size of u_z over the surface[^>]*base64,([^"]*)"', page)
     width, height = Image.open(io.BytesIO(base64.b64decode(picture))).size
-    wide, high = surface_map.pixels(plane.scene.stator)
+    wide, high = beam_map.pixels(plane.scene.stator)
     assert width / height == pytest.approx(wide / high, rel=0.02)
     assert "plane section" in page
     without = wave_page.page(plane, quantity="u_z", phase=0.0, factor=None, span=None)

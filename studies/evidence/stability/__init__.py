@@ -2,11 +2,11 @@
 
 Method: each quantity of the free wave, the driven stator, the contact and the whole chain is set to both ends of its
 range. For the contact, random combinations of extreme values are added. Each answer is compared with an independent
-solution, which the docstrings of free.py, stator.py, contact.py and chain.py describe. An answer is WRONG if its error
-exceeds twice its stated error, if it is not a number, or if it ends in an unexpected exception or an arithmetic
-warning. The reference of the contact is a run in time, which is often less accurate than the answer. There, the error
-is the part of the difference that exceeds the error of the reference.
-Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processor.
+solution, which the docstrings of free.py, stator.py, extreme_contacts.py and chain.py describe. An answer is WRONG if
+its error exceeds twice its stated error, if it is not a number, or if it ends in an unexpected exception or an
+arithmetic warning. The reference of the contact is a run in time, which is often less accurate than the answer. There,
+the error is the part of the difference that exceeds the error of the reference. Expected: at least 150 cases, none
+WRONG.  Run time: about 6 min of one processor.
 """
 
 import logging
@@ -18,11 +18,11 @@ from studies.evidence.stability.verdict import VERDICTS, cases_of, judge
 from studies.record.plots import finished, saved
 from studies.record.text import csv_text, markdown
 from studies.record.values import Columns
-from studies.study import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, StudyRecord, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 
-PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
+PARTS = {"free wave": "free", "stator": "stator", "contact": "extreme_contacts", "chain": "chain"}
 LEAST = 150
 QUICK = {"cases": 1, "parts": ("free wave", "contact")}
 STYLES = {

@@ -4,9 +4,9 @@ The motor is a lossy plate of hard PZT of 9 x 0.7 mm with absorbing ends and one
 2.2 MHz, except for the quantity that a case varies.  Each answer is compared with a reference that suits the case: one
 sparse matrix of the whole section ("direct"), the next level of discretisation if that matrix would be too large
 ("finer"), the same problem in another unit of length, in which the answer must not change ("size"), or the motor
-without source impedance behind a voltage divider ("circuit"). All but the finer ones are stored (reference.py). The
-power balance must hold in every case.  `tests/validation` compares the same cases with charges on strips of an infinite
-plate, solved by exact partial waves.
+without source impedance behind a voltage divider ("circuit"). All but the finer ones are stored
+(reference_solutions.py). The power balance must hold in every case.  `tests/validation` compares the same cases with
+charges on strips of an infinite plate, solved by exact partial waves.
 """
 
 import math
@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import fem
-from studies.evidence.stability.reference import compared_with_reference, stored_references
+from studies.evidence.stability.reference_solutions import compared_with_reference, stored_references
 from studies.evidence.stability.resonance import cut_off, piece_resonance
 from studies.evidence.stability.verdict import Case, Comparison
 

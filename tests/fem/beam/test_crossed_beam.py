@@ -14,7 +14,7 @@ from fem.beam.line_source import line_source
 from fem.beam.parallel_groups import mutual_admittance
 from fem.beam.surface_beam import BeamError
 from fem.circuit import Drive
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.geometry import covers, separation, turn
 from fem.layout import check_layout, check_plan
 from fem.solve.harmonic import driven_wave

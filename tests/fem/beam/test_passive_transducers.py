@@ -10,7 +10,7 @@ from fem.beam.crossed_beam import interpolated_on_grid
 from fem.beam.electrode_charges import ElectrodeCharges, electrode_charges
 from fem.beam.reception import aperture_solver
 from fem.condense.transducer import finger_ports
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS, refine
 from fem.exceptions import ActivePortError, ConvergenceError, InputError
 from fem.solve.band import Band, frequency_band

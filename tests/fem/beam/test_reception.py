@@ -10,7 +10,7 @@ from fem.beam import reception
 from fem.beam.beam_of_section import surface_beam
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.reception import aperture_coupling, with_apertures
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.solve.port_admittance import port_admittance
 from fem.waveguide.port_fields import stator_cascade
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of

@@ -10,7 +10,7 @@ import pytest
 from fem.condense.columns import columns_from_left, condensed
 from fem.condense.join import exchanged, joined, repeated
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, finger_ports, half_cells, joined_fingers
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.waveguide.modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 

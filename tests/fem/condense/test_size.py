@@ -8,7 +8,7 @@ import pytest
 from fem.condense import join, transducer
 from fem.condense.column import Column
 from fem.condense.size import stator_size
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.waveguide.stator_meshes import StatorMeshes

@@ -6,7 +6,7 @@ import pytest
 from fem.analytic.half_space import rayleigh
 from fem.discretize.absorber import DEPTHS, MATCHED_LAYER, absorber, absorber_kind, backwardness
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS, level_gain
 from fem.discretize.stability import largest_growth, layer_growth
 from fem.eigenproblem import companion_modes

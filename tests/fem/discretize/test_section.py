@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from skfem import Basis, BilinearForm, ElementLinePp, MeshLine
 
-from fem.discretize.grading import LAYER_RATIO, graded
+from fem.discretize.element_sizes import LAYER_RATIO, graded
 from fem.discretize.section import FIELD_COLUMN
 from fem.discretize.vacuum import LAST_ALONG
 from fem.materials.medium import vacuum_medium

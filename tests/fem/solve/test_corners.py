@@ -7,7 +7,7 @@ its own along x.
 import numpy as np
 import pytest
 
-from fem.discretize.grading import CORNER_RATIO
+from fem.discretize.element_sizes import CORNER_RATIO
 from fem.discretize.mesh_refinement import LEVELS
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of

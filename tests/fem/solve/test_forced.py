@@ -8,7 +8,7 @@ import pytest
 from fem.analytic.half_space import rayleigh
 from fem.analytic.wave_compliance import wave_compliance
 from fem.circuit import Drive
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.exceptions import InputError
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh

@@ -5,7 +5,7 @@ import pytest
 
 from fem.condense.join import joined
 from fem.condense.transducer import Condensation, FingerShape, half_cells
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.exceptions import ConvergenceError
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution, wave_of
 

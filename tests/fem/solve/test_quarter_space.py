@@ -15,7 +15,7 @@ import pytest
 from numpy.polynomial import legendre
 
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.geometry import Stator
 from fem.materials import isotropic
 from fem.mesh.mesh_piece import MeshPiece

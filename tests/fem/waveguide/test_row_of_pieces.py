@@ -10,7 +10,7 @@ from fem.condense.columns import condensed
 from fem.condense.join import repeated, with_ports
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
-from fem.discretize.grading import Resolution
+from fem.discretize.element_sizes import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field

@@ -21,7 +21,7 @@ from studies.record.point import Point
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Wave
-from studies.scene.slider import Slider
+from studies.scene.slider_keys import Slider
 
 
 def prescribed_orbits(wave: Wave) -> tuple:

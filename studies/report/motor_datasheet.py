@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import contact
-from studies.model.contact import Contact
 from studies.model.resolve import resolved
+from studies.model.wave_to_contact import Contact
 from studies.progress import counted, reported_to
 from studies.record import Record
 from studies.record.blocks import HeatBlock
@@ -31,9 +31,9 @@ from studies.report.datasheet_rows import Row
 from studies.runs import run
 from studies.scene import Scene
 from studies.solve.burst_steps import Steps
-from studies.solve.bursts import QUASI_STATIC
 from studies.solve.predictor import Predictor
 from studies.solve.ripple import Known
+from studies.solve.slider_burst import QUASI_STATIC
 from studies.solve.solved_stator import contact_of_run
 from studies.solve.stroke_speed import StrokeSpeed, slider_range, stroke_speed
 

@@ -11,8 +11,8 @@ import fem
 from studies.model.scene_errors import stator_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import MATERIAL, IsotropicSolid, PiezoelectricSolid, Stator
 from studies.scene.quantity import si_value
+from studies.scene.stator_keys import MATERIAL, IsotropicSolid, PiezoelectricSolid, Stator
 
 LOSSES = ("mechanical_quality", "dielectric_loss")
 

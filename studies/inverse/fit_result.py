@@ -10,9 +10,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from studies.inverse.directions import Direction
+from studies.inverse.free_parameters import Parameter
 from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
-from studies.inverse.parameters import Parameter
 from studies.inverse.profile import AT_END, End
 from studies.lab.measurement import Measurement
 from studies.record.prefixes import scaled_unit

@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
-from studies.scene import plane
-from studies.scene.adhesion import Adhesion, NormalLawText
+from studies.scene import plane_keys
+from studies.scene.adhesion_keys import Adhesion, NormalLawText
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.friction import Friction, LawFile, LawText
 from studies.scene.numbers import FixedList, Listed, Quantity, as_pair, surface_position
-from studies.scene.pillars import Pillars
-from studies.scene.roughness import Roughness
+from studies.scene.pillar_keys import Pillars
+from studies.scene.roughness_keys import Roughness
 from studies.scene.rule import FLAG, TEXT, Count, choice
 
 OFFSET = FixedList((Quantity("m", negative=True),) * 2, "[x, y] in m")
@@ -85,13 +85,13 @@ class Slider(Block):
     ] = 9.81
     load: Annotated[
         float | tuple[float, float],
-        Quantity("N", zero=True) | plane.VECTOR,
+        Quantity("N", zero=True) | plane_keys.VECTOR,
         "Constant force opposite to the direction in which the unloaded slider moves; in the plane also [F_x, F_y], "
         "against +x and +y.",
     ] = 0.0
     freedom: Annotated[
         str,
-        choice(*plane.FREEDOMS),
+        choice(*plane_keys.FREEDOMS),
         "Motion along the surface. x: along x alone; xy: in the plane, without turning; xy yaw: it also turns about z; "
         "axle: it turns about slider.axis, which sets it.",
     ] = "x"
@@ -112,7 +112,7 @@ class Slider(Block):
     ] = 0.0
     incline: Annotated[
         tuple[float, float] | None,
-        plane.SLOPES,
+        plane_keys.SLOPES,
         "Slope of the surface along x and y, positive where it rises and the weight pulls back. Absent: level.",
     ] = None
     friction_coefficient: Annotated[
@@ -202,7 +202,7 @@ class Slider(Block):
 
     def __post_init__(self) -> None:
         if self.axis is not None and self.freedom == "x":
-            object.__setattr__(self, "freedom", plane.AXLE)
+            object.__setattr__(self, "freedom", plane_keys.AXLE)
         super().__post_init__()
 
     def check_contacts(self) -> Any:
@@ -231,7 +231,7 @@ class Slider(Block):
             yield "loading", 'must be true or false where slider.backing is "soft"'
 
     def check_plane(self) -> Any:
-        yield from plane.check_slider(self)
+        yield from plane_keys.check_slider(self)
 
     def check_roughness(self) -> Any:
         if self.roughness is None:
@@ -284,7 +284,7 @@ class Slider(Block):
     @property
     def turns(self) -> bool:
         """Whether it turns about z."""
-        return self.freedom in ("xy yaw", plane.AXLE)
+        return self.freedom in ("xy yaw", plane_keys.AXLE)
 
     @property
     def scalar_load(self) -> float:

@@ -15,7 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 from studies.model.model import model_of
 from studies.record.surface_map import surface_map
 from studies.refusal import SceneError
-from studies.view.quantities import MOTIONS, QUANTITIES, Shade, shade_of
+from studies.view.field_quantities import MOTIONS, QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
 AMPLITUDE = 0.08  # wavelengths: size at which the largest displacement is drawn

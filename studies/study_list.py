@@ -15,10 +15,10 @@ from inspect import Signature, cleandoc, signature
 from pathlib import Path
 from typing import Any
 
-from studies.model.contact import Contact
 from studies.model.model import Model
 from studies.model.resolve import build
 from studies.model.scene_errors import as_run_errors
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.record.files import write_run
 from studies.record.plots import saved
