@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Slips
+from contact.codes import SlipWindow
 from contact.jit.compiled import compiled, formula
 
 
@@ -146,7 +146,7 @@ def slip_speed(sign, z_rate, x_rate, c):
 
 @compiled
 def slip_window(sign, a, b, d, e, v, c):
-    """Return (start, end, kind) of the phases at which a contact at its limit slips towards a side; see `codes.Slips`.
+    """Return (start, end, kind) of the phases at which a contact at its limit slips towards a side, `codes.SlipWindow`.
 
     Of u_z = a cos phi + b sin phi, u_x = d cos phi + e sin phi and a slider's velocity v, `slip_speed` is
     across cos phi + along sin phi - sign v.
@@ -154,11 +154,11 @@ def slip_window(sign, a, b, d, e, v, c):
     across, along = sign * e - c * b, c * a - sign * d
     size = np.hypot(across, along)
     if sign * v >= size:
-        return 0.0, 0.0, Slips.NEVER
+        return 0.0, 0.0, SlipWindow.NEVER
     if sign * v <= -size:
-        return 0.0, 0.0, Slips.ALWAYS
+        return 0.0, 0.0, SlipWindow.ALWAYS
     centre, half = np.arctan2(along, across), np.arccos(sign * v / size)
-    return centre - half, centre + half, Slips.WINDOW
+    return centre - half, centre + half, SlipWindow.WINDOW
 
 
 @formula

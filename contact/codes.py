@@ -1,4 +1,8 @@
-"""The codes that kernels pass around: kinds of law, shapes, regimes, events, and why a computation ended."""
+"""The codes that kernels pass around: kinds of law, shapes, regimes, events, and why a computation ended.
+
+Also the entries of a state and of a record, which every solver shares. The entries of an array that one solver uses
+alone stand beside that array. No two enumerations of the package have the same name.
+"""
 
 from enum import IntEnum
 
@@ -62,7 +66,7 @@ class Event(IntEnum):
     WIPE_OUT = 11  # a piece of memory
 
 
-class Count(IntEnum):
+class WorkCount(IntEnum):
     """Indices of the work in the same tally."""
 
     SEGMENTS = 6
@@ -72,7 +76,7 @@ class Count(IntEnum):
     CHATTER = 10  # events at one instant beyond one per contact
 
 
-class Outcome(IntEnum):
+class AttemptOutcome(IntEnum):
     """Outcome of an attempt to compute a segment."""
 
     ACCEPTED = 0
@@ -81,7 +85,7 @@ class Outcome(IntEnum):
     EVENT_AT_START = 3
 
 
-class Slips(IntEnum):
+class SlipWindow(IntEnum):
     """Whether a contact at its limit slips towards a side: never, in a window of the cycle, always."""
 
     NEVER = 0
@@ -89,7 +93,7 @@ class Slips(IntEnum):
     ALWAYS = 2
 
 
-class Steady(IntEnum):
+class SteadyRegime(IntEnum):
     """Regime of a steady state over a cycle."""
 
     UNKNOWN = 0
@@ -110,3 +114,20 @@ class Status(IntEnum):
     TOO_MANY = 6  # events
     FULL = 7  # memory
     STIFF = 8  # Picard's iteration does not converge, however short the segment
+
+
+class At(IntEnum):
+    """Indices in a state: of the slider, then the deformations of the contacts."""
+
+    POSITION = 0  # z_s
+    NORMAL_VELOCITY = 1  # z_s'
+    VELOCITY = 2  # v
+    DEFORMATIONS = 3  # the first of them, x_1
+
+
+class Recorded(IntEnum):
+    """Columns of the record of a run."""
+
+    VELOCITY = 0
+    POSITION = 1
+    MEAN_VELOCITY = 2

@@ -16,6 +16,7 @@ from contact.averaged.burst import COMPARED, averaged_run, refusals
 from contact.averaged.event_equilibrium import opposed
 from contact.body import Paths
 from contact.choice import Choice, Method, Result, choose, refused
+from contact.codes import At, Recorded
 from contact.envelope import Envelope
 from contact.error_estimate import (
     LEAST_SHARE,
@@ -28,7 +29,6 @@ from contact.error_estimate import (
 )
 from contact.events.collocation import collocation
 from contact.events.motion import Motion, rest_state
-from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.law.normal import load
 from contact.orbit import Orbits
@@ -246,7 +246,7 @@ def spot_checked(burst: Burst) -> Result | None:
     record, velocity = np.concatenate(records), float(motion.state[At.VELOCITY])
     error = event_driven_error(
         SPOT_FACTOR * sum(errors) * burst.cycles / checked, truncation=ANSWER[1], reference=burst.reference(velocity),
-        cycles=burst.cycles, segments=burst.problem.segments, moves=bool(np.any(record[:, Column.VELOCITY])),
+        cycles=burst.cycles, segments=burst.problem.segments, moves=bool(np.any(record[:, Recorded.VELOCITY])),
     )  # fmt: skip
     if error > burst.allowed(velocity):
         return None
@@ -334,15 +334,15 @@ def _events_along(burst, order, hold):
             *state[: At.DEFORMATIONS], state[At.DEFORMATIONS :] + gone, problem=problem._replace(paths=paths)
         )
         for row in motion.turn(many, stride=1):
-            cycle, advance = cycle + 1, 2.0 * math.pi * row[Column.MEAN_VELOCITY]
+            cycle, advance = cycle + 1, 2.0 * math.pi * row[Recorded.MEAN_VELOCITY]
             place += advance
             if cycle % stride == 0:
                 record.append(row)
                 passed.append(place)
-    record = np.array(record).reshape(-1, len(Column))
+    record = np.array(record).reshape(-1, len(Recorded))
     followed = Followed(record, np.array(passed), cycle, place, cycle < burst.cycles)
     motion.problem = burst.problem
-    return np.append(record[:, Column.VELOCITY], motion.state[At.VELOCITY]), motion, record, followed, turned
+    return np.append(record[:, Recorded.VELOCITY], motion.state[At.VELOCITY]), motion, record, followed, turned
 
 
 def _difference(coarse, fine):
@@ -357,7 +357,7 @@ def _difference(coarse, fine):
 
 def _compared(record, state):
     """Return the velocities in the second half of a burst and at its end."""
-    return np.append(record[len(record) // 2 :, Column.VELOCITY], state[At.VELOCITY])
+    return np.append(record[len(record) // 2 :, Recorded.VELOCITY], state[At.VELOCITY])
 
 
 def _exact_refusals(burst):
@@ -381,7 +381,7 @@ def _stepped(burst):
         return stepped_error(difference, STEPS[level][0], STEPS[level - 1][0], STEPS[level][1] * reference)
 
     def in_window(level):
-        coarse, fine = (_every_step(window.burst, k)[2][:, Column.VELOCITY] for k in (level - 1, level))
+        coarse, fine = (_every_step(window.burst, k)[2][:, Recorded.VELOCITY] for k in (level - 1, level))
         return fine, levels_error(level, float(np.max(np.abs(fine - coarse))), 0.0)
 
     def error(level, run, difference, reference):
@@ -416,7 +416,7 @@ def _every_step(burst, level):
         way = steps_along(
             burst.problem, motion.state, burst.track, burst.cycles, number, stride=stride, envelope=burst.envelope
         )
-        return np.append(way.record[:, Column.VELOCITY], motion.state[At.VELOCITY]), motion, way.record, way
+        return np.append(way.record[:, Recorded.VELOCITY], motion.state[At.VELOCITY]), motion, way.record, way
     record = steps(burst.problem, motion.state, burst.cycles, number, stride=stride, envelope=burst.envelope)
     return _compared(record, motion.state), motion, record
 
@@ -434,7 +434,7 @@ def _averaged(burst):
     motion, record, error, check, statistics = averaged_run(burst, motion, np.arange(2, CHECKED + 1))
     checked, velocities, stated = check
     try:
-        first = exact.turn(int(checked[-1]), stride=1)[checked - 1, Column.VELOCITY]
+        first = exact.turn(int(checked[-1]), stride=1)[checked - 1, Recorded.VELOCITY]
         true = float(np.max(np.abs(velocities - first)))
     except ConvergenceError:  # the estimate remains without check
         pass
@@ -474,7 +474,7 @@ class Window(NamedTuple):
         try:
             if _exact_refusals(short):
                 return cls(short, None, math.inf, whole)
-            runs = [_every_event(short, *ORDERS[k][:3])[2][:, Column.VELOCITY] for k in ((1, 2) if whole else (2,))]
+            runs = [_every_event(short, *ORDERS[k][:3])[2][:, Recorded.VELOCITY] for k in ((1, 2) if whole else (2,))]
         except ConvergenceError:
             return cls(short, None, math.inf, whole)
         return cls(short, runs[-1], float(abs(runs[-1][-1] - runs[0][-1])), whole)

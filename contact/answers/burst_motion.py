@@ -26,9 +26,9 @@ from contact.answers.burst_methods import METHODS, Burst, rest_problem, ring_dow
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.quasi_static import quasi_static
 from contact.choice import Answer, Answered, refused
+from contact.codes import At, Recorded
 from contact.envelope import Envelope
 from contact.error_estimate import reference_speed
-from contact.events.segment import At, Column
 from contact.orbit import Orbits, towards_plus
 from contact.passing_wave import PassingWave, Surface, coupling, prescribed, refuse_infinite_mass
 from contact.slider import Slider
@@ -246,7 +246,7 @@ def _during(burst, motion, record):
     ends = burst.stride * np.arange(1, len(record) + 1)
     parts = [
         (np.zeros(1), np.zeros(1), np.full(1, start)),
-        (ends / frequency, record[:, Column.VELOCITY], record[:, Column.POSITION]),
+        (ends / frequency, record[:, Recorded.VELOCITY], record[:, Recorded.POSITION]),
     ]
     if burst.cycles % burst.stride:
         parts.append((np.full(1, burst.cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
@@ -279,7 +279,7 @@ def _follow_on(slider, motion, after, envelope, samples, track, way):
         way += along
         if times.size:
             rang = float(times[-1])
-            parts.append((times, record[:, Column.VELOCITY], record[:, Column.POSITION]))
+            parts.append((times, record[:, Recorded.VELOCITY], record[:, Recorded.POSITION]))
     if after <= rang or any(each.ended for each in way):
         return parts, rang, None
     still, span, count = silence(motion), after - rang, max(2, round(samples))

@@ -10,14 +10,14 @@ of the balance is due to truncation and rounding.
 
 from typing import NamedTuple
 
-from contact.events.energy import Sum
+from contact.events.energy import EnergySum
 from contact.slider import Slider
 
 
 class Ledger(NamedTuple):
     """Energies over an interval of the motion, J.
 
-    `ledger` relies on the order of the fields: to `leak` that of `energy.Sum`, then that of `Motion.energy`.
+    `ledger` relies on the order of the fields: to `leak` that of `energy.EnergySum`, then that of `Motion.energy`.
 
     Attributes
     ----------
@@ -85,6 +85,6 @@ def together(*ledgers: Ledger) -> Ledger:
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of a `motion.Motion` since its start, divided by `spans` (its number of cycles)."""
     unit = slider.unit_mass * motion.problem.speed**2 / spans
-    works_and_losses = motion.sums[Sum.WAVE_NORMAL : Sum.LEAK + 1]
+    works_and_losses = motion.sums[EnergySum.WAVE_NORMAL : EnergySum.LEAK + 1]
     increases = motion.energy() - motion.begun  # of the springs, the preload and the slider
     return Ledger(*(unit * works_and_losses).tolist(), *(unit * increases).tolist())

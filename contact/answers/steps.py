@@ -26,11 +26,10 @@ from contact.answers.burst_methods import (
     stepped_refusals,
 )
 from contact.choice import Answer
-from contact.codes import Event, Regime
+from contact.codes import Event, Recorded, Regime
 from contact.envelope import Envelope
 from contact.error_estimate import travel_error
-from contact.events.energy import Sum
-from contact.events.segment import Column
+from contact.events.energy import EnergySum
 from contact.exceptions import ConvergenceError
 from contact.law.protocol import slip_limit
 from contact.orbit import towards_plus
@@ -264,7 +263,7 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
     if envelope is None:
         if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, per_cycle):
             motion.turn(cycles)
-            return float(motion.sums[Sum.DISPLACEMENT]), 0, np.empty(0)
+            return float(motion.sums[EnergySum.DISPLACEMENT]), 0, np.empty(0)
     else:
         per_cycle = _shaped_steps(slider, problem, per_cycle, COARSE.steps)
     way = _way(steps(problem, motion.state, cycles, per_cycle, envelope=envelope))
@@ -273,7 +272,7 @@ def _drive(slider, motion, cycles, envelope, per_cycle):
 
 def _way(record):
     """Return the scaled travel to the end of each cycle, one per sample."""
-    return 2.0 * math.pi * np.cumsum(record[:, Column.MEAN_VELOCITY])
+    return 2.0 * math.pi * np.cumsum(record[:, Recorded.MEAN_VELOCITY])
 
 
 @dataclass
@@ -350,7 +349,7 @@ def _stopped(slider, motion):
         loose = ~np.isin(regime, HOLDING) & ((regime != Regime.SEPARATED) | np.isin(np.arange(contacts), holding))
         slipping = np.flatnonzero(np.any(loose, axis=1))
         to_rest = distance_to_rest()
-        before, final_position = final_position, float(still.sums[Sum.DISPLACEMENT]) + to_rest
+        before, final_position = final_position, float(still.sums[EnergySum.DISPLACEMENT]) + to_rest
         bounces = np.max(np.abs(approach[:, holding] / rest - 1.0)) > CALM
         calm = 0 if bounces or abs(final_position - before) > CALM_SLIP * slip_limit_at_rest else calm + 1
         # many slips are shorter than the sampling interval, but the tally counts every event

@@ -19,7 +19,7 @@ from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.body import at_phase
 from contact.choice import Answer, Answered
 from contact.error_estimate import two_orders_error
-from contact.events.segment import Sample
+from contact.events.segment import SampleColumn
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, towards_plus
 from contact.passing_wave import Surface, prescribed
@@ -119,7 +119,7 @@ def contact_history(
         recorded.append(np.moveaxis(motion.move(begin, begin + turn * cycles * (1.0 + 1e-13), phases), -1, 0))
     motion, (z, x, P, Q, regime, v) = motions[0], recorded[0]
     problem, speed = motion.problem, side * v[:, 0] * motion.problem.speed
-    error = two_orders_error(float(np.max(np.abs(v - recorded[-1][Sample.SLIDER_VELOCITY]))), unseen)
+    error = two_orders_error(float(np.max(np.abs(v - recorded[-1][SampleColumn.SLIDER_VELOCITY]))), unseen)
     force = slider.unit_mass * problem.omega**2 * problem.length / slider.contacts(len(listed)).weight
     v_t = at_phase(problem.paths, np.arange(problem.contacts), np.cos(phases)[:, None], np.sin(phases)[:, None])[3]
     return History(

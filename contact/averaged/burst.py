@@ -18,9 +18,8 @@ import numpy as np
 
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import Span, response
-from contact.codes import Status
+from contact.codes import At, Recorded, Status
 from contact.error_estimate import averaged_steps_error, second_order_burst_error
-from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits
 from contact.slider import Slider
@@ -99,7 +98,7 @@ def averaged_run(burst, motion, checked):
 
     def differences(one, other):
         """Return the largest difference in v between two runs in the second half of the burst, and where checked."""
-        apart = np.abs(one[1][:, Column.VELOCITY] - other[1][:, Column.VELOCITY])
+        apart = np.abs(one[1][:, Recorded.VELOCITY] - other[1][:, Recorded.VELOCITY])
         last = abs(one[0][At.VELOCITY] - other[0][At.VELOCITY])
         return np.array([max(np.max(apart[late]), last), np.max(apart[early], initial=0.0)])
 
@@ -125,5 +124,5 @@ def averaged_run(burst, motion, checked):
     motion.set_state(*state, motion.carried.deformation)
     motion.turn(1)
     record[ends >= cycles] = motion.state[At.VELOCITY], motion.state[At.POSITION]
-    check = checked, averaged_record[early, Column.VELOCITY], float(stated)
+    check = checked, averaged_record[early, Recorded.VELOCITY], float(stated)
     return motion, record, float(error), check, {"cycles": cycles, "order": 2 if second_order_needed else 1}

@@ -14,7 +14,7 @@ import numpy as np
 
 from contact import parameter_check
 from contact.averaged.coupled_equilibrium import SPEED, Balance, Equilibrium
-from contact.averaged.cycle_mean import Each, MeanForces
+from contact.averaged.cycle_mean import ContactMean, MeanForces
 from contact.averaged.equilibrium import balanced_speed, force_left
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.row_cycle import RowCycle
@@ -336,8 +336,8 @@ class CoupledSearch:
         entry, other = (wave.forward, wave.backward) if forward_drives else (wave.backward, wave.forward)
         gone, back = (passed[0, -1], passed[1, 0]) if forward_drives else (passed[1, 0], passed[0, -1])
         entry = entry if entry != 0 else 1.0
-        friction, leak = cycle.k_t * wave.omega * forces.cycles[[Each.FRICTION, Each.LEAK]]
-        share, work = forces.cycles[Each.SHARE], wave.omega * cycle.work(forces)
+        friction, leak = cycle.k_t * wave.omega * forces.cycles[[ContactMean.FRICTION, ContactMean.LEAK]]
+        share, work = forces.cycles[ContactMean.SHARE], wave.omega * cycle.work(forces)
         touching = float(np.sum(weight[share > 0.0]))
         each = MeanForces(*(values[..., classes] for values in forces))
         return WaveRows(

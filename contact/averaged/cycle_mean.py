@@ -40,7 +40,7 @@ from contact.averaged.cycle_pieces import (
 )
 from contact.averaged.riding import arc
 from contact.body import Coordinates, approach, at_phase, harmonic_response, normal_amplitude, slip_speed, slip_window
-from contact.codes import Slips
+from contact.codes import SlipWindow
 from contact.jit.compiled import compiled, native
 from contact.law.protocol import slip_limit
 from contact.problem import contact_parameters
@@ -53,7 +53,7 @@ MAX_EVENTS, SCANNED = 60, 128
 ROOT, CLOSED_ROOT = 1e-5, 1e-9
 
 
-class Each(IntEnum):
+class ContactMean(IntEnum):
     """Index of the forces of each contact, P and Q = mean + cos part times cos phi + sin part times sin phi."""
 
     NORMAL = 0
@@ -76,8 +76,8 @@ class MeanForces(NamedTuple):
         Means over the cycle, N.
     first_normal, first_tangential : (n,) array, complex
         First harmonics, N.
-    cycles : (len(Each), n) array
-        The values `Each` that they were made from, in the units of the computation.
+    cycles : (len(ContactMean), n) array
+        The values `ContactMean` that they were made from, in the units of the computation.
     """
 
     normal: np.ndarray
@@ -88,12 +88,13 @@ class MeanForces(NamedTuple):
 
 
 def forces_of(cycles, normal_unit, tangential_unit) -> MeanForces:
-    """Return the forces of values `Each` for units of force in N, one or of each contact."""
+    """Return the forces of values `ContactMean` for units of force in N, one or of each contact."""
     first = np.empty((2, cycles.shape[1]), complex)
-    first[0].real, first[0].imag = (normal_unit * cycles[Each.NORMAL_COS], -normal_unit * cycles[Each.NORMAL_SIN])
-    first[1].real = tangential_unit * cycles[Each.TANGENTIAL_COS]
-    first[1].imag = -tangential_unit * cycles[Each.TANGENTIAL_SIN]
-    normal, tangential = normal_unit * cycles[Each.NORMAL], tangential_unit * cycles[Each.TANGENTIAL]
+    first[0].real = normal_unit * cycles[ContactMean.NORMAL_COS]
+    first[0].imag = -normal_unit * cycles[ContactMean.NORMAL_SIN]
+    first[1].real = tangential_unit * cycles[ContactMean.TANGENTIAL_COS]
+    first[1].imag = -tangential_unit * cycles[ContactMean.TANGENTIAL_SIN]
+    normal, tangential = normal_unit * cycles[ContactMean.NORMAL], tangential_unit * cycles[ContactMean.TANGENTIAL]
     return MeanForces(normal, tangential, first[0], first[1], cycles)
 
 
@@ -132,7 +133,7 @@ def _window(path, c, s):
     """Return (start, end, kind) of the window (3): in closed form for one harmonic, corrected for several."""
     a, b, d, e = first_harmonic(path)
     start, end, kind = slip_window(s, a, b, d, e, path.v, c)
-    if kind == Slips.WINDOW and path.wave.normal_cos.size > 1:
+    if kind == SlipWindow.WINDOW and path.wave.normal_cos.size > 1:
         return _edge(path, c, s, start), _edge(path, c, s, end), kind
     return start, end, kind
 
@@ -166,9 +167,9 @@ def _next_slip(problem, path, s, window, anchor, start, stop, close):
     if problem.law.bent:
         return _next_slip_scanned(problem, path, s, anchor, start, stop)
     low, high, kind = window
-    if kind == Slips.NEVER:
+    if kind == SlipWindow.NEVER:
         return stop
-    if kind == Slips.ALWAYS:
+    if kind == SlipWindow.ALWAYS:
         low, high = start, stop
     else:
         shift = TURN * np.ceil((start + 1e-9 - high) / TURN)
@@ -230,9 +231,9 @@ def _slip_end(problem, path, s, window, phi, stop):
     """Return where slip towards s ends, at most `stop`: from the window (3), or scanned for a bent limit."""
     if not problem.law.bent:
         _, end, kind = window
-        if kind == Slips.WINDOW:
+        if kind == SlipWindow.WINDOW:
             end += TURN * np.ceil((phi + 1e-12 - end) / TURN)
-        return stop if kind != Slips.WINDOW or end > stop - 1e-12 else end
+        return stop if kind != SlipWindow.WINDOW or end > stop - 1e-12 else end
     left = phi
     while left < stop:
         right = min(left + TURN / SCANNED, stop)
@@ -291,7 +292,7 @@ def _first_passage(problem, path, windows, half, counts):
             start = start if start < TURN else 0.0
         else:
             _, start, kind = windows[0] if path.side < 0.0 else windows[1]
-            if kind == Slips.ALWAYS:
+            if kind == SlipWindow.ALWAYS:
                 return Passage(0.0, TURN, back, 0.0)
         return Passage(start, start + TURN, 0.0, back * slip_limit(problem, motion_at(path, start)[0]))
     start, stop = path.crest - half, path.crest + half  # of the first harmonic, refined by Newton's method
@@ -442,7 +443,7 @@ def cycle(problem, h, v, before, rule, work):
     },
 )  # fmt: skip
 def contact_cycles(problem, h, v, before, rule, work, out):
-    """Fill the values `Each` for every contact by itself, in a cycle of a slider without fast motion; return 0.
+    """Fill the values `ContactMean` for every contact by itself, in a cycle of a slider without fast motion; return 0.
 
     `v`: mean velocity for each contact, so that contacts with another limit X = c z can have units of their own;
     `before`: as in `cycle`; `rule`: as there, or `cycle_pieces.CLOSED` for flat contacts with Coulomb's friction;
@@ -458,15 +459,19 @@ def contact_cycles(problem, h, v, before, rule, work, out):
         wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (reach, 0.0, d, e)
         path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], _side(v[i], before), wave, reach, 0.0)
         half = _add_contact(contact_parameters(problem, i), path, rule, work)
-        out[Each.NORMAL, i], out[Each.TANGENTIAL, i] = (means[Mean.NORMAL] / TURN, means[Mean.TANGENTIAL] / TURN)
+        out[ContactMean.NORMAL, i] = means[Mean.NORMAL] / TURN
+        out[ContactMean.TANGENTIAL, i] = means[Mean.TANGENTIAL] / TURN
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi
-        out[Each.NORMAL_COS, i], out[Each.NORMAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
+        out[ContactMean.NORMAL_COS, i], out[ContactMean.NORMAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
         cos, sin = force.tangential_cos[0] / np.pi, force.tangential_sin[0] / np.pi
-        out[Each.TANGENTIAL_COS, i], out[Each.TANGENTIAL_SIN, i] = cos * co - sin * si, cos * si + sin * co
-        out[Each.SHARE, i] = half / np.pi
-        out[Each.FRICTION, i], out[Each.LEAK, i] = means[Mean.FRICTION] / TURN, 0.0
+        out[ContactMean.TANGENTIAL_COS, i] = cos * co - sin * si
+        out[ContactMean.TANGENTIAL_SIN, i] = cos * si + sin * co
+        out[ContactMean.SHARE, i] = half / np.pi
+        out[ContactMean.FRICTION, i], out[ContactMean.LEAK, i] = means[Mean.FRICTION] / TURN, 0.0
         if rule.weight.size > 0:
-            out[Each.LEAK, i] = 0.5 * (cos * e - sin * d) - out[Each.TANGENTIAL, i] * v[i] - out[Each.FRICTION, i]
+            out[ContactMean.LEAK, i] = (
+                0.5 * (cos * e - sin * d) - out[ContactMean.TANGENTIAL, i] * v[i] - out[ContactMean.FRICTION, i]
+            )
     return 0
 
 

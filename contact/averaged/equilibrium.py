@@ -63,7 +63,7 @@ class Entry(IntEnum):
     QUADRATURE = 10  # error of the velocity by quadrature
     LEAST_AT_REST = 11  # mean tangential force of a cycle at rest
     LARGEST_AT_REST = 12
-    REGIME = 13  # `codes.Steady`
+    REGIME = 13  # `codes.SteadyRegime`
     ERROR = 14  # of the velocity
     FROM_WAVE = 15  # error of the velocity by that of the wave
     THRUST = 16  # load at which the slider stalls
@@ -166,7 +166,7 @@ def load_direction(largest):
     return -1.0 if largest < 0.0 else 1.0
 
 
-class Speed(NamedTuple):
+class BalancedSpeed(NamedTuple):
     """Result of `balanced_speed`."""
 
     status: int
@@ -179,7 +179,7 @@ class Speed(NamedTuple):
 
 @formula
 def balanced_speed(problem, means, least, largest, fastest, close):
-    """Return the velocity at which no force is left, as a `Speed`.
+    """Return the velocity at which no force is left, as a `BalancedSpeed`.
 
     `least` and `largest` bound the mean tangential force of a cycle at rest: the slider is held under a load between
     them. `fastest` is the speed beyond which every contact slips all the time; the search ends where a step is below
@@ -191,12 +191,12 @@ def balanced_speed(problem, means, least, largest, fastest, close):
     elif largest - problem.load < -ROUNDING * friction:
         way, fa = -1.0, largest - problem.load
     else:
-        return Speed(Status.DONE, 0.0, 0.0, 0.0, 0.0, fastest)
+        return BalancedSpeed(Status.DONE, 0.0, 0.0, 0.0, 0.0, fastest)
     a, b = 0.0, way * fastest
     fb = means.left(problem, means, b)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
-            return Speed(Status.RUNAWAY, way, 0.0, 0.0, 0.0, fastest)
+            return BalancedSpeed(Status.RUNAWAY, way, 0.0, 0.0, 0.0, fastest)
         for _ in range(60):  # one step where friction does not fall with speed
             b += 1.000001 * fb / problem.tangential_damping
             fb = means.left(problem, means, b)
@@ -214,7 +214,7 @@ def balanced_speed(problem, means, least, largest, fastest, close):
         a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
         if f == 0.0 or abs(f) < 1e-13 * friction or moved < close * top:
             break
-    return Speed(Status.DONE, way, v, f_old, slope, top)
+    return BalancedSpeed(Status.DONE, way, v, f_old, slope, top)
 
 
 @compiled

@@ -21,7 +21,7 @@ from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
 from contact.events.collocation import collocation
-from contact.events.energy import Sum
+from contact.events.energy import EnergySum
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits
@@ -71,7 +71,7 @@ def balanced(slider: Slider, orbits) -> Balance:
         if height <= no_contact:
             return -preload
         balances.append(_at_height(problem, height))
-        surplus = float(balances[-1].motion.sums[Sum.NORMAL_FORCE]) / (2.0 * math.pi) - preload
+        surplus = float(balances[-1].motion.sums[EnergySum.NORMAL_FORCE]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
     bracketed(excess, no_contact, elastic_height, tolerance=1e-14 * (1.0 + abs(elastic_height)))
@@ -162,7 +162,7 @@ def mean_tangential_force(problem, height, speed, deformations):
         settled = turn > 1 or motion.memory is None
         if settled and np.max(np.abs(motion.carried.deformation - before)) < 1e-13:
             break
-    return motion.sums[Sum.TANGENTIAL_FORCE] / (2.0 * math.pi), motion
+    return motion.sums[EnergySum.TANGENTIAL_FORCE] / (2.0 * math.pi), motion
 
 
 class EventCycles:

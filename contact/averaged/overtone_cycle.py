@@ -9,7 +9,7 @@ driving wave meets the rows, or back, and `self.downstream_...` are in that orde
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Each, MeanForces, forces_of
+from contact.averaged.cycle_mean import ContactMean, MeanForces, forces_of
 from contact.averaged.march import march
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.row_cycle import RowCycle
@@ -77,7 +77,7 @@ class OvertoneCycle(RowCycle):
         driving, opposing = self._driving_and_opposing()
         spectrum.along[:], spectrum.against[:] = driving[self.downstream], opposing[self.downstream]
         incident[0] = self.incident[0 if self.forward_drives else 1]
-        out = np.zeros((len(Each), self.x.size))
+        out = np.zeros((len(ContactMean), self.x.size))
         waves = Waves(self.downstream_turn, self.downstream_orbit, self.g, incident)
         failed = overtone_march(
             self.contacts, waves, np.ascontiguousarray(approach), float(w), float(side), spectrum, self.samples, out
@@ -108,7 +108,7 @@ class OvertoneCycle(RowCycle):
         force, amplitude = np.zeros((2, m, 2), complex)
         slope = np.zeros((m, 2, 2), complex)
         force[:, column], amplitude[:, column] = normal + self.driving_orbit * tangential, self.waves
-        slope[:, column, column] = self.sums(forces.cycles[Each.SHARE] * self.k_n)
+        slope[:, column, column] = self.sums(forces.cycles[ContactMean.SHARE] * self.k_n)
         return march(self.turn, force, slope, amplitude, self.g, self.incident)[:, column] - self.waves
 
     def tangent(self, *_):

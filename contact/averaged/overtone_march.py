@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import Each
+from contact.averaged.cycle_mean import ContactMean
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import coulomb_limit
 
@@ -65,7 +65,7 @@ class Spectrum(NamedTuple):
     force: np.ndarray  # sum P_n and sum Q_n
 
 
-class At(IntEnum):
+class SurfaceSample(IntEnum):
     """Rows of `Samples.surface`, at the samples of a cycle."""
 
     U_Z = 0
@@ -74,7 +74,7 @@ class At(IntEnum):
     Y = 3
 
 
-class Over(IntEnum):
+class IntervalMean(IntEnum):
     """Rows of `Samples.mean`, means over each interval: z and x of a contact, forces of a row in N."""
 
     Z = 0
@@ -89,8 +89,8 @@ class Samples(NamedTuple):
     table: np.ndarray  # exp(i n phi_j), (N, M + 1)
     scale: np.ndarray  # s_n, (N,)
     before: np.ndarray  # amplitudes that reach a row, with the phase at the row, m, (N,)
-    surface: np.ndarray  # (len(At), M + 1), m
-    mean: np.ndarray  # (len(Over), M)
+    surface: np.ndarray  # (len(SurfaceSample), M + 1), m
+    mean: np.ndarray  # (len(IntervalMean), M)
 
 
 def samples(number: int, count: int) -> Samples:
@@ -110,7 +110,7 @@ def _cycle(surface, mean, c, back, out):
     The cycle is followed from a sample without contact. If there is none, it begins at the limit of the deformation on
     the side `back`, to which the slider's drift stretches the contact, and the second cycle is recorded.
     """
-    z, y = surface[At.Z], surface[At.Y]
+    z, y = surface[SurfaceSample.Z], surface[SurfaceSample.Y]
     count = z.size - 1
     start = -1
     for j in range(count):
@@ -127,7 +127,7 @@ def _cycle(surface, mean, c, back, out):
             j = (start + i) % count
             low, high = z[j], z[j + 1]
             if low <= 0.0 and high <= 0.0:
-                mean[Over.Z, j] = mean[Over.X, j] = x = 0.0
+                mean[IntervalMean.Z, j] = mean[IntervalMean.X, j] = x = 0.0
                 continue
             touching = 1.0  # fraction of the interval in contact, in which z goes from `low` to `high`
             if low < 0.0:
@@ -151,8 +151,8 @@ def _cycle(surface, mean, c, back, out):
                 after = slip * (limit + c_dz)
             x = after if z[j + 1] > 0.0 else 0.0
             share += touching
-            mean[Over.Z, j], mean[Over.X, j] = 0.5 * (low + high) * touching, mean_x * touching
-    out[Each.FRICTION], out[Each.SHARE] = friction / (2.0 * np.pi), share / count
+            mean[IntervalMean.Z, j], mean[IntervalMean.X, j] = 0.5 * (low + high) * touching, mean_x * touching
+    out[ContactMean.FRICTION], out[ContactMean.SHARE] = friction / (2.0 * np.pi), share / count
 
 
 @compiled
@@ -172,32 +172,32 @@ def _row(classes, j, approach, w, back, spectrum, cycle, out):
     number, count = scale.size, mean.shape[1]
     highest = -np.inf
     for i in range(count + 1):
-        highest = max(highest, surface[At.U_Z, i])
+        highest = max(highest, surface[SurfaceSample.U_Z, i])
     for i in range(count):
-        mean[Over.NORMAL, i] = mean[Over.TANGENTIAL, i] = 0.0
+        mean[IntervalMean.NORMAL, i] = mean[IntervalMean.TANGENTIAL, i] = 0.0
     for k in range(classes.first[j], classes.behind[j]):
         out[:, k] = 0.0
         if approach[k] + highest <= 0.0:
             continue
         for i in range(count + 1):
-            surface[At.Z, i] = approach[k] + surface[At.U_Z, i]
-            surface[At.Y, i] = surface[At.U_X, i] - w * (2.0 * np.pi * i / count)
+            surface[SurfaceSample.Z, i] = approach[k] + surface[SurfaceSample.U_Z, i]
+            surface[SurfaceSample.Y, i] = surface[SurfaceSample.U_X, i] - w * (2.0 * np.pi * i / count)
         _cycle(surface, mean, classes.limit_slope[k], back, out[:, k])
         normal, tangential = (
             classes.weight[k] * classes.normal_stiffness[k], classes.weight[k] * classes.tangential_stiffness[k]
         )  # fmt: skip
         for i in range(count):
-            out[Each.NORMAL, k] += mean[Over.Z, i] / count
-            out[Each.TANGENTIAL, k] += mean[Over.X, i] / count
-            mean[Over.NORMAL, i] += normal * mean[Over.Z, i]
-            mean[Over.TANGENTIAL, i] += tangential * mean[Over.X, i]
-        first = _coefficient(mean[Over.Z], table, scale, 0)
-        out[Each.NORMAL_COS, k], out[Each.NORMAL_SIN, k] = first.real, -first.imag
-        first = _coefficient(mean[Over.X], table, scale, 0)
-        out[Each.TANGENTIAL_COS, k], out[Each.TANGENTIAL_SIN, k] = first.real, -first.imag
+            out[ContactMean.NORMAL, k] += mean[IntervalMean.Z, i] / count
+            out[ContactMean.TANGENTIAL, k] += mean[IntervalMean.X, i] / count
+            mean[IntervalMean.NORMAL, i] += normal * mean[IntervalMean.Z, i]
+            mean[IntervalMean.TANGENTIAL, i] += tangential * mean[IntervalMean.X, i]
+        first = _coefficient(mean[IntervalMean.Z], table, scale, 0)
+        out[ContactMean.NORMAL_COS, k], out[ContactMean.NORMAL_SIN, k] = first.real, -first.imag
+        first = _coefficient(mean[IntervalMean.X], table, scale, 0)
+        out[ContactMean.TANGENTIAL_COS, k], out[ContactMean.TANGENTIAL_SIN, k] = first.real, -first.imag
     for n in range(number):
         for side in range(2):
-            spectrum.force[j, side, n] = _coefficient(mean[Over.NORMAL + side], table, scale, n)
+            spectrum.force[j, side, n] = _coefficient(mean[IntervalMean.NORMAL + side], table, scale, n)
 
 
 @compiled
@@ -214,7 +214,7 @@ def _surface_motion(waves, spectrum, cycle, j):
             q = scale[n] * (orbit * a + orbit.conjugate() * b)
             u_z += p.real * c.real - p.imag * c.imag
             u_x += q.real * c.real - q.imag * c.imag
-        surface[At.U_Z, i], surface[At.U_X, i] = u_z, u_x
+        surface[SurfaceSample.U_Z, i], surface[SurfaceSample.U_X, i] = u_z, u_x
 
 
 @compiled
@@ -227,7 +227,7 @@ def _improved(classes, waves, spectrum, before, out, j, step):
     along, force, orbit, half = spectrum.along, spectrum.force, waves.orbit[0], 0.5j * waves.g
     spring, change = 0.0j, 0.0
     for k in range(classes.first[j], classes.behind[j]):
-        spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[Each.SHARE, k]
+        spring += half * classes.weight[k] * classes.normal_stiffness[k] * out[ContactMean.SHARE, k]
     for n in range(before.size):
         by_forces = before[n] + half * (force[j, 0, n] + orbit.conjugate() * force[j, 1, n])
         new = (by_forces - spring * along[j, n]) / (1.0 - spring)
@@ -245,7 +245,7 @@ def _improved(classes, waves, spectrum, before, out, j, step):
      "cycle.surface": "4 1+s", "cycle.mean": "4 s", "out": "9 n"},
 )  # fmt: skip
 def overtone_march(classes, waves, approach, w, side, spectrum, cycle, out):
-    """Follow the wave through all rows; fill its amplitudes, the forces and the rows of `cycle_mean.Each`.
+    """Follow the wave through all rows; fill its amplitudes, the forces and the rows of `cycle_mean.ContactMean`.
 
     g = 0 keeps `spectrum.along` as it is. `w`: velocity over omega, m; `side`: sign of the motion before w = 0. With
     h = i g/2, the amplitudes at a row (means of its two sides) are the root of

@@ -22,7 +22,7 @@ The unknown waves are U+ and U- at the rows, `forward` and `backward`; `march` s
 import numpy as np
 
 from contact import body
-from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
+from contact.averaged.cycle_mean import ContactMean, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import BACKWARD, CLOSED, FORWARD, cycle_arrays
 from contact.averaged.march import march, passed
 from contact.averaged.riding import mean_loads, quadrature
@@ -142,11 +142,11 @@ class RowCycle:
         np.divide(u_x.real, c * ell, out=paths.tangential_cos)
         np.divide(-u_x.imag, c * ell, out=paths.tangential_sin)
         velocities, before = float(w) / (c * ell), BACKWARD if side < 0.0 else FORWARD
-        out, force = np.empty((len(Each), self.x.size)), float(load(ell, self.normal))  # p(ell)
+        out, force = np.empty((len(ContactMean), self.x.size)), float(load(ell, self.normal))  # p(ell)
         own = plain(self.normal)  # a power of z, the same at every ell
         problem = self.problem if own else self.problem._replace(normal=scaled(self.normal, ell))
         contact_cycles(problem, 0.0, velocities, before, self._rule, self._work, out)
-        out[[Each.FRICTION, Each.LEAK]] *= force * ell * c**2  # over k_t, m^2
+        out[[ContactMean.FRICTION, ContactMean.LEAK]] *= force * ell * c**2  # over k_t, m^2
         return forces_of(out, self.k_n * force, self.k_t * force * c)
 
     @property

@@ -22,13 +22,13 @@ from contact import parameter_check
 from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.coupled_motion import coupled_motion, unloaded
-from contact.averaged.cycle_mean import Each, MeanForces, contact_cycles, forces_of
+from contact.averaged.cycle_mean import ContactMean, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import FORWARD, cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
 from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
-from contact.codes import Status, Steady
+from contact.codes import Status, SteadyRegime
 from contact.error_estimate import averaged_stall_error, first_order_error
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits, crest_velocities, towards_plus
@@ -36,7 +36,7 @@ from contact.passing_wave import Surface, coupling, crest_direction, prescribed,
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
 
-REGIMES = np.array([regime.name.lower() for regime in Steady])
+REGIMES = np.array([regime.name.lower() for regime in SteadyRegime])
 REFUSALS = {
     Status.RUNAWAY: ("runaway", RUNAWAY),
     Status.NEAR_THRESHOLD: (
@@ -141,7 +141,7 @@ def mean_motion(slider: Slider, orbits: Surface) -> MeanMotion:
     if math.isnan(status):
         closed_form(slider, listed)  # raises with status "runaway" if nothing balances the load
         refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    if status != Status.DONE or result[Entry.REGIME] == Steady.UNKNOWN:
+    if status != Status.DONE or result[Entry.REGIME] == SteadyRegime.UNKNOWN:
         unreached = "not converged", "the averaged motion was not reached; use method exact"
         raise ConvergenceError(*REFUSALS.get(status, unreached))
     return _answer(result)
@@ -155,12 +155,12 @@ def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForc
     """
     slider, listed = prescribed(slider, orbits, each=True)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
-    by_contact = np.empty((len(Each), len(listed)))
+    by_contact = np.empty((len(ContactMean), len(listed)))
     velocities = np.full(len(listed), motion.first_order / problem.speed)
     work, rule = cycle_arrays(1, FINE_NODES), quadrature(FINE_NODES)
     contact_cycles(problem, riding_approach(problem), velocities, FORWARD, rule, work, by_contact)
     if slider.static_friction(len(listed)) == 0.0:  # slip begins at no deformation: the kernel's spring is 0/0
-        by_contact[[Each.TANGENTIAL, Each.TANGENTIAL_COS, Each.TANGENTIAL_SIN]] = 0.0
+        by_contact[[ContactMean.TANGENTIAL, ContactMean.TANGENTIAL_COS, ContactMean.TANGENTIAL_SIN]] = 0.0
     force_units = slider.unit_mass * problem.omega**2 * problem.length / slider.contacts(len(listed)).weight
     return forces_of(by_contact, force_units, force_units)
 
@@ -181,7 +181,7 @@ def _coupled(slider, wave):
 def _answer(results):
     """Return the `MeanMotion` of result columns (`Entry`)."""
     regime = np.nan_to_num(results[..., Entry.REGIME]).astype(int)
-    results = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, results)
+    results = np.where(regime[..., None] == SteadyRegime.UNKNOWN, math.nan, results)
     return MeanMotion(
         velocity=results[..., Entry.VELOCITY], first_order=results[..., Entry.FIRST_ORDER],
         height=results[..., Entry.HEIGHT], regime=REGIMES[regime], held=results[..., Entry.HELD] == 1.0,
@@ -206,7 +206,7 @@ def _entries(sliders, waves, which, factors, wave_errors, threads):
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
     out = np.full((len(which), len(Entry)), math.nan)
-    out[:, Entry.REGIME] = Steady.UNKNOWN
+    out[:, Entry.REGIME] = SteadyRegime.UNKNOWN
     averaged = factors > 0.0  # problems that averaging solves
     applies = {}  # by (slider, wave)
     for k, (slider, wave) in enumerate(which.tolist()):

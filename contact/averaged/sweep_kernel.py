@@ -16,7 +16,7 @@ from contact.averaged.cycle_pieces import FORWARD
 from contact.averaged.equilibrium import Entry, Work, excess, full_slip_speed, solve_equilibrium, work_arrays
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
-from contact.codes import Status, Steady
+from contact.codes import Status, SteadyRegime
 from contact.error_estimate import (
     MIN_WAVE_STEP,
     averaged_stall_error,
@@ -141,11 +141,11 @@ def _solve_problem(problem, ratio, wave_error, harmonics, arrays, result):
     thrust = result[Entry.LEAST_AT_REST]
     if result[Entry.LARGEST_AT_REST] <= -thrust:
         thrust = -result[Entry.LARGEST_AT_REST]
-    result[Entry.REGIME] = Steady.STICK.value
+    result[Entry.REGIME] = SteadyRegime.STICK.value
     if result[Entry.MADE_PER_CYCLE] > 0.0:
-        result[Entry.REGIME] = Steady.INTERMITTENT.value
+        result[Entry.REGIME] = SteadyRegime.INTERMITTENT.value
     elif result[Entry.SLIPS_PER_CYCLE] > 0.0:
-        result[Entry.REGIME] = Steady.SLIP.value
+        result[Entry.REGIME] = SteadyRegime.SLIP.value
     result[Entry.ERROR] = error / reference if reference > 0.0 else 0.0
     result[Entry.FROM_WAVE] = from_wave / reference if reference > 0.0 else 0.0
     result[Entry.THRUST] = max(thrust, 0.0)

@@ -18,8 +18,7 @@ from contact.averaged.equilibrium import force_left, full_slip_speed, settle, wo
 from contact.averaged.riding import Rule, mean_normal_force, mean_pull, riding
 from contact.averaged.runge_kutta import CLASSICAL, Stages, integrate, runge_kutta_step, stages
 from contact.body import Coordinates, body_force, contact_force
-from contact.codes import Status
-from contact.events.segment import At, Column
+from contact.codes import At, Recorded, Status
 from contact.jit.compiled import compiled, native
 from contact.problem import Problem
 from contact.stepping.end_corrections import cubic
@@ -142,8 +141,8 @@ def follow_bounce(problem, state, span, work, arrays):
             return phase, taken, Status.UNSETTLED
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
-            record[taken, Column.VELOCITY] = v0 + s * (v - v0)
-            record[taken, Column.POSITION] = -cubic(s, h0, h, d * w0, d * w)
+            record[taken, Recorded.VELOCITY] = v0 + s * (v - v0)
+            record[taken, Recorded.POSITION] = -cubic(s, h0, h, d * w0, d * w)
             taken += 1
         phase += d
         steps += 1
@@ -197,7 +196,7 @@ def _speed_rates(speed, time, y, out):
 @compiled
 def _speed_sampled(speed, number):
     """Record the height."""
-    speed.record[number, Column.POSITION] = -speed.height[0]
+    speed.record[number, Recorded.POSITION] = -speed.height[0]
 
 
 @compiled
@@ -246,7 +245,7 @@ def _response(problem, state, span, work, arrays):
     state[At.NORMAL_VELOCITY] = fast_rate - state[At.NORMAL_VELOCITY]
     state[At.VELOCITY] = state[At.VELOCITY] + fast_speed
     for m in range(span.at.size):
-        span.record[m, Column.VELOCITY] += fast_speed
+        span.record[m, Recorded.VELOCITY] += fast_speed
     return why
 
 

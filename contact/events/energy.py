@@ -16,9 +16,9 @@ from enum import IntEnum
 import numpy as np
 
 from contact.body import Coordinates, Point, approach_rate, travel
-from contact.codes import Regime, Tangential
+from contact.codes import At, Regime, Tangential
 from contact.events.collocation import ROOT_AT_START, SMOOTH
-from contact.events.segment import COMPILED_CONTACTS, SHAPES, At, Index, Plane, normal_force, point_at
+from contact.events.segment import COMPILED_CONTACTS, SHAPES, ContactRow, SliderRow, normal_force, point_at
 from contact.jit.compiled import compiled, formula, native
 from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip
@@ -27,7 +27,7 @@ from contact.problem import contact_parameters
 from contact.roots import interpolate
 
 
-class Sum(IntEnum):
+class EnergySum(IntEnum):
     """Indices in `State.sums`; from WAVE_NORMAL to LEAK energies, in the order of `answers.ledger.Ledger`."""
 
     TANGENTIAL_FORCE = 0  # integral of sum Q over the phase
@@ -75,8 +75,8 @@ def account(problem, grid, state, nodes, segment):
     account_slider(problem, grid, state, nodes, segment)
     for i in range(state.regime.size):
         account_contact(problem, grid, state, nodes, segment, i)
-    if state.sums[Sum.SINCE] > 0.0:
-        state.sums[Sum.SINCE] += segment.length
+    if state.sums[EnergySum.SINCE] > 0.0:
+        state.sums[EnergySum.SINCE] += segment.length
 
 
 @compiled
@@ -85,11 +85,11 @@ def account_slider(problem, grid, state, nodes, segment):
     slider, sums, last = nodes.slider, state.sums, nodes.guard.size - 1
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
-        w, v = slider[Index.NORMAL_VELOCITY, k], slider[Index.VELOCITY, k]
-        sums[Sum.NORMAL_LOSS] += weight * problem.normal_damping * w * w
-        sums[Sum.TANGENTIAL_LOSS] += weight * problem.tangential_damping * v * v
-        sums[Sum.LOAD_WORK] += weight * problem.load * v
-    sums[Sum.DISPLACEMENT] += slider[Index.TRAVEL, last]
+        w, v = slider[SliderRow.NORMAL_VELOCITY, k], slider[SliderRow.VELOCITY, k]
+        sums[EnergySum.NORMAL_LOSS] += weight * problem.normal_damping * w * w
+        sums[EnergySum.TANGENTIAL_LOSS] += weight * problem.tangential_damping * v * v
+        sums[EnergySum.LOAD_WORK] += weight * problem.load * v
+    sums[EnergySum.DISPLACEMENT] += slider[SliderRow.TRAVEL, last]
 
 
 @compiled
@@ -103,14 +103,14 @@ def account_contact(problem, grid, state, nodes, segment, i):
     tangential_sum = normal_sum = normal_work = tangential_work = slip_loss = damper_loss = leak = 0.0
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
-        point, weighted_q = point_at(nodes, i, k), weight * own[Plane.Q, i, k]
+        point, weighted_q = point_at(nodes, i, k), weight * own[ContactRow.Q, i, k]
         z, _, z_rate, x_rate = point
         weighted_n = weight * normal_force(problem, nodes, i, k)
-        damper = weight * problem.contact_damping * own[Plane.P, i, k] * z_rate
+        damper = weight * problem.contact_damping * own[ContactRow.P, i, k] * z_rate
         tangential_sum += weighted_q
         normal_sum += weighted_n - damper
-        normal_work += weighted_n * own[Plane.U_Z_RATE, i, k]
-        tangential_work += weighted_q * own[Plane.U_X_RATE, i, k]
+        normal_work += weighted_n * own[ContactRow.U_Z_RATE, i, k]
+        tangential_work += weighted_q * own[ContactRow.U_X_RATE, i, k]
         damper_loss += damper * z_rate
         if rated:  # work on spring and slip together; that on the spring is subtracted below
             slip_loss += weighted_q * x_rate
@@ -119,19 +119,19 @@ def account_contact(problem, grid, state, nodes, segment, i):
             if regime == Regime.SLIP or regime == Regime.CREEP:
                 slip_loss += weighted_q * sign * slip
             elif regime == Regime.ANNULUS:
-                slip_loss += weight * friction * annulus_slip(z, own[Plane.FRONT, i, k]) * slip
+                slip_loss += weight * friction * annulus_slip(z, own[ContactRow.FRONT, i, k]) * slip
         if law.kind == Tangential.ELASTIC and not rated:
             leak -= weight * spring(contact, regime, sign, point)[1] * z_rate
     if rated:
         spring_work, leak = _slip_spring_work(contact, grid, state, nodes, segment, i)
         slip_loss -= spring_work
-    sums[Sum.TANGENTIAL_FORCE] += tangential_sum
-    sums[Sum.NORMAL_FORCE] += normal_sum
-    sums[Sum.WAVE_NORMAL] += normal_work
-    sums[Sum.WAVE_TANGENTIAL] += tangential_work
-    sums[Sum.SLIP_LOSS] += slip_loss
-    sums[Sum.CONTACT_LOSS] += damper_loss
-    sums[Sum.LEAK] += leak
+    sums[EnergySum.TANGENTIAL_FORCE] += tangential_sum
+    sums[EnergySum.NORMAL_FORCE] += normal_sum
+    sums[EnergySum.WAVE_NORMAL] += normal_work
+    sums[EnergySum.WAVE_TANGENTIAL] += tangential_work
+    sums[EnergySum.SLIP_LOSS] += slip_loss
+    sums[EnergySum.CONTACT_LOSS] += damper_loss
+    sums[EnergySum.LEAK] += leak
 
 
 @compiled
@@ -148,7 +148,7 @@ def _slip_spring_work(contact, grid, state, nodes, segment, i):
     at the nodes.
     """
     sign, own, n = state.sign[i], nodes.contact, nodes.guard.size
-    force, rate = own[Plane.LEVEL, i], own[Plane.FRONT, i]
+    force, rate = own[ContactRow.LEVEL, i], own[ContactRow.FRONT, i]
     force[0], x = _spring_force(contact, sign, point_at(nodes, i, 0))
     at_start = force[0] * x
     for j in range(1, n):
@@ -161,11 +161,11 @@ def _slip_spring_work(contact, grid, state, nodes, segment, i):
     for k in range(GAUSS_POINTS.size):
         g = GAUSS_POINTS[k]
         sigma, weight = 1.0 - 2.0 * g**3, 6.0 * g**2 * GAUSS_WEIGHTS[k]
-        z = interpolate(sigma, grid.sigma, grid.bary, own[Plane.Z, i])
-        z_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_Z_RATE, i])
-        z_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Index.NORMAL_VELOCITY])
-        x_rate = interpolate(sigma, grid.sigma, grid.bary, own[Plane.U_X_RATE, i])
-        x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[Index.VELOCITY])
+        z = interpolate(sigma, grid.sigma, grid.bary, own[ContactRow.Z, i])
+        z_rate = interpolate(sigma, grid.sigma, grid.bary, own[ContactRow.U_Z_RATE, i])
+        z_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[SliderRow.NORMAL_VELOCITY])
+        x_rate = interpolate(sigma, grid.sigma, grid.bary, own[ContactRow.U_X_RATE, i])
+        x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[SliderRow.VELOCITY])
         point = Point(z, 0.0, z_rate, x_rate)
         work -= weight * _spring_force(contact, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
         if segment.map == SMOOTH:  # d tau/d sigma of the map
@@ -191,6 +191,6 @@ def mark(sums):
 
     SINCE is set to 1e-300, not 0, because 0 means that there has been no event.
     """
-    if sums[Sum.SINCE] > 1e-200:
-        sums[Sum.CROWDING] = max(sums[Sum.CROWDING], 1.0 / sums[Sum.SINCE])
-    sums[Sum.SINCE] = 1e-300
+    if sums[EnergySum.SINCE] > 1e-200:
+        sums[EnergySum.CROWDING] = max(sums[EnergySum.CROWDING], 1.0 / sums[EnergySum.SINCE])
+    sums[EnergySum.SINCE] = 1e-300

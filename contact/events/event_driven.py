@@ -21,19 +21,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Count, Event, Outcome, Regime, Status
+from contact.codes import At, AttemptOutcome, Event, Recorded, Regime, Status, WorkCount
 from contact.events import many_contacts
 from contact.events import segment as seg
 from contact.events.collocation import ROOT_AT_START, SMOOTH
-from contact.events.energy import Sum, account, mark
-from contact.events.segment import At, Attempt, Column, Index, Plane
+from contact.events.energy import EnergySum, account, mark
+from contact.events.segment import Attempt, ContactRow, SliderRow
 from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
 from contact.events.warm_start import Pattern, blank, matching, recall, store
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.hysteretic import is_full, trim, write_curve
 from contact.problem import contact_parameters
 
-TALLY = len(Event) + len(Count)
+TALLY = len(Event) + len(WorkCount)
 
 
 class Task(NamedTuple):
@@ -48,7 +48,7 @@ class Task(NamedTuple):
     at: np.ndarray  # (k,): phases of the samples, rising, in (start, stop]; they do not change the motion
     samples: np.ndarray  # (k, contacts, len(Sample))
     stride: int  # cycles per recorded sample; 0: none
-    record: np.ndarray  # (number // stride, len(Column))
+    record: np.ndarray  # (number // stride, len(Recorded))
 
 
 class Work(NamedTuple):
@@ -62,7 +62,7 @@ class Work(NamedTuple):
 @per_thread
 def work_arrays(contacts: int, nodes: int, many: bool) -> Work:
     """Return the work arrays for so many contacts and nodes of a segment; `many`: with those of `many_contacts`."""
-    values = seg.Nodes(np.zeros((len(Index), nodes)), np.zeros((len(Plane), contacts, nodes)), np.empty(nodes))
+    values = seg.Nodes(np.zeros((len(SliderRow), nodes)), np.zeros((len(ContactRow), contacts, nodes)), np.empty(nodes))
     return Work(values, blank(contacts, nodes), many_contacts.span(contacts, nodes, TALLY) if many else None)
 
 
@@ -92,7 +92,7 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
         change = 0.0
         if task.mobile:
             change = seg.integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[At.POSITION]))
-        state.tally[Count.SWEEPS] += 1
+        state.tally[WorkCount.SWEEPS] += 1
         if not change < 1e100:
             return 0.0
         arrived = seg.has_converged(change, last)
@@ -124,7 +124,7 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
     """Compute a segment and end it at the first root of a guard on it; return (converged, segment)."""
     entered = segment.map == ROOT_AT_START
     converged, sweeps = seg.iterate_motion(problem, grid, state, nodes, segment, task.mobile, memory)
-    state.tally[Count.SWEEPS] += sweeps
+    state.tally[WorkCount.SWEEPS] += sweeps
     if not converged:
         return False, segment
     root, contact, which = earliest(problem, grid, state, nodes, memory)
@@ -153,7 +153,7 @@ def _ended_at_event(problem, grid, state, nodes, task, segment, memory):
         if segment.length < 1e-14:
             segment = seg.resized(segment, 0.0)
         _, sweeps = seg.iterate_motion(problem, grid, state, nodes, segment, task.mobile, memory)
-        state.tally[Count.SWEEPS] += sweeps
+        state.tally[WorkCount.SWEEPS] += sweeps
         if segment.contact < 0:
             break
         end = segment.phase + segment.length
@@ -190,26 +190,26 @@ def _sampled(grid, state, nodes, task, segment, taken):
 def _move_to_end(problem, state, nodes, memory):
     """Set the state to that at the end of a segment; the next one is guessed from the accelerations there."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
-    state.slider[At.POSITION] = slider[Index.POSITION, end]
-    state.slider[At.NORMAL_VELOCITY] = slider[Index.NORMAL_VELOCITY, end]
-    state.slider[At.VELOCITY] = slider[Index.VELOCITY, end]
+    state.slider[At.POSITION] = slider[SliderRow.POSITION, end]
+    state.slider[At.NORMAL_VELOCITY] = slider[SliderRow.NORMAL_VELOCITY, end]
+    state.slider[At.VELOCITY] = slider[SliderRow.VELOCITY, end]
     for i in range(state.regime.size):
-        state.deformation[i] = own[Plane.X, i, end]
+        state.deformation[i] = own[ContactRow.X, i, end]
         if memory is not None:
             grows, c = state.regime[i] == Regime.GROW, contact_parameters(problem, i).limit_slope
             if grows:
-                write_curve(memory, i, own[Plane.Z, i], own[Plane.X, i], own[Plane.LEVEL, i], c)
+                write_curve(memory, i, own[ContactRow.Z, i], own[ContactRow.X, i], own[ContactRow.LEVEL, i], c)
             elif state.regime[i] == Regime.ANNULUS:
-                trim(memory, i, state.sign[i], own[Plane.Z, i, end], own[Plane.X, i, end], c)
+                trim(memory, i, state.sign[i], own[ContactRow.Z, i, end], own[ContactRow.X, i, end], c)
             memory.growing[i] = int(grows)
-    _begin_with(nodes, slider[Index.NORMAL_ACCELERATION, end], slider[Index.TANGENTIAL_ACCELERATION, end])
+    _begin_with(nodes, slider[SliderRow.NORMAL_ACCELERATION, end], slider[SliderRow.TANGENTIAL_ACCELERATION, end])
 
 
 @compiled
 def _begin_with(nodes, normal, tangential):
     """Set the accelerations from which the next segment is guessed."""
-    nodes.slider[Index.NORMAL_ACCELERATION, 0] = normal
-    nodes.slider[Index.TANGENTIAL_ACCELERATION, 0] = tangential
+    nodes.slider[SliderRow.NORMAL_ACCELERATION, 0] = normal
+    nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, 0] = tangential
 
 
 @compiled
@@ -235,8 +235,8 @@ def _from_last_cycle(problem, grid, state, work, task, memory, progress):
 def _attempt(problem, grid, state, work, task, memory, progress):
     """Compute the next segment; return an `Attempt`."""
     nodes, longest = work.nodes, problem.longest
-    normal = nodes.slider[Index.NORMAL_ACCELERATION, 0]
-    tangential = nodes.slider[Index.TANGENTIAL_ACCELERATION, 0]
+    normal = nodes.slider[SliderRow.NORMAL_ACCELERATION, 0]
+    tangential = nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, 0]
     segment = _from_last_cycle(problem, grid, state, work, task, memory, progress)
     if segment.length == 0.0:
         _begin_with(nodes, normal, tangential)
@@ -244,18 +244,18 @@ def _attempt(problem, grid, state, work, task, memory, progress):
         segment = seg.next_segment(progress.phase, progress.length, task.stop, map_)
         converged, segment = _cold_started(problem, grid, state, nodes, task, segment, memory)
         if not converged:
-            return Attempt(Outcome.NOT_CONVERGED, segment, 0.25 * segment.length, Status.STIFF)
+            return Attempt(AttemptOutcome.NOT_CONVERGED, segment, 0.25 * segment.length, Status.STIFF)
     if segment.length == 0.0:
         # a guard vanishes at the start: nothing moves, and `advance` changes the regime
-        return Attempt(Outcome.EVENT_AT_START, segment, segment.longest, Status.DONE)
+        return Attempt(AttemptOutcome.EVENT_AT_START, segment, segment.longest, Status.DONE)
     rough, change = _roughness(problem, grid, nodes, segment), 1.0
     if progress.match < 0 or rough > task.tolerance:
         order = nodes.guard.size - 1  # the roughness is about proportional to this power of the length
         change = min(2.0, max(0.2, 0.9 * (task.tolerance / (rough + 1e-300)) ** (1.0 / order)))
     if rough > task.tolerance and segment.length > 1e-6 * longest:
         _begin_with(nodes, normal, tangential)
-        return Attempt(Outcome.TOO_ROUGH, segment, segment.length * min(change, 0.7), Status.DONE)
-    return Attempt(Outcome.ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest), Status.DONE)
+        return Attempt(AttemptOutcome.TOO_ROUGH, segment, segment.length * min(change, 0.7), Status.DONE)
+    return Attempt(AttemptOutcome.ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest), Status.DONE)
 
 
 @compiled
@@ -313,19 +313,19 @@ def advance(problem, grid, state, work, task, memory, span, cycle):
         progress = Progress(phase, min(length, problem.longest), entered, match, 1 - new, taken)
         tried = _next(problem, grid, state, work, task, memory, span, progress)
         segment, length = tried.segment, tried.length
-        if tried.outcome == Outcome.NOT_CONVERGED or tried.outcome == Outcome.TOO_ROUGH:
-            tally[Count.HALVINGS] += 1
-            if tried.outcome == Outcome.NOT_CONVERGED and length < 1e-9 * problem.longest:
+        if tried.outcome == AttemptOutcome.NOT_CONVERGED or tried.outcome == AttemptOutcome.TOO_ROUGH:
+            tally[WorkCount.HALVINGS] += 1
+            if tried.outcome == AttemptOutcome.NOT_CONVERGED and length < 1e-9 * problem.longest:
                 return tried.status
-            warm = warm and tried.outcome == Outcome.NOT_CONVERGED
+            warm = warm and tried.outcome == AttemptOutcome.NOT_CONVERGED
             continue
-        if tried.outcome == Outcome.ACCEPTED:
-            tally[Count.SEGMENTS] += 1
+        if tried.outcome == AttemptOutcome.ACCEPTED:
+            tally[WorkCount.SEGMENTS] += 1
             phase, taken = _accept(problem, grid, state, work, task, memory, span, progress, segment)
             idle, entered, warm = 0, False, True
         else:
             idle += 1
-            tally[Count.CHATTER] += idle > contacts  # more than one event per contact at one instant
+            tally[WorkCount.CHATTER] += idle > contacts  # more than one event per contact at one instant
             if idle > 20 * contacts + 20:  # they follow one another without end
                 return Status.TOO_MANY
         if segment.contact >= 0:
@@ -357,14 +357,15 @@ def travel(problem, grid, state, work, task, memory, span):
     """
     work.pattern.stored[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
     for k in range(task.number):
-        before = state.sums[Sum.DISPLACEMENT]
+        before = state.sums[EnergySum.DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
         why = advance(problem, grid, state, work, task, memory, span, k)
         if why != Status.DONE:
             return why
-        state.tally[Count.CYCLES] += 1
+        state.tally[WorkCount.CYCLES] += 1
         if task.stride > 0 and (k + 1) % task.stride == 0:
             recorded = task.record[(k + 1) // task.stride - 1]
-            recorded[Column.VELOCITY], recorded[Column.POSITION] = state.slider[At.VELOCITY], state.slider[At.POSITION]
-            recorded[Column.MEAN_VELOCITY] = (state.sums[Sum.DISPLACEMENT] - before) / (2.0 * np.pi)
+            recorded[Recorded.VELOCITY] = state.slider[At.VELOCITY]
+            recorded[Recorded.POSITION] = state.slider[At.POSITION]
+            recorded[Recorded.MEAN_VELOCITY] = (state.sums[EnergySum.DISPLACEMENT] - before) / (2.0 * np.pi)
     return Status.DONE

@@ -19,11 +19,11 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, damping_force
-from contact.codes import LAST_GUARD, Count, Event, Outcome, Regime, Status
+from contact.codes import LAST_GUARD, At, AttemptOutcome, Event, Regime, Status, WorkCount
 from contact.events import segment as seg
 from contact.events.collocation import ROOT_AT_START, SMOOTH
-from contact.events.energy import Sum, account_contact, account_slider, mark
-from contact.events.segment import At, Attempt, Index, Plane
+from contact.events.energy import EnergySum, account_contact, account_slider, mark
+from contact.events.segment import Attempt, ContactRow, SliderRow
 from contact.events.transitions import cut, end_guard, enter_next, is_sharp
 from contact.jit.compiled import compiled
 from contact.law.hysteretic import Memory
@@ -35,7 +35,7 @@ from contact.roots import first_root
 MANY = 16
 # Largest number of pieces of a contact on one segment, and of successive pieces without length
 MAX_PIECES, MAX_IDLE = 200, 20
-# Number of indices `Index` that have a series in `Span.series`: position, travel, velocities, accelerations
+# Number of indices `SliderRow` that have a series in `Span.series`: position, travel, velocities, accelerations
 MOTION = 6
 
 
@@ -61,7 +61,7 @@ def span(contacts: int, nodes: int, tally: int) -> Span:
     """Return work arrays."""
     return Span(
         np.zeros((nodes + 2, nodes)), np.zeros((MOTION, nodes + 2)), np.zeros((2, nodes)), np.zeros(1),
-        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(len(Sum)),
+        np.zeros(contacts, np.int64), np.zeros(contacts), np.zeros(contacts), np.zeros(len(EnergySum)),
         np.zeros(tally, np.int64), np.zeros(16 * contacts), np.zeros(1, np.int64),
     )  # fmt: skip
 
@@ -87,14 +87,14 @@ def attempt(problem, grid, state, work, task, memory, progress):
     too_rough = rough > task.tolerance and outer.length > 1e-6 * problem.longest
     _recall(state, span)
     if why != Status.DONE or too_rough:
-        outcome = Outcome.NOT_CONVERGED if why != Status.DONE else Outcome.TOO_ROUGH
+        outcome = AttemptOutcome.NOT_CONVERGED if why != Status.DONE else AttemptOutcome.TOO_ROUGH
         return Attempt(outcome, outer, 0.5 * outer.length, why)
     # once more on the final motion, to record events, energies and samples
     why = _all_followed(problem, grid, state, work, task, outer, Following(True, progress.taken, memory))
     if why != Status.DONE:
-        return Attempt(Outcome.NOT_CONVERGED, outer, 0.0, why)
+        return Attempt(AttemptOutcome.NOT_CONVERGED, outer, 0.0, why)
     grow = 2.0 if rough == 0.0 else min(2.0, 0.9 * (task.tolerance / rough) ** 0.2)
-    return Attempt(Outcome.ACCEPTED, outer, min(problem.longest, outer.length * max(grow, 1.0)), why)
+    return Attempt(AttemptOutcome.ACCEPTED, outer, min(problem.longest, outer.length * max(grow, 1.0)), why)
 
 
 @compiled
@@ -138,9 +138,9 @@ def _iterated(problem, grid, state, work, task, outer, memory):
         for k in range(state.sums.size):
             state.sums[k] = span.sums[k]
         for k in range(state.tally.size):
-            if k != Count.SWEEPS and k != Count.HALVINGS:
+            if k != WorkCount.SWEEPS and k != WorkCount.HALVINGS:
                 state.tally[k] = span.tally[k]
-        state.tally[Count.SWEEPS] += 1
+        state.tally[WorkCount.SWEEPS] += 1
         if why != Status.DONE:
             return why, 0.0
         if not task.mobile:
@@ -151,8 +151,8 @@ def _iterated(problem, grid, state, work, task, outer, memory):
         if seg.has_converged(change, last):
             normal, along = 0.0, 0.0
             for k in range(n - 2, n):
-                normal = max(normal, abs(span.series[Index.NORMAL_ACCELERATION, k]))
-                along = max(along, abs(span.series[Index.TANGENTIAL_ACCELERATION, k]))
+                normal = max(normal, abs(span.series[SliderRow.NORMAL_ACCELERATION, k]))
+                along = max(along, abs(span.series[SliderRow.TANGENTIAL_ACCELERATION, k]))
             # Error of the position between the ends, (L/2)^2/n^2 of the last coefficients; it changes sign about n
             # times, so its integral over the segment is smaller by another L/n.
             return Status.DONE, max(normal, along) * outer.length**3 / (4.0 * n**3)
@@ -165,7 +165,7 @@ def _guess(problem, state, span, outer, mobile):
     """Set the motion of constant accelerations: those at the end of the last segment."""
     series, half = span.series, 0.5 * outer.length
     for axis in range(2):
-        index = Index.NORMAL_ACCELERATION + axis
+        index = SliderRow.NORMAL_ACCELERATION + axis
         end = 0.0
         for k in range(series.shape[1]):
             end += series[index, k]
@@ -180,10 +180,10 @@ def _updated(problem, state, span, outer, n):
     series = span.series
     for k in range(n):
         weight = 0.5 * (2 * k + 1)
-        force = damping_force(problem, Coordinates(series[Index.NORMAL_VELOCITY, k], series[Index.VELOCITY, k]))
+        force = damping_force(problem, Coordinates(series[SliderRow.NORMAL_VELOCITY, k], series[SliderRow.VELOCITY, k]))
         normal, along = weight * span.moments[0, k] + force.normal, weight * span.moments[1, k] + force.along
-        series[Index.NORMAL_ACCELERATION, k] = normal - (problem.preload if k == 0 else 0.0)
-        series[Index.TANGENTIAL_ACCELERATION, k] = along - (problem.load if k == 0 else 0.0)
+        series[SliderRow.NORMAL_ACCELERATION, k] = normal - (problem.preload if k == 0 else 0.0)
+        series[SliderRow.TANGENTIAL_ACCELERATION, k] = along - (problem.load if k == 0 else 0.0)
     return _integrate(state, series, 0.5 * outer.length, n)
 
 
@@ -192,9 +192,9 @@ def _integrate(state, series, half, n):
     """Set velocities and positions from the accelerations' series; return the largest change of one, in sum."""
     change = 0.0
     for axis in range(2):
-        acceleration = series[Index.NORMAL_ACCELERATION + axis]
-        normal_velocity, height = (series[Index.NORMAL_VELOCITY], series[Index.POSITION]) if axis == 0 else (
-            series[Index.VELOCITY], series[Index.TRAVEL])  # fmt: skip
+        acceleration = series[SliderRow.NORMAL_ACCELERATION + axis]
+        normal_velocity, height = (series[SliderRow.NORMAL_VELOCITY], series[SliderRow.POSITION]) if axis == 0 else (
+            series[SliderRow.VELOCITY], series[SliderRow.TRAVEL])  # fmt: skip
         velocity = state.slider[At.NORMAL_VELOCITY] if axis == 0 else state.slider[At.VELOCITY]
         begin = state.slider[At.POSITION] if axis == 0 else 0.0
         change = max(change, _primitive(acceleration, normal_velocity, velocity, half, n))
@@ -265,7 +265,7 @@ def _followed(problem, grid, state, work, task, outer, i, following):
             if following.recorded:
                 account_contact(problem, grid, state, nodes, piece, i)
                 _sampled(grid, state, nodes, task, piece, i, following.taken, outer.phase)
-            state.deformation[i] = nodes.contact[Plane.X, i, nodes.guard.size - 1]
+            state.deformation[i] = nodes.contact[ContactRow.X, i, nodes.guard.size - 1]
             phase, idle, entered = phase + piece.length, 0, False
         else:
             idle += 1
@@ -321,9 +321,9 @@ def _move(grid, work, outer, piece, first):
             for j in range(first, n):
                 slider[r, j] += c * legendre[k, j]
     if first == 0:
-        span.start[0] = slider[Index.TRAVEL, 0]
+        span.start[0] = slider[SliderRow.TRAVEL, 0]
     for j in range(first, n):
-        slider[Index.TRAVEL, j] -= span.start[0]
+        slider[SliderRow.TRAVEL, j] -= span.start[0]
 
 
 @compiled
@@ -365,7 +365,7 @@ def _project(grid, span, nodes, problem, piece, outer, i):
     for j in range(n):
         weight = scale * grid.integrals[piece.map, 0, j, n - 1]
         normal = weight * seg.normal_force(problem, nodes, i, j)
-        along = weight * own[Plane.Q, i, j]
+        along = weight * own[ContactRow.Q, i, j]
         for k in range(n):
             span.moments[0, k] += normal * span.legendre[k, j]
             span.moments[1, k] += along * span.legendre[k, j]
@@ -377,18 +377,18 @@ def _account_slider(problem, grid, state, work, outer):
     nodes, span, n = work.nodes, work.span, grid.sigma.size
     _move(grid, work, outer, outer, 0)
     account_slider(problem, grid, state, nodes, outer)
-    state.slider[At.POSITION] = nodes.slider[Index.POSITION, n - 1]
-    state.slider[At.NORMAL_VELOCITY] = nodes.slider[Index.NORMAL_VELOCITY, n - 1]
-    state.slider[At.VELOCITY] = nodes.slider[Index.VELOCITY, n - 1]
+    state.slider[At.POSITION] = nodes.slider[SliderRow.POSITION, n - 1]
+    state.slider[At.NORMAL_VELOCITY] = nodes.slider[SliderRow.NORMAL_VELOCITY, n - 1]
+    state.slider[At.VELOCITY] = nodes.slider[SliderRow.VELOCITY, n - 1]
     _sort(span.phases, span.stored[0])
     before = outer.phase
     for k in range(span.stored[0]):
-        if state.sums[Sum.SINCE] > 0.0:
-            state.sums[Sum.SINCE] += span.phases[k] - before
+        if state.sums[EnergySum.SINCE] > 0.0:
+            state.sums[EnergySum.SINCE] += span.phases[k] - before
         mark(state.sums)
         before = span.phases[k]
-    if state.sums[Sum.SINCE] > 0.0:
-        state.sums[Sum.SINCE] += outer.phase + outer.length - before
+    if state.sums[EnergySum.SINCE] > 0.0:
+        state.sums[EnergySum.SINCE] += outer.phase + outer.length - before
 
 
 @compiled

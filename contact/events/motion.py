@@ -10,12 +10,12 @@ from functools import lru_cache
 import numpy as np
 
 from contact.body import Coordinates, Point, approach
-from contact.codes import Count, Event, Regime, Status
+from contact.codes import At, Event, Recorded, Regime, Status, WorkCount
 from contact.events import event_driven, segment
 from contact.events.collocation import Collocation
-from contact.events.energy import Sum, spring_energy
+from contact.events.energy import EnergySum, spring_energy
 from contact.events.many_contacts import MANY
-from contact.events.segment import At, Column, Sample
+from contact.events.segment import SampleColumn
 from contact.events.transitions import open_regimes
 from contact.exceptions import ConvergenceError
 from contact.law import hysteretic, normal
@@ -39,10 +39,10 @@ def rest_state(slider: Slider, problem: Problem) -> np.ndarray:
 @lru_cache(maxsize=64)
 def _whole_cycles(number, mobile, truncation, limit, contacts):
     """Return the task of whole cycles without samples; a kernel knows the addresses of one that it was given before."""
-    nothing = np.empty((0, contacts, len(Sample)))
+    nothing = np.empty((0, contacts, len(SampleColumn)))
     return event_driven.Task(
         start=0.0, stop=2.0 * math.pi, number=number, mobile=mobile, tolerance=truncation, limit=limit,
-        at=nothing[:, 0, 0], samples=nothing, stride=0, record=np.empty((0, len(Column))),
+        at=nothing[:, 0, 0], samples=nothing, stride=0, record=np.empty((0, len(Recorded))),
     )  # fmt: skip
 
 
@@ -65,9 +65,9 @@ class Motion:
     regime : ndarray of int, shape (contacts,)
         One of `codes.Regime`.
     tally : ndarray of int, shape (event_driven.TALLY,)
-        Number of events of each kind (`codes.Event`) and measures of the work (`codes.Count`).
-    sums : ndarray, shape (len(Sum),)
-        Integrals over the motion since `begin` (`energy.Sum`).
+        Number of events of each kind (`codes.Event`) and measures of the work (`codes.WorkCount`).
+    sums : ndarray, shape (len(EnergySum),)
+        Integrals over the motion since `begin` (`energy.EnergySum`).
     memory : law.hysteretic.Memory or None
         Memory of the contacts; None for a law without one.
     begun : ndarray, shape (3,), or None
@@ -77,7 +77,7 @@ class Motion:
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
         contacts = problem.contacts
         self.problem, self.grid, self.truncation = problem, grid, truncation
-        tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(Sum))
+        tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(EnergySum))
         self.carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
         remembers = problem.law.guard is hysteretic.guard  # the only law with a memory
         self.begun = None
@@ -87,7 +87,7 @@ class Motion:
         """Make these arrays, all scaled, the state; the kernels change them in place."""
         self.state, self.sign, self.regime, self.tally, self.sums = state, sign, regime, tally, sums
         # for the kernels: the same arrays, not copies, as one tuple
-        self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
+        self.carried = segment.SegmentState(state[:3], state[3:], sign, regime, tally, sums)
 
     def set_state(self, height, normal_velocity, speed, deformations=0.0, problem=None):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
@@ -118,22 +118,22 @@ class Motion:
         self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
-        """Move through `number` whole cycles; return a sample (`Column`) every `stride` cycles, none for 0."""
+        """Move through `number` whole cycles; return a sample (`Recorded`) every `stride` cycles, none for 0."""
         task = _whole_cycles(number, mobile, self.truncation, self._limit(2.0 * math.pi), self.regime.size)
         if stride:
-            task = task._replace(stride=stride, record=np.empty((number // stride, len(Column))))
+            task = task._replace(stride=stride, record=np.empty((number // stride, len(Recorded))))
         self._travel(task)
         return task.record
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
-        """Move from one phase to another; return samples (k, contacts, len(`Sample`)) at the k phases `at`."""
-        samples = np.zeros((at.size, self.regime.size, len(Sample)))
-        cycles = self.tally[Count.CYCLES]
+        """Move from one phase to another; return samples (k, contacts, len(`SampleColumn`)) at the k phases `at`."""
+        samples = np.zeros((at.size, self.regime.size, len(SampleColumn)))
+        cycles = self.tally[WorkCount.CYCLES]
         self._travel(event_driven.Task(
             start=start, stop=stop, number=1, mobile=True, tolerance=self.truncation, limit=self._limit(stop - start),
-            at=at, samples=samples, stride=0, record=np.empty((0, len(Column))),
+            at=at, samples=samples, stride=0, record=np.empty((0, len(Recorded))),
         ))  # fmt: skip
-        self.tally[Count.CYCLES] = cycles  # a part of a cycle does not count as one
+        self.tally[WorkCount.CYCLES] = cycles  # a part of a cycle does not count as one
         return samples
 
     def mean_height(self, cycles: int) -> float:
@@ -142,7 +142,9 @@ class Motion:
         It follows from the mean approach of the first contact, because the mean of u_z is zero.
         """
         motion, phases = self.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-        approaches = [motion.move(0.0, 2.0 * math.pi, phases)[:, 0, Sample.APPROACH].mean() for _ in range(cycles)]
+        approaches = [
+            motion.move(0.0, 2.0 * math.pi, phases)[:, 0, SampleColumn.APPROACH].mean() for _ in range(cycles)
+        ]
         return float(np.mean(approaches) - self.problem.paths.height[0])
 
     def _travel(self, task):
@@ -170,7 +172,7 @@ class Motion:
         # in the order of the tally
         names = *kinds, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out"
         counted = {name: int(number) for name, number in zip(names, self.tally, strict=True)}
-        crowding = float(self.sums[Sum.CROWDING])
+        crowding = float(self.sums[EnergySum.CROWDING])
         gap = 1.0 / (crowding * self.problem.omega) if crowding > 0.0 else math.inf
         return counted | {"chatter": bool(counted["chatter"]), "smallest_gap": gap}
 

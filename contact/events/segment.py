@@ -5,8 +5,8 @@ the forces again. One such iteration is a sweep. It reduces the error by a facto
 the contact resonance over omega and L the segment's length: four digits and more for a wave of 2 MHz. If the iteration
 does not converge, the segment is shortened.
 
-The values at the nodes are kept in `Nodes`: the slider's in one array (`Index`), those of each contact in the
-planes of another (`Plane`). The segment ends where a guard of a contact vanishes. A *guard* is a function that is
+The values at the nodes are kept in `Nodes`: the slider's in one array (`SliderRow`), those of each contact in the
+planes of another (`ContactRow`). The segment ends where a guard of a contact vanishes. A *guard* is a function that is
 positive inside a regime (`law.elastic`); its end is searched by Newton's method on the segment's length.
 """
 
@@ -26,7 +26,7 @@ from contact.body import (
     short_sine,
     travel,
 )
-from contact.codes import Guard, Regime, Tangential
+from contact.codes import At, Guard, Regime, Tangential
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.jit.compiled import compiled
 from contact.law.elastic import FAR_SIDE, spring
@@ -48,24 +48,7 @@ SHAPES = {
 }  # fmt: skip
 
 
-class At(IntEnum):
-    """Indices in `State.slider`; the deformations follow them in the state of a whole motion."""
-
-    POSITION = 0
-    NORMAL_VELOCITY = 1
-    VELOCITY = 2
-    DEFORMATIONS = 3
-
-
-class Column(IntEnum):
-    """Columns of the record of a run."""
-
-    VELOCITY = 0
-    POSITION = 1
-    MEAN_VELOCITY = 2
-
-
-class Index(IntEnum):
+class SliderRow(IntEnum):
     """First index of `Nodes.slider`: motion, accelerations, and these integrated once and twice over tau."""
 
     POSITION = 0
@@ -80,7 +63,7 @@ class Index(IntEnum):
     TANGENTIAL_TWICE = 9
 
 
-class Plane(IntEnum):
+class ContactRow(IntEnum):
     """Planes of `Nodes.contact`."""
 
     U_Z = 0  # surface displacement
@@ -97,19 +80,19 @@ class Plane(IntEnum):
     LEVEL = 10  # moment M of the hysteretic memory at the node
 
 
-class State(NamedTuple):
+class SegmentState(NamedTuple):
     """State of a slider between two segments, with the tally and the sums of the run so far."""
 
     slider: np.ndarray  # (3,): z_s, z_s' and v
     deformation: np.ndarray  # (contacts,): x
     sign: np.ndarray  # (contacts,): of deformation or slip
     regime: np.ndarray  # (contacts,) int: `codes.Regime`
-    tally: np.ndarray  # (event_driven.TALLY,) int: how many of each `codes.Event` and `codes.Count`
-    sums: np.ndarray  # (len(energy.Sum),): integrals, see `energy.Sum`
+    tally: np.ndarray  # (event_driven.TALLY,) int: how many of each `codes.Event` and `codes.WorkCount`
+    sums: np.ndarray  # (len(energy.EnergySum),): integrals, see `energy.EnergySum`
 
 
 class Nodes(NamedTuple):
-    """Values at the nodes: of the slider (len(Index), n), the contacts (len(Plane), contacts, n), a guard (n,)."""
+    """Values at the n nodes: slider (len(SliderRow), n), contacts (len(ContactRow), contacts, n), a guard (n,)."""
 
     slider: np.ndarray
     contact: np.ndarray
@@ -131,7 +114,7 @@ class Segment(NamedTuple):
 class Attempt(NamedTuple):
     """Result of an attempt to compute a segment."""
 
-    outcome: int  # one of `codes.Outcome`
+    outcome: int  # one of `codes.AttemptOutcome`
     segment: Segment
     length: float  # to try next
     status: int  # `codes.Status`: why it did not converge
@@ -177,30 +160,30 @@ def surface_of(problem, grid, nodes, segment, i, c0, s0, first):
         else:
             s, v = np.sin(t), 1.0 - np.cos(t)
         c = 1.0 - v
-        own[Plane.U_Z, i, j] = a * c + b * s
-        own[Plane.U_X, i, j] = e * s - d * v
-        own[Plane.U_Z_RATE, i, j] = b * c - a * s
-        own[Plane.U_X_RATE, i, j] = e * c - d * s
+        own[ContactRow.U_Z, i, j] = a * c + b * s
+        own[ContactRow.U_X, i, j] = e * s - d * v
+        own[ContactRow.U_Z_RATE, i, j] = b * c - a * s
+        own[ContactRow.U_X_RATE, i, j] = e * c - d * s
 
 
 @compiled
 def coordinates_at(nodes, j):
     """Return the slider's coordinates at a node, the travel from the segment's start."""
-    return Coordinates(nodes.slider[Index.POSITION, j], nodes.slider[Index.TRAVEL, j])
+    return Coordinates(nodes.slider[SliderRow.POSITION, j], nodes.slider[SliderRow.TRAVEL, j])
 
 
 @compiled
 def rate_at(nodes, j):
     """Return the rates of the slider's coordinates at a node."""
-    return Coordinates(nodes.slider[Index.NORMAL_VELOCITY, j], nodes.slider[Index.VELOCITY, j])
+    return Coordinates(nodes.slider[SliderRow.NORMAL_VELOCITY, j], nodes.slider[SliderRow.VELOCITY, j])
 
 
 @compiled
 def point_at(nodes, i, j):
     """Return approach, deformation and their rates of a contact at a node."""
     own, rate = nodes.contact, rate_at(nodes, j)
-    z_rate = approach_rate(own[Plane.U_Z_RATE, i, j], rate)
-    return Point(own[Plane.Z, i, j], own[Plane.X, i, j], z_rate, travel(own[Plane.U_X_RATE, i, j], rate))
+    z_rate = approach_rate(own[ContactRow.U_Z_RATE, i, j], rate)
+    return Point(own[ContactRow.Z, i, j], own[ContactRow.X, i, j], z_rate, travel(own[ContactRow.U_X_RATE, i, j], rate))
 
 
 @compiled
@@ -212,22 +195,22 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
         _moments(problem, grid, state, nodes, segment, memory)
     for j in range(n):
         force = body_force(problem, rate_at(nodes, j))
-        slider[Index.NORMAL_ACCELERATION, j] = force.normal if mobile else 0.0
-        slider[Index.TANGENTIAL_ACCELERATION, j] = force.along if mobile else 0.0
+        slider[SliderRow.NORMAL_ACCELERATION, j] = force.normal if mobile else 0.0
+        slider[SliderRow.TANGENTIAL_ACCELERATION, j] = force.along if mobile else 0.0
     for i in range(state.regime.size):
         contact_forces(problem, grid, state, nodes, i, memory)
         if mobile and state.regime[i] != Regime.SEPARATED:
             for j in range(n):
-                slider[Index.NORMAL_ACCELERATION, j] += normal_force(problem, nodes, i, j)
-                slider[Index.TANGENTIAL_ACCELERATION, j] += own[Plane.Q, i, j]
+                slider[SliderRow.NORMAL_ACCELERATION, j] += normal_force(problem, nodes, i, j)
+                slider[SliderRow.TANGENTIAL_ACCELERATION, j] += own[ContactRow.Q, i, j]
 
 
 @compiled
 def normal_force(problem, nodes, i, j):
     """Return the normal force of a contact on the slider at a node, damper and reciprocal force with it."""
     own = nodes.contact
-    rate = approach_rate(own[Plane.U_Z_RATE, i, j], rate_at(nodes, j))
-    return contact_force(problem, own[Plane.P, i, j], rate) + own[Plane.BACK, i, j]
+    rate = approach_rate(own[ContactRow.U_Z_RATE, i, j], rate_at(nodes, j))
+    return contact_force(problem, own[ContactRow.P, i, j], rate) + own[ContactRow.BACK, i, j]
 
 
 @compiled
@@ -236,29 +219,29 @@ def contact_forces(problem, grid, state, nodes, i, memory):
     regime, sign, own = state.regime[i], state.sign[i], nodes.contact
     contact, n = contact_parameters(problem, i), grid.sigma.size
     for j in range(n):
-        own[Plane.Z, i, j] = approach(problem.paths, i, own[Plane.U_Z, i, j], coordinates_at(nodes, j))
-        own[Plane.BACK, i, j] = 0.0
+        own[ContactRow.Z, i, j] = approach(problem.paths, i, own[ContactRow.U_Z, i, j], coordinates_at(nodes, j))
+        own[ContactRow.BACK, i, j] = 0.0
     if regime == Regime.SEPARATED:
         for j in range(n):
-            own[Plane.P, i, j] = own[Plane.Q, i, j] = own[Plane.X, i, j] = 0.0
+            own[ContactRow.P, i, j] = own[ContactRow.Q, i, j] = own[ContactRow.X, i, j] = 0.0
         return
     for j in range(n):
-        own[Plane.BACK, i, j] = -contact.stiffness * contact.normal.pull
-        own[Plane.P, i, j] = contact.stiffness * load(own[Plane.Z, i, j], contact.normal)
+        own[ContactRow.BACK, i, j] = -contact.stiffness * contact.normal.pull
+        own[ContactRow.P, i, j] = contact.stiffness * load(own[ContactRow.Z, i, j], contact.normal)
     if regime == Regime.SLIP:
         for j in range(n):
-            own[Plane.X, i, j] = sign * slip_limit(contact, own[Plane.Z, i, j])
+            own[ContactRow.X, i, j] = sign * slip_limit(contact, own[ContactRow.Z, i, j])
     else:
         for j in range(n):
-            own[Plane.X, i, j] = state.deformation[i] + travel(own[Plane.U_X, i, j], coordinates_at(nodes, j))
+            own[ContactRow.X, i, j] = state.deformation[i] + travel(own[ContactRow.U_X, i, j], coordinates_at(nodes, j))
     for j in range(n):
-        level, front = own[Plane.LEVEL, i, j], own[Plane.FRONT, i, j]
-        own[Plane.Q, i, j], own[Plane.FRONT, i, j] = contact.law.force(
+        level, front = own[ContactRow.LEVEL, i, j], own[ContactRow.FRONT, i, j]
+        own[ContactRow.Q, i, j], own[ContactRow.FRONT, i, j] = contact.law.force(
             contact, memory, i, regime, sign, point_at(nodes, i, j), level, front
         )
     if contact.law.kind == Tangential.RECIPROCAL:
         for j in range(n):
-            own[Plane.BACK, i, j] = spring(contact, regime, sign, point_at(nodes, i, j))[1]
+            own[ContactRow.BACK, i, j] = spring(contact, regime, sign, point_at(nodes, i, j))[1]
 
 
 @compiled
@@ -272,14 +255,14 @@ def _moments(problem, grid, state, nodes, segment, memory):
         if state.regime[i] != Regime.GROW:
             continue
         for j in range(n):
-            z = approach(problem.paths, i, own[Plane.U_Z, i, j], coordinates_at(nodes, j))
-            x_rate = travel(own[Plane.U_X_RATE, i, j], rate_at(nodes, j))
-            own[Plane.FRONT, i, j] = moment_rate(contact_parameters(problem, i), z, x_rate)
+            z = approach(problem.paths, i, own[ContactRow.U_Z, i, j], coordinates_at(nodes, j))
+            x_rate = travel(own[ContactRow.U_X_RATE, i, j], rate_at(nodes, j))
+            own[ContactRow.FRONT, i, j] = moment_rate(contact_parameters(problem, i), z, x_rate)
         for j in range(n):
             total = 0.0
             for k in range(n):
-                total += grid.integrals[segment.map, 0, k, j] * own[Plane.FRONT, i, k]
-            own[Plane.LEVEL, i, j] = memory.level[i] + segment.length * total
+                total += grid.integrals[segment.map, 0, k, j] * own[ContactRow.FRONT, i, k]
+            own[ContactRow.LEVEL, i, j] = memory.level[i] + segment.length * total
 
 
 @compiled
@@ -293,16 +276,18 @@ def integrate(grid, state, nodes, segment):
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     for j in range(n):
         tau = grid.tau[segment.map, j]
-        normal_velocity = z_rate + length * slider[Index.NORMAL_ONCE, j]
-        speed = v + length * slider[Index.TANGENTIAL_ONCE, j]
-        height = z_s + length * (z_rate * tau + length * slider[Index.NORMAL_TWICE, j])
-        way = length * (v * tau + length * slider[Index.TANGENTIAL_TWICE, j])
-        moved = max(abs(height - slider[Index.POSITION, j]), abs(way - slider[Index.TRAVEL, j]))
+        normal_velocity = z_rate + length * slider[SliderRow.NORMAL_ONCE, j]
+        speed = v + length * slider[SliderRow.TANGENTIAL_ONCE, j]
+        height = z_s + length * (z_rate * tau + length * slider[SliderRow.NORMAL_TWICE, j])
+        way = length * (v * tau + length * slider[SliderRow.TANGENTIAL_TWICE, j])
+        moved = max(abs(height - slider[SliderRow.POSITION, j]), abs(way - slider[SliderRow.TRAVEL, j]))
         moved = max(
-            moved, abs(normal_velocity - slider[Index.NORMAL_VELOCITY, j]), abs(speed - slider[Index.VELOCITY, j])
+            moved,
+            abs(normal_velocity - slider[SliderRow.NORMAL_VELOCITY, j]),
+            abs(speed - slider[SliderRow.VELOCITY, j]),
         )
-        slider[Index.POSITION, j], slider[Index.NORMAL_VELOCITY, j] = height, normal_velocity
-        slider[Index.TRAVEL, j], slider[Index.VELOCITY, j] = way, speed
+        slider[SliderRow.POSITION, j], slider[SliderRow.NORMAL_VELOCITY, j] = height, normal_velocity
+        slider[SliderRow.TRAVEL, j], slider[SliderRow.VELOCITY, j] = way, speed
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
     return change
@@ -314,7 +299,7 @@ def _four(once, twice, j, slider):
 
     A vector register holds four doubles. The sums are independent, so that no addition waits for another.
     """
-    normal, tangential = slider[Index.NORMAL_ACCELERATION], slider[Index.TANGENTIAL_ACCELERATION]
+    normal, tangential = slider[SliderRow.NORMAL_ACCELERATION], slider[SliderRow.TANGENTIAL_ACCELERATION]
     a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = c0 = c1 = c2 = c3 = d0 = d1 = d2 = d3 = 0.0
     # unsigned indices: with signed ones numba puts a test for negative indices between the four loads
     j0, j1, j2, j3 = np.uint64(j), np.uint64(j + 1), np.uint64(j + 2), np.uint64(j + 3)
@@ -336,13 +321,13 @@ def _four(once, twice, j, slider):
         d1 += twice[k, j1] * g
         d2 += twice[k, j2] * g
         d3 += twice[k, j3] * g
-    out = slider[Index.NORMAL_ONCE]
+    out = slider[SliderRow.NORMAL_ONCE]
     out[j0], out[j1], out[j2], out[j3] = a0, a1, a2, a3
-    out = slider[Index.NORMAL_TWICE]
+    out = slider[SliderRow.NORMAL_TWICE]
     out[j0], out[j1], out[j2], out[j3] = b0, b1, b2, b3
-    out = slider[Index.TANGENTIAL_ONCE]
+    out = slider[SliderRow.TANGENTIAL_ONCE]
     out[j0], out[j1], out[j2], out[j3] = c0, c1, c2, c3
-    out = slider[Index.TANGENTIAL_TWICE]
+    out = slider[SliderRow.TANGENTIAL_TWICE]
     out[j0], out[j1], out[j2], out[j3] = d0, d1, d2, d3
 
 
@@ -382,16 +367,16 @@ def iterate_motion(problem, grid, state, nodes, segment, mobile, memory):
 def _guess(grid, state, nodes, segment):
     """Fill the first guess: constant accelerations from the end of the last segment."""
     slider = nodes.slider
-    normal, tangential = slider[Index.NORMAL_ACCELERATION, 0], slider[Index.TANGENTIAL_ACCELERATION, 0]
+    normal, tangential = slider[SliderRow.NORMAL_ACCELERATION, 0], slider[SliderRow.TANGENTIAL_ACCELERATION, 0]
     z_s = state.slider[At.POSITION]
     normal_velocity = state.slider[At.NORMAL_VELOCITY]
     v = state.slider[At.VELOCITY]
     for j in range(grid.sigma.size):
         t = segment.length * grid.tau[segment.map, j]
-        slider[Index.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)
-        slider[Index.NORMAL_VELOCITY, j] = normal_velocity + t * normal
-        slider[Index.TRAVEL, j] = t * (v + 0.5 * t * tangential)
-        slider[Index.VELOCITY, j] = v + t * tangential
+        slider[SliderRow.POSITION, j] = z_s + t * (normal_velocity + 0.5 * t * normal)
+        slider[SliderRow.NORMAL_VELOCITY, j] = normal_velocity + t * normal
+        slider[SliderRow.TRAVEL, j] = t * (v + 0.5 * t * tangential)
+        slider[SliderRow.VELOCITY, j] = v + t * tangential
 
 
 @compiled
@@ -410,12 +395,12 @@ def contact_end(problem, state, nodes, i):
     """Set approach and deformation of a contact at the end of the segment from the slider's motion there."""
     own, n = nodes.contact, nodes.guard.size - 1
     q = coordinates_at(nodes, n)
-    z = approach(problem.paths, i, own[Plane.U_Z, i, n], q)
-    own[Plane.Z, i, n] = z
+    z = approach(problem.paths, i, own[ContactRow.U_Z, i, n], q)
+    own[ContactRow.Z, i, n] = z
     if state.regime[i] == Regime.SLIP:
-        own[Plane.X, i, n] = state.sign[i] * slip_limit(contact_parameters(problem, i), z)
+        own[ContactRow.X, i, n] = state.sign[i] * slip_limit(contact_parameters(problem, i), z)
     elif state.regime[i] != Regime.SEPARATED:
-        own[Plane.X, i, n] = state.deformation[i] + travel(own[Plane.U_X, i, n], q)
+        own[ContactRow.X, i, n] = state.deformation[i] + travel(own[ContactRow.U_X, i, n], q)
 
 
 @compiled
@@ -425,11 +410,11 @@ def guards(problem, state, nodes, i, which, memory):
     if which == Guard.GAP:
         side = -1.0 if regime == Regime.SEPARATED else 1.0
         for j in range(out.size):
-            out[j] = FAR_SIDE + side * own[Plane.Z, i, j]
+            out[j] = FAR_SIDE + side * own[ContactRow.Z, i, j]
         return
     contact = contact_parameters(problem, i)
     for j in range(out.size):
-        front = own[Plane.FRONT, i, j]
+        front = own[ContactRow.FRONT, i, j]
         out[j] = contact.law.guard(contact, memory, i, regime, which, sign, point_at(nodes, i, j), front)
 
 
@@ -460,8 +445,8 @@ def roughness(problem, grid, nodes, segment, i, most):
     for r in range(2):
         ep, eq = 0.0, 0.0
         for k in range(own.shape[2]):
-            ep += tail[r, k] * own[Plane.P, i, k]
-            eq += tail[r, k] * own[Plane.Q, i, k]
+            ep += tail[r, k] * own[ContactRow.P, i, k]
+            eq += tail[r, k] * own[ContactRow.Q, i, k]
         worst = max(worst, segment.length * abs(ep) / normal_scale, segment.length * abs(eq) / tangential_scale)
     return worst
 
@@ -471,11 +456,11 @@ def largest_normal_force(nodes, i):
     """Return the largest normal force of a contact at the nodes."""
     most = 0.0
     for k in range(nodes.guard.size):
-        most = max(most, nodes.contact[Plane.P, i, k])
+        most = max(most, nodes.contact[ContactRow.P, i, k])
     return most
 
 
-class Sample(IntEnum):
+class SampleColumn(IntEnum):
     """Columns of the samples of a contact."""
 
     APPROACH = 0
@@ -495,7 +480,7 @@ def sample(grid, state, nodes, segment, i, phase, out):
     elif segment.map == ROOT_AT_END:
         t = 1.0 - np.sqrt(1.0 - t)
     node_sigma = 2.0 * t - 1.0
-    for k in range(Sample.REGIME):
-        out[k] = interpolate(node_sigma, grid.sigma, grid.bary, nodes.contact[Plane.Z + k, i])
-    out[Sample.REGIME] = state.regime[i]
-    out[Sample.SLIDER_VELOCITY] = interpolate(node_sigma, grid.sigma, grid.bary, nodes.slider[Index.VELOCITY])
+    for k in range(SampleColumn.REGIME):
+        out[k] = interpolate(node_sigma, grid.sigma, grid.bary, nodes.contact[ContactRow.Z + k, i])
+    out[SampleColumn.REGIME] = state.regime[i]
+    out[SampleColumn.SLIDER_VELOCITY] = interpolate(node_sigma, grid.sigma, grid.bary, nodes.slider[SliderRow.VELOCITY])

@@ -3,10 +3,10 @@ r"""Events that end a segment: the first guard that vanishes, its rate there, an
 import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, at_phase, travel
-from contact.codes import LAST_GUARD, Event, Guard, Regime
+from contact.codes import LAST_GUARD, At, Event, Guard, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
-from contact.events.energy import Sum
-from contact.events.segment import COMPILED_CONTACTS, SHAPES, At, Index, Plane, Segment, guards, point_at
+from contact.events.energy import EnergySum
+from contact.events.segment import COMPILED_CONTACTS, SHAPES, ContactRow, Segment, SliderRow, guards, point_at
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import regime_at, spring
 from contact.law.hysteretic import on_curve
@@ -84,10 +84,10 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
     point = point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
     acceleration = Coordinates(
-        nodes.slider[Index.NORMAL_ACCELERATION, n], nodes.slider[Index.TANGENTIAL_ACCELERATION, n]
+        nodes.slider[SliderRow.NORMAL_ACCELERATION, n], nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, n]
     )
     second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
-    value = contact.law.guard(contact, memory, i, regime, which, sign, point, nodes.contact[Plane.FRONT, i, n])
+    value = contact.law.guard(contact, memory, i, regime, which, sign, point, nodes.contact[ContactRow.FRONT, i, n])
     return value, contact.law.guard_rate(contact, memory, i, regime, which, sign, point, second)
 
 
@@ -129,5 +129,5 @@ def enter_next(problem, state, nodes, i, which, memory):
     )
     if law.rated:  # where slip begins the force falls at once, and the spring's energy with it
         point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
-        state.sums[Sum.SLIP_LOSS] += before - spring(contact, state.regime[i], state.sign[i], point)[2]
+        state.sums[EnergySum.SLIP_LOSS] += before - spring(contact, state.regime[i], state.sign[i], point)[2]
     return kind

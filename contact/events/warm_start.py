@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.events.segment import Index
+from contact.events.segment import SliderRow
 from contact.jit.compiled import compiled
 
 # Segments stored per cycle. A motion with more events than that does not repeat closely enough to gain.
@@ -63,8 +63,8 @@ def matching(pattern, old, first, phase, state):
 def recall(pattern, old, m, nodes):
     """Fill the accelerations at the nodes with those of the last cycle's segment."""
     for j in range(nodes.guard.size):
-        nodes.slider[Index.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
-        nodes.slider[Index.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
+        nodes.slider[SliderRow.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
+        nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
 
 
 @compiled
@@ -78,6 +78,6 @@ def store(pattern, new, segment, end, state, nodes):
     for i in range(state.regime.size):
         pattern.regime[new, m, i], pattern.sign[new, m, i] = state.regime[i], state.sign[i]
     for j in range(nodes.guard.size):
-        pattern.acceleration[new, m, 0, j] = nodes.slider[Index.NORMAL_ACCELERATION, j]
-        pattern.acceleration[new, m, 1, j] = nodes.slider[Index.TANGENTIAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 0, j] = nodes.slider[SliderRow.NORMAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 1, j] = nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, j]
     pattern.stored[new] = m + 1

@@ -23,12 +23,11 @@ import numpy as np
 
 from contact.averaged.event_equilibrium import Balance
 from contact.body import at_phase, tangential_amplitude
-from contact.codes import Count, Tangential
+from contact.codes import At, Recorded, Tangential, WorkCount
 from contact.error_estimate import BATCHES, batch_mean_error, two_orders_error, two_starts_error
 from contact.events.collocation import collocation
-from contact.events.energy import Sum
+from contact.events.energy import EnergySum
 from contact.events.motion import Motion, rest_state
-from contact.events.segment import At, Column
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits
 from contact.periodic.shooting import MULTIPLIER_ERROR, Periodic
@@ -130,7 +129,7 @@ def mean_from_rest(slider: Slider, orbits: Orbits, direction: float, cycles: int
     position, normal_velocity, velocity = begin[:3]
     motion.set_state(position, normal_velocity, velocity, begin[3:])
     record = motion.turn(cycles, stride=1)
-    return float(np.mean(record[cycles // 2 :, Column.MEAN_VELOCITY])) * problem.speed
+    return float(np.mean(record[cycles // 2 :, Recorded.MEAN_VELOCITY])) * problem.speed
 
 
 def _same_speed(speed, problem):
@@ -256,12 +255,12 @@ def run_from(problem, begin, rate, near=None):
         motion.begin()
         record = np.vstack([record, motion.turn(block, stride=1)])
         passed += block
-        spent += int(motion.tally[Count.SEGMENTS] + motion.tally[Count.HALVINGS])
+        spent += int(motion.tally[WorkCount.SEGMENTS] + motion.tally[WorkCount.HALVINGS])
         stuck = stuck + block if motion.sticks else 0
         if stuck >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
-                velocities=record[:, Column.VELOCITY],
+                velocities=record[:, Recorded.VELOCITY],
             )  # fmt: skip
         if near is not None and _arrived(record, near):
             return _arrival(motion, record, passed, near)
@@ -269,7 +268,7 @@ def run_from(problem, begin, rate, near=None):
         if period:
             run = _repeating(motion, begin, period, gap, passed)
             close = near is not None and abs(run.speed - near.speed) <= near.same
-            return replace(run, arrived=close, velocities=record[:, Column.VELOCITY])
+            return replace(run, arrived=close, velocities=record[:, Recorded.VELOCITY])
         if near is not None and passed > MAX_REGULAR and eventual is None:
             eventual = _eventual(problem, motion, near)
             if abs(eventual - near.speed) <= near.same:
@@ -277,7 +276,7 @@ def run_from(problem, begin, rate, near=None):
         if spent > 0.25 * budget or passed > MAX_CYCLES // 4:
             run = _mean(motion, max(BATCHES, passed), passed, rate)
             return replace(
-                run, velocities=record[:, Column.VELOCITY], eventual=math.nan if eventual is None else eventual
+                run, velocities=record[:, Recorded.VELOCITY], eventual=math.nan if eventual is None else eventual
             )
         # the next block takes at most a twentieth of the budget
         block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
@@ -287,7 +286,7 @@ def _arrival(motion, record, passed, near):
     """Return the result of a run that has reached the known motion."""
     return LongRun(
         speed=near.speed, error=near.same, period=1, sticks=False, cycles=1, passed=passed, motion=motion,
-        arrived=True, velocities=record[:, Column.VELOCITY],
+        arrived=True, velocities=record[:, Recorded.VELOCITY],
     )  # fmt: skip
 
 
@@ -305,7 +304,7 @@ def _eventual(problem, motion, near):
         return math.nan
     cycles = int(DECAYED * near.decay_cycles)
     record = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
-    return float(np.mean(record[-max(1, cycles // 10) :, Column.MEAN_VELOCITY]))
+    return float(np.mean(record[-max(1, cycles // 10) :, Recorded.MEAN_VELOCITY]))
 
 
 def relaxation_rate(problem):
@@ -334,7 +333,7 @@ def _refuse_unless_affordable(problem, rate):
 
 def _arrived(record, near):
     """Return True if the last four cycles ended within `CLOSE` of the known motion."""
-    late = np.abs(record[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Column.VELOCITY, Column.POSITION
+    late = np.abs(record[-4:, :2] - near.state[[At.VELOCITY, At.POSITION]])  # Recorded.VELOCITY, Recorded.POSITION
     close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
     return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
@@ -374,8 +373,10 @@ def _repeating(motion, begin, period, gap, passed):
         coarse.turn(passed)
         coarse.begin()
     coarse.turn(period)
-    difference = abs(coarse.sums[Sum.DISPLACEMENT] - motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
-    speed = float(motion.sums[Sum.DISPLACEMENT]) / (2.0 * math.pi * period)
+    difference = abs(coarse.sums[EnergySum.DISPLACEMENT] - motion.sums[EnergySum.DISPLACEMENT]) / (
+        2.0 * math.pi * period
+    )
+    speed = float(motion.sums[EnergySum.DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
         speed=speed, error=two_orders_error(difference, gap), period=period, sticks=False, cycles=period, passed=passed,
         motion=motion,
@@ -386,7 +387,7 @@ def _mean(motion, cycles, passed, rate):
     """Return the mean over `cycles` more cycles from batch means, during which v relaxes with `rate`."""
     motion.begin()
     batch_cycles = max(1, cycles // BATCHES)
-    velocities = motion.turn(batch_cycles * BATCHES, stride=1)[:, Column.MEAN_VELOCITY]
+    velocities = motion.turn(batch_cycles * BATCHES, stride=1)[:, Recorded.MEAN_VELOCITY]
     means = velocities.reshape(BATCHES, batch_cycles).mean(axis=1)
     settled = -math.expm1(-rate * 2.0 * math.pi * 0.5 * BATCHES * batch_cycles)
     error, spread, drift = batch_mean_error(means, settled)

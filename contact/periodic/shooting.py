@@ -14,12 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.event_equilibrium import Balance
-from contact.codes import Count
+from contact.codes import At, WorkCount
 from contact.error_estimate import shooting_rounding
 from contact.events.collocation import collocation
-from contact.events.energy import Sum
+from contact.events.energy import EnergySum
 from contact.events.motion import Motion
-from contact.events.segment import At
 from contact.exceptions import ConvergenceError
 
 # Nodes per segment, truncation error of a segment, its longest length over that of the problem, and the largest Newton
@@ -94,7 +93,7 @@ class Periodic:
     def unseen_error(self) -> float:
         """Error of the speed that another collocation order does not show: the last Newton step and rounding."""
         amplified = self.jacobian.amplification(At.VELOCITY)
-        return self.step + shooting_rounding(amplified, self.state, self.motion.tally[Count.SEGMENTS])
+        return self.step + shooting_rounding(amplified, self.state, self.motion.tally[WorkCount.SEGMENTS])
 
 
 def periodic(
@@ -126,7 +125,7 @@ def periodic(
             f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
         )
     return Periodic(
-        speed=motion.sums[Sum.DISPLACEMENT] / turn + step[2], state=y, jacobian=jacobian, step=size, motion=motion
+        speed=motion.sums[EnergySum.DISPLACEMENT] / turn + step[2], state=y, jacobian=jacobian, step=size, motion=motion
     )
 
 

@@ -10,10 +10,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.events.segment import At, Column
+from contact.codes import At, Recorded
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
-from contact.stepping.time_stepping import Index, Own, Plane, Task, Work, begin_steps, factor, knots_of, one_step
+from contact.stepping.time_stepping import (
+    StepContact,
+    StepSlider,
+    SurfaceRow,
+    Task,
+    Work,
+    begin_steps,
+    factor,
+    knots_of,
+    one_step,
+)
 from contact.track import BLOCK, NODES, Track
 
 AHEAD = 3 * BLOCK  # nodes on either side of the slider that are given to the kernel at a time
@@ -60,7 +70,7 @@ def _at_place(way, displacement):
 def _tabulate(way, per_cycle, cycle, envelope, table):
     """Fill the surface's displacement and velocity at the steps of a cycle whose ends have the amplitudes `way.wave`.
 
-    The table is in the order of `time_stepping.Plane`.
+    The table is in the order of `time_stepping.SurfaceRow`.
     """
     h = 2.0 * np.pi / per_cycle
     # the last knot of a cycle may lie at its end, where the next cycle begins
@@ -69,7 +79,7 @@ def _tabulate(way, per_cycle, cycle, envelope, table):
         e, e_rate, j = factor(envelope, 2.0 * np.pi * cycle + h * k, j)
         turn = complex(way.circle[0, k], way.circle[1, k])
         for part in range(2):
-            place, speed = (Plane.U_X, Plane.W_X) if part == 0 else (Plane.U_Z, Plane.W_Z)
+            place, speed = (SurfaceRow.U_X, SurfaceRow.W_X) if part == 0 else (SurfaceRow.U_Z, SurfaceRow.W_Z)
             for i in range(way.wave.shape[2]):
                 change = way.wave[1, part, i] - way.wave[0, part, i]
                 here = way.wave[0, part, i] + change * (k / per_cycle)
@@ -107,23 +117,26 @@ def _follow(problem, state, task, way, work):
             break
         _at_place(way, ahead)
         _tabulate(way, per_cycle, cycle, envelope, work.table)
-        slider[Index.TRAVELLED] = 0.0
+        slider[StepSlider.TRAVELLED] = 0.0
         for k in range(per_cycle):
             one_step(problem, k, work)
-        if not np.isfinite(slider[Index.POSITION] + slider[Index.NORMAL_VELOCITY] + slider[Index.VELOCITY]):
+        if not np.isfinite(
+            slider[StepSlider.POSITION] + slider[StepSlider.NORMAL_VELOCITY] + slider[StepSlider.VELOCITY]
+        ):
             return OVERFLOW
-        place[0] += slider[Index.TRAVELLED]
-        place[1], place[2] = slider[Index.TRAVELLED], cycle + 1.0
+        place[0] += slider[StepSlider.TRAVELLED]
+        place[1], place[2] = slider[StepSlider.TRAVELLED], cycle + 1.0
         if task.stride > 0 and (cycle + 1) % task.stride == 0:
             row = (cycle + 1) // task.stride - 1
             recorded = task.record[row]
-            recorded[Column.VELOCITY], recorded[Column.POSITION] = slider[Index.VELOCITY], slider[Index.POSITION]
-            recorded[Column.MEAN_VELOCITY] = slider[Index.TRAVELLED] / (2.0 * np.pi)
+            recorded[Recorded.VELOCITY] = slider[StepSlider.VELOCITY]
+            recorded[Recorded.POSITION] = slider[StepSlider.POSITION]
+            recorded[Recorded.MEAN_VELOCITY] = slider[StepSlider.TRAVELLED] / (2.0 * np.pi)
             way.travelled[row] = place[0]
-    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[Index.POSITION], slider[Index.NORMAL_VELOCITY]
-    state[At.VELOCITY] = slider[Index.VELOCITY]
+    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[StepSlider.POSITION], slider[StepSlider.NORMAL_VELOCITY]
+    state[At.VELOCITY] = slider[StepSlider.VELOCITY]
     for i in range(work.contact.shape[1]):
-        state[At.DEFORMATIONS + i] = work.contact[Own.X, i]
+        state[At.DEFORMATIONS + i] = work.contact[StepContact.X, i]
     return why
 
 
@@ -174,7 +187,7 @@ class Scaled(NamedTuple):
 class Followed(NamedTuple):
     """A motion along a track; scaled."""
 
-    record: np.ndarray  # (samples, len(`Column`)), of the cycles that were followed
+    record: np.ndarray  # (samples, len(`Recorded`)), of the cycles that were followed
     displacement: np.ndarray  # (samples,)
     cycles: int  # fewer than asked if the slider came to an end of the track
     place: float  # displacement at the end
@@ -188,9 +201,11 @@ def steps_along(problem, state, scaled, number, per_cycle, *, stride=1, envelope
     beginning.
     """
     n = problem.contacts
-    work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Index)))
+    work = Work(
+        np.empty((len(SurfaceRow), per_cycle + 1, n)), np.empty((len(StepContact), n)), np.zeros(len(StepSlider))
+    )
     samples = number // stride if stride else 0
-    record = np.empty((samples, len(Column)))
+    record = np.empty((samples, len(Recorded)))
     task = Task(number, per_cycle, stride, record, knots_of(problem, envelope))
     place, (low, high) = np.array([start, 0.0, 0.0, 0.0, 0.0]), scaled.limits
     first, nodes, ends = scaled.window(start)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.body import Coordinates, Point, approach, approach_rate, at_phase, body_force, contact_force, travel
-from contact.events.segment import At, Column
+from contact.codes import At, Recorded
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
 from contact.law.normal import curvature
@@ -28,7 +28,7 @@ from contact.problem import contact_parameters
 from contact.stepping import end_corrections as edges
 
 
-class Index(IntEnum):
+class StepSlider(IntEnum):
     """Indices in `Work.slider`."""
 
     POSITION = 0
@@ -42,7 +42,7 @@ class Index(IntEnum):
     DAMP_T = 8
 
 
-class Plane(IntEnum):
+class SurfaceRow(IntEnum):
     """Planes of `Work.table`: surface displacement and velocity at the steps of a cycle."""
 
     U_Z = 0
@@ -51,7 +51,7 @@ class Plane(IntEnum):
     W_X = 3
 
 
-class Own(IntEnum):
+class StepContact(IntEnum):
     """First index of `Work.contact`: approach, deformation, sign of slip or 0."""
 
     Z = 0
@@ -73,16 +73,16 @@ class Task(NamedTuple):
     number: int  # of cycles
     per_cycle: int  # steps
     stride: int  # cycles per recorded sample; 0: none
-    record: np.ndarray  # (number // stride, len(Column))
+    record: np.ndarray  # (number // stride, len(Recorded))
     envelope: Knots
 
 
 class Work(NamedTuple):
     """Work arrays."""
 
-    table: np.ndarray  # (len(Plane), steps + 1, n): surface motion
-    contact: np.ndarray  # (len(Own), n)
-    slider: np.ndarray  # (len(Index),)
+    table: np.ndarray  # (len(SurfaceRow), steps + 1, n): surface motion
+    contact: np.ndarray  # (len(StepContact), n)
+    slider: np.ndarray  # (len(StepSlider),)
 
 
 class Passage(NamedTuple):
@@ -119,8 +119,8 @@ def factor(envelope, phase, j):
 def tabulate_cycle(paths, per_cycle, cycle, envelope, j, table):
     """Fill scaled displacement and velocity of the surface in one cycle under an envelope; return the knot at its end.
 
-    `table` (4, per_cycle + 1, contacts) is in the order of `Plane`; `cycle` is the number of the cycle, j the knot of
-    the envelope from which `factor` searches.
+    `table` (4, per_cycle + 1, contacts) is in the order of `SurfaceRow`; `cycle` is the number of the cycle, j the knot
+    of the envelope from which `factor` searches.
     """
     h = 2.0 * np.pi / per_cycle
     for k in range(per_cycle + 1):
@@ -128,10 +128,10 @@ def tabulate_cycle(paths, per_cycle, cycle, envelope, j, table):
         e, turn, j = factor(envelope, 2.0 * np.pi * cycle + h * k, j)
         for i in range(paths.height.size):
             u_z, w_z, u_x, w_x = at_phase(paths, i, co, si)
-            table[Plane.U_Z, k, i] = e.real * u_z + e.imag * w_z
-            table[Plane.W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
-            table[Plane.U_X, k, i] = e.real * u_x + e.imag * w_x
-            table[Plane.W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
+            table[SurfaceRow.U_Z, k, i] = e.real * u_z + e.imag * w_z
+            table[SurfaceRow.W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
+            table[SurfaceRow.U_X, k, i] = e.real * u_x + e.imag * w_x
+            table[SurfaceRow.W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
     return j
 
 
@@ -263,23 +263,23 @@ def _traction(contact, point, slip):
 def one_step(problem, k, work):
     """Move the slider from step k of the cycle to the next."""
     table, own, slider = work.table, work.contact, work.slider
-    h, paths = slider[Index.STEP], problem.paths
-    rate = Coordinates(slider[Index.NORMAL_VELOCITY], slider[Index.VELOCITY])
+    h, paths = slider[StepSlider.STEP], problem.paths
+    rate = Coordinates(slider[StepSlider.NORMAL_VELOCITY], slider[StepSlider.VELOCITY])
     force = body_force(problem, rate)
-    normal_half = rate.normal + 0.5 * h * (slider[Index.NORMAL] + force.normal)
-    along_half = rate.along + 0.5 * h * (slider[Index.TANGENTIAL] + force.along)
-    q = Coordinates(slider[Index.POSITION] + h * normal_half, h * along_half)
+    normal_half = rate.normal + 0.5 * h * (slider[StepSlider.NORMAL] + force.normal)
+    along_half = rate.along + 0.5 * h * (slider[StepSlider.TANGENTIAL] + force.along)
+    q = Coordinates(slider[StepSlider.POSITION] + h * normal_half, h * along_half)
     # enough for rates at the step's end
     rate_next = Coordinates(2.0 * normal_half - rate.normal, 2.0 * along_half - rate.along)
     normal_force, tangential_force, normal_excess, tangential_excess = 0.0, 0.0, 0.0, 0.0
     for i in range(own.shape[1]):
-        z_old, x, slip = own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i]
-        z_new = approach(paths, i, table[Plane.U_Z, k + 1, i], q)
-        own[Own.Z, i] = z_new
+        z_old, x, slip = own[StepContact.Z, i], own[StepContact.X, i], own[StepContact.SLIP, i]
+        z_new = approach(paths, i, table[SurfaceRow.U_Z, k + 1, i], q)
+        own[StepContact.Z, i] = z_new
         if z_old <= 0.0 and z_new <= 0.0:
             continue
-        along = travel(table[Plane.U_X, k + 1, i] - table[Plane.U_X, k, i], q)
-        z_rate = approach_rate(table[Plane.W_Z, k + 1, i], rate_next)
+        along = travel(table[SurfaceRow.U_X, k + 1, i] - table[SurfaceRow.U_X, k, i], q)
+        z_rate = approach_rate(table[SurfaceRow.W_Z, k + 1, i], rate_next)
         moved = x + along
         contact = contact_parameters(problem, i)
         sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < slip_limit(contact, z_new)
@@ -287,27 +287,27 @@ def one_step(problem, k, work):
             x = moved
         else:
             passage = Passage(
-                h, z_old, z_new, approach_rate(table[Plane.W_Z, k, i], rate), z_rate,
-                travel(table[Plane.W_X, k, i], rate), travel(table[Plane.W_X, k + 1, i], rate_next), along,
+                h, z_old, z_new, approach_rate(table[SurfaceRow.W_Z, k, i], rate), z_rate,
+                travel(table[SurfaceRow.W_X, k, i], rate), travel(table[SurfaceRow.W_X, k + 1, i], rate_next), along,
                 approach(paths, i, 0.0, q),  # z'' = -u_z at z = 0
-                (table[Plane.W_X, k + 1, i] - table[Plane.W_X, k, i]) / h,
+                (table[SurfaceRow.W_X, k + 1, i] - table[SurfaceRow.W_X, k, i]) / h,
             )  # fmt: skip
             x, slip, normal, tangential = _passed(contact, passage, x, slip, sticks)
             normal_excess += normal
             tangential_excess += tangential
-        own[Own.X, i], own[Own.SLIP, i] = x, slip
+        own[StepContact.X, i], own[StepContact.SLIP, i] = x, slip
         if z_new > 0.0:
-            point = Point(z_new, x, z_rate, travel(table[Plane.W_X, k + 1, i], rate_next))
+            point = Point(z_new, x, z_rate, travel(table[SurfaceRow.W_X, k + 1, i], rate_next))
             normal_force += contact_force(contact, elastic_force(contact.stiffness, z_new, contact.normal), z_rate)
             normal_force -= contact.stiffness * contact.normal.pull
             tangential_force += _traction(contact, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
-    slider[Index.POSITION] = q.normal
-    slider[Index.NORMAL_VELOCITY] = normal_velocity * slider[Index.DAMP_N]
-    slider[Index.VELOCITY] = speed * slider[Index.DAMP_T]
-    slider[Index.NORMAL], slider[Index.TANGENTIAL] = normal_force, tangential_force
-    slider[Index.TRAVELLED] += q.along
+    slider[StepSlider.POSITION] = q.normal
+    slider[StepSlider.NORMAL_VELOCITY] = normal_velocity * slider[StepSlider.DAMP_N]
+    slider[StepSlider.VELOCITY] = speed * slider[StepSlider.DAMP_T]
+    slider[StepSlider.NORMAL], slider[StepSlider.TANGENTIAL] = normal_force, tangential_force
+    slider[StepSlider.TRAVELLED] += q.along
 
 
 @native(
@@ -325,22 +325,25 @@ def _run(problem, state, task, work):
     knot = tabulate_cycle(problem.paths, per_cycle, 0, envelope, 0, work.table)
     begin_steps(problem, state, per_cycle, work)
     for cycle in range(task.number):
-        slider[Index.TRAVELLED] = 0.0
+        slider[StepSlider.TRAVELLED] = 0.0
         if cycle > 0 and envelope.at.size > 1:
             # the last knot of a cycle may lie at its end, where the next cycle begins
             knot = tabulate_cycle(problem.paths, per_cycle, cycle, envelope, max(knot - 1, 0), work.table)
         for k in range(per_cycle):
             one_step(problem, k, work)
-        if not np.isfinite(slider[Index.POSITION] + slider[Index.NORMAL_VELOCITY] + slider[Index.VELOCITY]):
+        if not np.isfinite(
+            slider[StepSlider.POSITION] + slider[StepSlider.NORMAL_VELOCITY] + slider[StepSlider.VELOCITY]
+        ):
             return False
         if task.stride > 0 and (cycle + 1) % task.stride == 0:
             recorded = task.record[(cycle + 1) // task.stride - 1]
-            recorded[Column.VELOCITY], recorded[Column.POSITION] = slider[Index.VELOCITY], slider[Index.POSITION]
-            recorded[Column.MEAN_VELOCITY] = slider[Index.TRAVELLED] / (2.0 * np.pi)
-    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[Index.POSITION], slider[Index.NORMAL_VELOCITY]
-    state[At.VELOCITY] = slider[Index.VELOCITY]
+            recorded[Recorded.VELOCITY] = slider[StepSlider.VELOCITY]
+            recorded[Recorded.POSITION] = slider[StepSlider.POSITION]
+            recorded[Recorded.MEAN_VELOCITY] = slider[StepSlider.TRAVELLED] / (2.0 * np.pi)
+    state[At.POSITION], state[At.NORMAL_VELOCITY] = slider[StepSlider.POSITION], slider[StepSlider.NORMAL_VELOCITY]
+    state[At.VELOCITY] = slider[StepSlider.VELOCITY]
     for i in range(work.contact.shape[1]):
-        state[At.DEFORMATIONS + i] = work.contact[Own.X, i]
+        state[At.DEFORMATIONS + i] = work.contact[StepContact.X, i]
     return True
 
 
@@ -349,29 +352,29 @@ def begin_steps(problem, state, per_cycle, work):
     """Set the forces of the first instant and what stays the same."""
     slider, own, table = work.slider, work.contact, work.table
     h = 2.0 * np.pi / per_cycle
-    slider[Index.STEP] = h
-    slider[Index.DAMP_N] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
-    slider[Index.DAMP_T] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
-    slider[Index.POSITION], slider[Index.NORMAL_VELOCITY] = state[At.POSITION], state[At.NORMAL_VELOCITY]
-    slider[Index.VELOCITY] = state[At.VELOCITY]
+    slider[StepSlider.STEP] = h
+    slider[StepSlider.DAMP_N] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
+    slider[StepSlider.DAMP_T] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
+    slider[StepSlider.POSITION], slider[StepSlider.NORMAL_VELOCITY] = state[At.POSITION], state[At.NORMAL_VELOCITY]
+    slider[StepSlider.VELOCITY] = state[At.VELOCITY]
     q = Coordinates(state[At.POSITION], 0.0)
     rate = Coordinates(state[At.NORMAL_VELOCITY], state[At.VELOCITY])
     normal_force, tangential_force = 0.0, 0.0
     for i in range(own.shape[1]):
         x, slip = state[At.DEFORMATIONS + i], 0.0
-        z = approach(problem.paths, i, table[Plane.U_Z, 0, i], q)
+        z = approach(problem.paths, i, table[SurfaceRow.U_Z, 0, i], q)
         if z > 0.0:
             contact = contact_parameters(problem, i)
-            z_rate, limit = approach_rate(table[Plane.W_Z, 0, i], rate), slip_limit(contact, z)
+            z_rate, limit = approach_rate(table[SurfaceRow.W_Z, 0, i], rate), slip_limit(contact, z)
             normal_force += contact_force(contact, elastic_force(contact.stiffness, z, contact.normal), z_rate)
             normal_force -= contact.stiffness * contact.normal.pull
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
             if x != 0.0:
-                point = Point(z, x, z_rate, travel(table[Plane.W_X, 0, i], rate))
+                point = Point(z, x, z_rate, travel(table[SurfaceRow.W_X, 0, i], rate))
                 tangential_force += _traction(contact, point, slip)
-        own[Own.Z, i], own[Own.X, i], own[Own.SLIP, i] = z, x, slip
-    slider[Index.NORMAL], slider[Index.TANGENTIAL] = normal_force, tangential_force
+        own[StepContact.Z, i], own[StepContact.X, i], own[StepContact.SLIP, i] = z, x, slip
+    slider[StepSlider.NORMAL], slider[StepSlider.TANGENTIAL] = normal_force, tangential_force
 
 
 def knots_of(problem, envelope) -> Knots:
@@ -382,14 +385,16 @@ def knots_of(problem, envelope) -> Knots:
 
 
 def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
-    """Move the slider through whole cycles of equal steps; return the record (number // stride, len(`Column`)).
+    """Move the slider through whole cycles of equal steps; return the record (number // stride, len(`Recorded`)).
 
     `state` (3 + n,) holds z_s, z_s', v, x_1..x_n and is overwritten. `envelope` is the `contact.Envelope` from the
     first cycle on, None for none. A sample every `stride` cycles (0: none) has v, z_s and the mean v of the last one.
     """
     n = problem.contacts
-    work = Work(np.empty((len(Plane), per_cycle + 1, n)), np.empty((len(Own), n)), np.zeros(len(Index)))
-    record = np.empty((number // stride if stride else 0, len(Column)))
+    work = Work(
+        np.empty((len(SurfaceRow), per_cycle + 1, n)), np.empty((len(StepContact), n)), np.zeros(len(StepSlider))
+    )
+    record = np.empty((number // stride if stride else 0, len(Recorded)))
     task = Task(number, per_cycle, stride, record, knots_of(problem, envelope))
     if not _run(problem, state, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")

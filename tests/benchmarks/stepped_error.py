@@ -15,7 +15,7 @@ import numpy as np
 
 from contact import ConvergenceError, error_estimate
 from contact.answers import burst_methods as methods
-from contact.events.segment import Column
+from contact.codes import Recorded
 from contact.orbit import towards_plus
 from contact.stepping.time_stepping import steps
 from tests import motors
@@ -31,10 +31,10 @@ def compared(slider, orbits, cycles):
     burst = methods.Burst(slider, driven, problem, cycles, 1, 1e-4, None)
     levels = [k for k, (n, _) in enumerate(methods.STEPS) if not methods.stepped_refusals(slider, problem, n)][:LEVELS]
     exact = methods.rest(slider, driven, problem, nodes=14, truncation=1e-11).turn(cycles, stride=1)
-    exact, found = exact[:, Column.VELOCITY], {}
+    exact, found = exact[:, Recorded.VELOCITY], {}
     for k in levels:
         motion = methods.rest(slider, driven, problem, nodes=16, truncation=1e-12)
-        found[k] = steps(problem, motion.state, cycles, methods.STEPS[k][0])[:, Column.VELOCITY]
+        found[k] = steps(problem, motion.state, cycles, methods.STEPS[k][0])[:, Recorded.VELOCITY]
     reference, every = burst.reference(exact[-1]), max(1, cycles // 48)
     late = np.append(np.arange(cycles // 2, cycles, every), cycles - 1)
     first = np.arange(every - 1, min(methods.WINDOW, cycles // 3), every)

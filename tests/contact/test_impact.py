@@ -12,7 +12,7 @@ from scipy.special import gamma
 
 from contact import steady, threshold_amplitude
 from contact.averaged.event_equilibrium import balanced
-from contact.codes import Count, Event
+from contact.codes import Event, WorkCount
 from contact.events import energy
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
@@ -61,7 +61,7 @@ def test_the_gap_between_contact_and_release_is_the_duration():
     _, motion, *_ = thrown("sphere on a wall")
     motion.move(0.0, 4.0, np.empty(0))
     duration = 4.0 * math.sqrt(math.pi) * gamma(0.4) / (5.0 * gamma(0.9))
-    assert 1.0 / motion.sums[energy.Sum.CROWDING] == pytest.approx(duration, rel=1e-8)
+    assert 1.0 / motion.sums[energy.EnergySum.CROWDING] == pytest.approx(duration, rel=1e-8)
 
 
 @pytest.mark.parametrize("law", ["elastic", "hysteretic"])
@@ -106,11 +106,11 @@ def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
     motion.tally[:], motion.sums[:] = 0, 0.0
     cycles = 300
     motion.turn(cycles, mobile=False)
-    kinds = (Event.STICK_TO_SLIP, Event.SLIP_TO_STICK, Event.REVERSAL, Event.CONTACT, Count.CHATTER)
+    kinds = (Event.STICK_TO_SLIP, Event.SLIP_TO_STICK, Event.REVERSAL, Event.CONTACT, WorkCount.CHATTER)
     assert [motion.tally[kind] for kind in kinds] == [2 * cycles, 2 * cycles, 2 * cycles, 0, 0]
     unit = s.mass * problem.speed**2
     lost = 4.0 * s.friction_coefficient * s.preload * over * x_max * cycles
-    assert motion.sums[energy.Sum.SLIP_LOSS] * unit == pytest.approx(lost, rel=1e-9 + 1e-14 / over)
+    assert motion.sums[energy.EnergySum.SLIP_LOSS] * unit == pytest.approx(lost, rel=1e-9 + 1e-14 / over)
 
 
 def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
@@ -124,7 +124,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
     motion.set_state(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
     motion.turn(300, mobile=False)
     assert motion.tally[Event.STICK_TO_SLIP] == 0
-    assert motion.sums[energy.Sum.SLIP_LOSS] == 0.0
+    assert motion.sums[energy.EnergySum.SLIP_LOSS] == 0.0
 
 
 def held(cycles):
@@ -142,6 +142,6 @@ def held(cycles):
 def test_held_just_below_the_threshold_nothing_ever_slips(cycles):
     motion = held(cycles)
     assert motion.tally[Event.STICK_TO_SLIP] == 0
-    assert motion.sums[energy.Sum.SLIP_LOSS] == 0.0
+    assert motion.sums[energy.EnergySum.SLIP_LOSS] == 0.0
     # slip displacement: what x does not account for; in stick x is the relative displacement itself
-    assert motion.tally[Count.CYCLES] == cycles
+    assert motion.tally[WorkCount.CYCLES] == cycles

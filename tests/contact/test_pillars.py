@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import Orbit, PassingWave, Pillars, Slider, mean_motion, pillar_load_line, pillar_motion, pillar_traction
-from contact.averaged.cycle_mean import Each, contact_cycles
+from contact.averaged.cycle_mean import ContactMean, contact_cycles
 from contact.averaged.cycle_pieces import CLOSED, FORWARD, cycle_arrays
 from contact.body import Paths
 from contact.law.elastic import coulomb
@@ -43,7 +43,7 @@ def scatter(count, sigma, seed):
 
 def cycles(h, a, b, c, w):
     """Return the columns of flat contacts, k_n = k_t = 1, by name; P_1 and Q_1 complex."""
-    out = np.empty((len(h), len(Each), 1))
+    out = np.empty((len(h), len(ContactMean), 1))
     for i in range(len(h)):
         parts = h, a.real, -a.imag, b.real, -b.imag
         problem = Problem(
@@ -54,7 +54,7 @@ def cycles(h, a, b, c, w):
             factors=ContactFactors(*np.ones((2, 1))),
         )  # fmt: skip
         contact_cycles(problem, 0.0, np.full(1, w[i]), FORWARD, CLOSED, cycle_arrays(1, 1), out[i])
-    found = {each.name: out[:, each, 0] for each in Each}
+    found = {each.name: out[:, each, 0] for each in ContactMean}
     found["P1"] = found["NORMAL_COS"] - 1j * found["NORMAL_SIN"]
     return found | {"Q1": found["TANGENTIAL_COS"] - 1j * found["TANGENTIAL_SIN"]}
 

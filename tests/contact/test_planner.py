@@ -43,7 +43,7 @@ def test_a_phase_that_runs_is_a_frequency():
 
 def test_tabulated_motion_is_that_of_the_envelope():
     from contact.body import Paths
-    from contact.stepping.time_stepping import Knots, Plane, tabulate_cycle
+    from contact.stepping.time_stepping import Knots, SurfaceRow, tabulate_cycle
 
     paths, number, cycle = Paths(*(np.array([a]) for a in (0.2, 0.3, -0.8, 0.5, 0.9))), 512, 3
     turn = 2.0 * np.pi
@@ -55,9 +55,12 @@ def test_tabulated_motion_is_that_of_the_envelope():
     phase = turn * (cycle + np.arange(number + 1) / number)
     factor = np.interp(phase, knots.at, knots.amplitude) * np.exp(1j * np.interp(phase, knots.at, knots.angle))
     u_z = np.real(factor * (0.3 + 0.8j) * np.exp(1j * phase))
-    assert tables[Plane.U_Z, :, 0] == pytest.approx(u_z, abs=1e-12)
+    assert tables[SurfaceRow.U_Z, :, 0] == pytest.approx(u_z, abs=1e-12)
     h = turn / number
-    for displacement, velocity in ((tables[Plane.U_Z], tables[Plane.W_Z]), (tables[Plane.U_X], tables[Plane.W_X])):
+    for displacement, velocity in (
+        (tables[SurfaceRow.U_Z], tables[SurfaceRow.W_Z]),
+        (tables[SurfaceRow.U_X], tables[SurfaceRow.W_X]),
+    ):
         for part in (slice(0, 100), slice(110, None)):  # the third knot lies at 102.4 steps
             u, rate = displacement[part], velocity[part]
             fourth = (8.0 * (u[3:-1] - u[1:-3]) - u[4:] + u[:-4]) / (12.0 * h)

@@ -24,7 +24,7 @@ from contact import (
 from contact.answers import burst_methods, steps
 from contact.answers import load_and_stall as stalls
 from contact.error_estimate import averaged_stall_error
-from contact.events.energy import Sum
+from contact.events.energy import EnergySum
 from contact.events.motion import Motion
 from contact.orbit import towards_plus
 from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
@@ -110,7 +110,7 @@ def test_the_error_of_a_step_holds(cycles, shaped):
         during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
     else:
         motion.turn(cycles)
-        during = float(motion.sums[Sum.DISPLACEMENT])
+        during = float(motion.sums[EnergySum.DISPLACEMENT])
     assert abs(side * during * problem.length - found.during) <= 2.0 * found.error + 1e-18
     assert found.answer.value == found.displacement
     assert found.error < (1e-2 if shaped else 1e-9) * abs(found.displacement)
@@ -128,7 +128,7 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
     problem = burst_methods.rest_problem(body, driven)
     motion = burst_methods.rest(body, driven, problem, nodes=16, truncation=1e-12)
     motion.turn(cycles)
-    moved = float(motion.sums[Sum.DISPLACEMENT])
+    moved = float(motion.sums[EnergySum.DISPLACEMENT])
     still = burst_methods.silence(motion)
     still.move(0.0, 400.0 * problem.omega / body.tangential_resonance(len(wave)), np.empty(0))
     load = math.copysign(body.load, problem.load) / (body.friction_coefficient * body.normal_stiffness)
@@ -136,7 +136,7 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
         body.rest_approaches(len(wave)), still.state[3:] * problem.length, body.limit_slope,
         1.5 if body.shape == "sphere" else 1.0, load,
     )  # fmt: skip
-    truth = side * ((moved + float(still.sums[Sum.DISPLACEMENT])) * problem.length + on)
+    truth = side * ((moved + float(still.sums[EnergySum.DISPLACEMENT])) * problem.length + on)
     assert abs(found.displacement - truth) <= 2.0 * found.error
     assert found.error < 1e-10 * abs(truth)
 
@@ -169,7 +169,7 @@ def test_a_hysteretic_step_ends_near_where_its_ring_dies_out(cycles):
     still, half = burst_methods.silence(motion), 0.5 * problem.omega / body.tangential_resonance(1)
     for k in range(40):
         still.move(k * half, (k + 1) * half, np.empty(0))
-    travel = float(motion.sums[Sum.DISPLACEMENT] + still.sums[Sum.DISPLACEMENT]) * problem.length
+    travel = float(motion.sums[EnergySum.DISPLACEMENT] + still.sums[EnergySum.DISPLACEMENT]) * problem.length
     assert abs(float(still.state[2])) < 1e-5  # it is at rest
     assert abs(found.displacement - travel) < 2.0 * found.error
     assert 1e-12 < found.error < 0.7 * found.displacement
