@@ -20,7 +20,9 @@ from contact.exceptions import ConvergenceError
 from contact.passing_wave import resonance_ratio
 
 RATE_TOLERANCE = 3e-5  # relative tolerance of the averaged velocity
-PARTS = 8  # of a burst under an envelope: each begins with a short step, so that none passes over a change of the wave
+# Parts of a burst under an envelope, at least, and for each change of its amplitude by the largest one: each part
+# begins with a short step, so that none passes over a change of the wave
+PARTS, PARTS_PER_CHANGE = 8, 2
 LEAST_WAVE = 1e-3  # factor on the wave below which it does not move the slider
 
 
@@ -45,12 +47,13 @@ def quasi_static(slider, wave, time, duration, envelope):
     during, velocity, work = time[time < duration], np.zeros(1), stages(1)
     record, tolerance = np.zeros((during.size, 1)), RATE_TOLERANCE * max(abs(steady.velocity), 1e-6)
     means = SimpleNamespace(rates=rates, sampled=lambda _, number: None)
-    parts = 1 if envelope is None else PARTS
+    parts = 1 if envelope is None else max(PARTS, math.ceil(PARTS_PER_CHANGE * _changes(envelope)))
     for part in range(parts):
         start, stop = duration * part / parts, duration * (part + 1) / parts
         rates(means, start, velocity, work.rates[0])
         taken, span = int(np.searchsorted(during, start)), SimpleNamespace(stop=stop, at=during, record=record)
-        if integrate(means, span, tolerance, start, taken, velocity, duration / 64, work) != Status.DONE:
+        first = min(duration / 64, 0.5 * (stop - start))
+        if integrate(means, span, tolerance, start, taken, velocity, first, work) != Status.DONE:
             raise ConvergenceError("not converged", "the averaged velocity in the burst changes too abruptly")
     end, after = float(velocity[0]), time[time >= duration] - duration
     # the load assists friction in stopping the slider, or opposes it
@@ -62,3 +65,8 @@ def quasi_static(slider, wave, time, duration, envelope):
         value=end, error=error * reference_speed(end, wave), reasons=("height, tilts and wave in equilibrium",)
     )
     return answer, np.append(record[:, 0], sign * slide), steady.height
+
+
+def _changes(envelope) -> float:
+    """Return the total variation of an envelope's amplitude over its largest value."""
+    return float(np.abs(np.diff(envelope.amplitude)).sum() / max(envelope.amplitude.max(), LEAST_WAVE))

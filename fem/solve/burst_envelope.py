@@ -18,6 +18,12 @@ The second term, the counter-rotating half of the voltage, matters close to the 
 the first term vanish at t = -a, before which the motion is taken as zero; at x = 0 this term is t + a.  S tends to
 H(f0), and f0 is one of the frequencies.
 
+A burst may have a shape: a factor a(t) on the voltage, with amplitude and phase.  It is a sum of steps da,
+
+    U(t) = a(0) S(t, 0) + sum da(t') S(t - t') - a(duration) S(t - duration, omega0 duration),                 (3)
+
+at instants much closer than 1 / width of the band.  The sum has no counter-rotating half: its steps are gradual.
+
 Two truncations cause errors.
 Band: the window G falls smoothly to zero at the band's ends, which rounds corners over a time of 1 / width and lets a
 small part of the motion precede its cause.  A band half as wide doubles that error, so the difference measures it.
@@ -28,7 +34,7 @@ of S back to frequencies must reproduce the response.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
@@ -48,6 +54,9 @@ GOLDEN = 0.6180339887498949  # spreads the probes evenly between two steps
 LEAD = 0.125  # the time -a before the switch, over 1 / df
 FIRST_FREQUENCIES, MAX_FREQUENCIES = 32, 4096  # approximate numbers of frequencies in the band
 PER_BAND = 4  # instants of the envelope per 1 / width of the band
+# Instants of equation (3) for each of those.  At the largest turn of the phase within the flat band, a quarter of its
+# width, an instant turns it by 0.1 rad, and a step at its middle is off by 0.1^2/24.
+FINER = 4
 
 
 class Response(Protocol):
@@ -88,7 +97,11 @@ class BurstEnvelope:
         Number of frequencies solved.
     lasting : callable
         ``lasting(duration)`` is the `BurstEnvelope` of a burst of another duration in s from the same solutions;
-        ``share`` below 1 uses that share of the band, to show the effect of the band's width on an answer.
+        ``share`` below 1 uses that share of the band, to show the effect of the band's width on an answer; ``shape``
+        is the complex factor on the voltage as a function of the times of an array, in s from the beginning.
+    mean_error : float
+        Of u_z over the time of the burst, relative to the steady envelope: by the band, and by the other two errors
+        where the motion is not the steady one times the shape.
     """
 
     position: float
@@ -106,6 +119,7 @@ class BurstEnvelope:
     response_error: float
     frequencies: int
     lasting: Callable[..., "BurstEnvelope"] = field(repr=False)
+    mean_error: float
 
     @property
     def relative_error(self) -> float:
@@ -122,6 +136,7 @@ class _Spectrum:
     step: float  # df, Hz
     reach: tuple[float, float]  # from the drive's frequency down and up to the ends of the band, Hz
     frequency: float  # f0 of the drive, Hz
+    per_band: int = PER_BAND
 
     def taper(self, share: float) -> np.ndarray:
         """Window G of a band narrowed to a share of its reach on either side."""
@@ -131,14 +146,15 @@ class _Spectrum:
     @property
     def tick(self) -> float:
         """Time between two instants of an envelope, s."""
-        return 1 / (PER_BAND * (self.reach[0] + self.reach[1]))
+        return 1 / (self.per_band * (self.reach[0] + self.reach[1]))
 
-    def switched(self, first: float, count: int, phase: float = 0.0, share: float = 1.0) -> np.ndarray:
+    def switched(self, first: float, count: int, phase: float | None = 0.0, share: float = 1.0) -> np.ndarray:
         """S of equation (2) at ``count`` instants from ``first`` on, one tick apart, shape (2, count).
 
         The sum has the period 1 / df in t.  It is used from -a to 1 / df - a; S is zero before and H(f0) after that.
 
-        ``phase``: of the voltage when it is switched on, rad; ``share`` narrows the band.
+        ``phase``: of the voltage when it is switched on, rad, None without its counter-rotating half; ``share`` narrows
+        the band.
         """
         a = LEAD / self.step
         last = (1 - LEAD) / self.step
@@ -149,7 +165,9 @@ class _Spectrum:
         steady = self.motion[:, self.offsets == 0]  # H(f0), where G = 1
         out = np.where(time >= last, steady, 0.0 * steady)
         rotating = np.where(x == 0, 0.0, weights / (1j * np.where(x == 0, 1.0, x)))  # the limit x = 0 is added below
-        counter_rotating = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
+        counter_rotating = 0.0 * weights
+        if phase is not None:
+            counter_rotating = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
         # Offsets and instants are evenly spaced, so that the sum of exp(i x t) is a discrete Fourier transform.
         ticks_per_period = round(1 / (self.step * self.tick))
         coefficients = np.zeros((2, ticks_per_period), complex)
@@ -160,6 +178,34 @@ class _Spectrum:
         total = varying - constant + steady * self.step * (time + a)  # the last term is that of x = 0
         out[:, inside] = total[:, inside]
         return out
+
+    def shaped(self, shape: Callable, duration: float, share: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return instants in s from the beginning of a burst of a shape, and U of equation (3) at them, shape (2, k).
+
+        Its steps act through D = S - H(f0) theta(t), which is 0 before -a and after 1 / df - a: the sum is
+        H(f0) a(t) + sum da D.
+        """
+        fine = replace(self, per_band=FINER * self.per_band)
+        tick, memory = fine.tick, math.ceil(1 / (self.step * fine.tick))
+        count = math.ceil(duration / tick)  # instants before the end of the burst
+        at = tick * np.arange(count + memory)
+        factors = np.asarray(shape(np.append(at[:count], duration)), complex)
+        lead = math.ceil(LEAD / self.step / tick)
+        # D at odd multiples of half a tick: each da acts in the middle of its tick
+        kernel = fine.switched((0.5 - lead) * tick, memory + lead, None, share)
+        steady = self.motion[:, self.offsets == 0]
+        kernel[:, lead:] -= steady
+        size = 1 << (count + 2 * memory + lead).bit_length()
+        spread = np.fft.ifft(np.fft.fft(kernel, size) * np.fft.fft(np.diff(factors), size))
+        motion = spread[:, lead - 1 : lead - 1 + at.size]
+        driven = at < duration
+        motion[:, driven] += steady * factors[:count]
+        for instant, jump in ((0.0, factors[0]), (duration, -factors[-1])):
+            if jump:
+                turn = 2 * np.pi * self.frequency * instant + np.angle(jump)
+                motion += jump * (fine.switched(-instant, at.size, turn, share) - steady * (at >= instant))
+        kept = slice(None, None, FINER)
+        return at[kept], motion[:, kept]
 
     def probes(self) -> np.ndarray:
         """Offsets in Hz between the steps, in the flat part of the band, at irrational fractions of a step."""
@@ -272,6 +318,7 @@ def _envelope(
     errors: tuple[float, float],
     frequencies: int,
     share: float = 1.0,
+    shape: Callable | None = None,
 ) -> BurstEnvelope:
     """Envelopes of a burst; ``errors``: by the frequency step, of the response; ``frequencies``: number solved."""
     positive("duration", duration, "s")
@@ -287,8 +334,17 @@ def _envelope(
         fall = s(duration, len(span)) - s(0.0, len(span), end_phase)
         return np.concatenate((rise, fall), axis=1)
 
-    whole, narrower = burst(share), burst(NARROWER * share)
     steady = spectrum.motion[:, spectrum.offsets == 0][:, 0]
+    if shape is None:
+        whole, narrower = burst(share), burst(NARROWER * share)
+        factors = 1.0
+    else:
+        (time, whole), (_, narrower) = (spectrum.shaped(shape, duration, each * share) for each in (1.0, NARROWER))
+        factors = np.asarray(shape(time), complex)
+    driven = time < duration
+    change = abs(whole - narrower) / abs(steady[0])
+    unsteady = abs(whole[0] / steady[0] - factors)
+    mean_error = _mean(time[driven], change[0][driven] + sum(errors) * unsteady[driven], duration)
     lead = LEAD / spectrum.step
     before_switch = spectrum.switched(-lead, math.ceil(lead / spectrum.tick))[0]
     after_switch = spectrum.switched(0.0, len(span))[0]
@@ -304,9 +360,16 @@ def _envelope(
         steady_tangential=complex(steady[1]),
         settling=float(span[unsettled[-1]] if len(unsettled) else 0.0),
         early=float(abs(before_switch).max() / abs(steady[0])),
-        band_error=float(abs(whole - narrower).max() / abs(steady[0])),
+        band_error=float(change.max()),
         step_error=errors[0],
         response_error=errors[1],
         frequencies=frequencies,
         lasting=partial(_envelope, spectrum=spectrum, position=position, errors=errors, frequencies=frequencies),
+        mean_error=mean_error,
     )
+
+
+def _mean(time: np.ndarray, values: np.ndarray, duration: float) -> float:
+    """Return the mean over a duration of values at times from 0 on; the last one stays."""
+    ends = np.append(time, duration)
+    return float(np.sum(values * np.diff(ends)) / duration)

@@ -108,7 +108,8 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     if file_format not in formats:
         rule = f"names a file of the format {formats[0]}, not of {file_format}, got {str(out)!r}"
         raise SceneError("--out", rule)
-    if file_format == "c" or (file_format == "csv" and arguments.scan is None and scene.slider is not None):
+    shaped = file_format == "fmu" and scene.source is not None and scene.source.waveform is not None
+    if file_format == "c" or shaped or (file_format == "csv" and arguments.scan is None and scene.slider is not None):
         more = "; --scan x gives one" if file_format == "csv" and scene.transducer else ""
         raise SceneError("--out", f"must be a directory, as there are several files, got {str(out)!r}{more}")
     ports = sum(each.has_two_electrodes for each in scene.transducer)

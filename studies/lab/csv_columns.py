@@ -80,6 +80,8 @@ class CsvColumns:
     def column(self, noun: str, units: dict[str, float]) -> tuple[np.ndarray, str] | None:
         """Return the values of the column ``noun_UNIT`` in SI units and its unit; None where no head begins so.
 
+        The unit "" is that of a column ``noun``.
+
         Raises
         ------
         SceneError
@@ -92,7 +94,7 @@ class CsvColumns:
         if len(matches) != 1:
             rule = f"must have one column {noun}_UNIT with a unit of {', '.join(units)}, got {', '.join(own)}"
             raise self.error(rule)
-        at, unit = self.names.index(matches[0]), matches[0].removeprefix(f"{noun}_")
+        at, unit = self.names.index(matches[0]), matches[0].removeprefix(noun).removeprefix("_")
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
 
     def values(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:

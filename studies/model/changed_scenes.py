@@ -80,7 +80,8 @@ class ChangedScenes:
             # sources of own frequencies need a slider in the plane
             slider = scene.slider if scene.drive.source_frequencies else None
             stator = self._stator(scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), slider, spread)
-            drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst, duty=scene.drive.duty)
+            own = {key: getattr(scene.drive, key) for key in ("burst", "waveform", "duty")}
+            drive = replace(stator.drive, voltage=scene.levels, **own)
             blocks = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
             # only the moduli of a named ball depend on the stator

@@ -20,7 +20,8 @@ POSITION_KEYS = ("slider.position", "slider.contacts")
 def changes_stator(key: str) -> bool:
     """Return whether a change of a key requires a new solution of the section or its circuit."""
     in_stator = key.startswith(("stator.", "transducer.", "drive."))
-    return in_stator and key not in ("drive.voltage", "drive.power", "drive.burst", "drive.duty")
+    in_time = key.startswith(("drive.burst", "drive.duty", "drive.waveform"))
+    return in_stator and not in_time and key not in ("drive.voltage", "drive.power")
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ class Model:
 
     @property
     def alone(self) -> "Model":
-        """The stator alone, at 1 V, without burst and duty: the same object for all sliders and levels on it.
+        """The stator alone, at 1 V, without burst, waveform and duty: the same object for all sliders and levels on it.
 
         Of sources with several frequencies it has the first one.
         """
@@ -198,5 +199,6 @@ _shared_alone = lru_cache(MAX_STATORS)(_alone)
 
 @lru_cache(MAX_DRIVES)
 def at_one_volt(drive: Drive) -> Drive:
-    """Return a drive at 1 V, without power, burst and duty."""
-    return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None, duty=None)
+    """Return a drive at 1 V, without power, burst, waveform and duty."""
+    voltage = (1.0,) if drive.levels else None
+    return replace(drive, voltage=voltage, power=None, burst=None, waveform=None, duty=None)

@@ -249,6 +249,7 @@ def trajectories(record: "Record", ax):
             travelled = cumulative_trapezoid(motion.velocity, motion.time, initial=0.0) * along.scale
             upper.plot(time, travelled, color=colours(index / count), linewidth=1)
     end = record.trajectories[0][1].duration * across.scale
+    _waveform(record, ax if upper is None else upper, across)
     for each in (ax,) if upper is None else (upper, ax):
         each.axvline(end, color=COLOURS["line"], linestyle=":", linewidth=1, label="end of the burst")
     finished(ax, across.axis, up.axis, record.scene.title if upper is None else "")
@@ -257,6 +258,20 @@ def trajectories(record: "Record", ax):
         upper.grid(alpha=0.3)
         titled(upper, record.scene.title)
     return ax
+
+
+def _waveform(record: "Record", ax, across: Quantity):
+    """Draw the amplitude of the burst's waveform, if it has one, on an axis of its own at the right."""
+    from studies.model.waveform import modulation
+
+    shape = modulation(record.scene)
+    if shape is None:
+        return
+    duration = record.scene.burst
+    time = np.unique(np.clip(np.concatenate([[0.0, duration], shape.envelope.time]), 0.0, duration))
+    right = ax.twinx()
+    right.plot(time * across.scale, abs(shape.envelope.at(time)), color=COLOURS["line"], linewidth=1, alpha=0.4)
+    right.set(ylim=(0.0, None), ylabel="amplitude of the drive\nover its level (grey)")
 
 
 def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):

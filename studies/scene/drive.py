@@ -12,6 +12,7 @@ from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import AMPLITUDE, Listed, Quantity, impedance
 from studies.scene.plane_keys import WaveSource
 from studies.scene.rule import FLAG, TEXT, Named, choice
+from studies.scene.waveform import Waveform, check_burst
 
 SUCH = ', such as "50 ohm"'
 SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 deg" }', AMPLITUDE)
@@ -135,6 +136,9 @@ class Drive(Block):
         Quantity("s"),
         "Duration of the drive; the slider starts from rest. Absent: the steady state only.",
     ] = None
+    waveform: Annotated[
+        Waveform | None, Within(Waveform), "Shape of the burst, a factor on the level. Absent: rectangular."
+    ] = None
     duty: Annotated[
         float | None,
         Quantity(),
@@ -158,6 +162,11 @@ class Drive(Block):
     def check_duty(self) -> Any:
         if self.duty is not None and self.duty > 1.0:
             yield "duty", f"must be at most 1, a continuous drive, got {self.duty:g}"
+
+    def check_waveform(self) -> Any:
+        yield from check_burst(self.burst, self.waveform)
+        if self.waveform is not None and self.duty is not None:
+            yield "waveform", "must be absent with drive.duty, whose bursts are rectangular"
 
     def check_power(self) -> Any:
         if self.power is None:
@@ -252,6 +261,9 @@ class Wave(Block):
     burst: Annotated[
         float | None, Quantity("s"), "Duration of the wave; the slider starts from rest. Absent: the steady state only."
     ] = None
+    waveform: Annotated[
+        Waveform | None, Within(Waveform), "Shape of the burst, with the keys of drive.waveform. Absent: rectangular."
+    ] = None
     wavelength: Annotated[
         float | None,
         Quantity("m"),
@@ -267,6 +279,9 @@ class Wave(Block):
         Blocks(WaveSource, least=1),
         "Several waves under a slider in the plane, each with its direction, phase and frequency. Absent: one along x.",
     ] = None
+
+    def check_waveform(self) -> Any:
+        yield from check_burst(self.burst, self.waveform)
 
     def check_sources(self) -> Any:
         given = [each.normal_amplitude is not None for each in self.sources or ()]

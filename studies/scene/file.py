@@ -16,7 +16,7 @@ from studies.scene.syntax import explained
 SHIPPED = Path(__file__).parents[1] / "scenes"
 # Keys that name a file, with the ending that its name must have to be one
 FILES = {
-    re.compile(r"piece\.\d+\.file|slider\.(?:pillars|roughness)\.file"): "",
+    re.compile(r"piece\.\d+\.file|slider\.(?:pillars|roughness)\.file|(?:drive|wave)\.waveform\.file"): "",
     re.compile(r"slider\.(normal_)?law"): ".py",
     re.compile(r"stator\.material|piece\.\d+\.materials\.[^.]+"): ".toml",
 }

@@ -148,7 +148,11 @@ class Scene(Block):
         return f"{level:.4g} V" if self.wave is None else f"{level * 1e9:.4g} nm"
 
     def with_source(self, **keys: Any) -> Self:
-        """Return the scene with keys of its `source` replaced by values in SI units, which are not checked."""
+        """Return the scene with keys of its `source` replaced by values in SI units, which are not checked.
+
+        A waveform is that of one burst: another burst, or none, is without it.
+        """
+        keys = ({"waveform": None} if "burst" in keys else {}) | keys
         source: dict[str, Any] = {self.source.block: replace(self.source, **keys)}
         return replace(self, **source)
 

@@ -18,6 +18,7 @@ import numpy as np
 import fem
 from studies.model.fem_objects import relative_frequency
 from studies.model.solid_of_material import crystal, frequency_coefficient, knows_temperature, thermal_table
+from studies.model.waveform import modulation
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.refusal import SceneError
@@ -162,7 +163,9 @@ def heat_block(record: Record) -> HeatBlock:
     if rate is not None and settling is not None:
         block |= HeatBlock(heating_rate_K_per_s=rate, time_constant_s=settling)
         if on is None:
-            block |= HeatBlock(burst_rise_K=rate * scene.drive.burst)
+            shape = modulation(scene)
+            share = 1.0 if shape is None else shape.mean_square
+            block |= HeatBlock(burst_rise_K=rate * share * scene.drive.burst)
     if on is None:
         return block
     block |= HeatBlock(mean_rise_K=body.steady_rise(kept))

@@ -7,6 +7,7 @@ the start of the burst to its end, where it stops.
 import numpy as np
 
 import contact
+from studies.model.waveform import Modulation, modulation
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.refusal import SceneError
@@ -62,6 +63,11 @@ def _burst(
         options = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope, "track": track}
         return contact.burst(slider, orbits, duration=duration, after=after, **options)
 
+    shaped = modulation(driven.scene)
+    if shaped is not None:
+        _refuse_unshaped(driven, method, shaped)
+    if driven.solved is None and shaped is not None:
+        return followed(shaped.envelope)
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
         return followed()
     ring_down = None if driven.passing else ringing.ring_down
@@ -70,9 +76,18 @@ def _burst(
         faded = after if ring_down is None else (after + float(ring_down.time[-1]), ring_down)
         return followed(ringing.envelope, faded)
     except contact.ConvergenceError:
-        if method != "auto":
+        if method != "auto" or shaped is not None:
             raise
         return followed()  # this motion needs the event-based solver, which accepts no envelope
+
+
+def _refuse_unshaped(driven: Contact, method: str, shaped: Modulation) -> None:
+    """Raise a SceneError where the method of a burst cannot follow its waveform."""
+    scene, key = driven.scene, f"{driven.scene.source.block}.waveform"
+    if method not in SHAPED_METHODS:
+        scene.refuse(key, f'needs slider.method "auto" or "stepped", got "{method}", which takes a steady wave')
+    if driven.passing and shaped.turns:
+        scene.refuse(key, "must keep phase and frequency with pillars that load the wave: their height follows at once")
 
 
 def method_of(scene: Scene, what: str, available: tuple[str, ...]) -> str:

@@ -141,8 +141,11 @@ class Stators:
         """Return the ring-up of a burst; None under a transducer."""
         center, alone = driven.scene.slider.center, driven.model.alone
         if driven.solved.at[center].covered:
+            if driven.scene.drive.waveform is not None:
+                rule = "must be absent where the slider stands over a transducer or a meshed piece"
+                driven.scene.refuse("drive.waveform", f"{rule}: the response there is not computed over a band")
             return None
-        drive = replace(alone.scene.drive, burst=driven.scene.burst)
+        drive = replace(alone.scene.drive, burst=driven.scene.burst, waveform=driven.scene.drive.waveform)
         return self._ring_up(alone.with_blocks(drive=drive), center)
 
     def know(self, stator: Model, positions: Any, motion: SurfaceMotion) -> None:

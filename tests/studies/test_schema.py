@@ -69,6 +69,22 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "piece.0.electrodes": [{"strip": "floating", "a": "left+"}],
     "drive.frequency": ["2200 kHz", 2.2e6],
     "drive.burst": ["10 ms"],
+    "drive.waveform": [{"shape": "ramp", "rise": "1 ms"}, {"file": "drive.csv"}],
+    "drive.waveform.shape": ["ramp"],
+    "drive.waveform.rise": [0, "1 ms"],
+    "drive.waveform.fall": [0, "1 ms"],
+    "drive.waveform.depth": [0, 0.5, 1],
+    "drive.waveform.frequency": ["1 kHz"],
+    "drive.waveform.sweep": [["-10 kHz", 1e4]],
+    "drive.waveform.file": ["drive.csv"],
+    "wave.waveform": [{"shape": "ramp", "fall": "1 ms"}],
+    "wave.waveform.shape": ["ramp"],
+    "wave.waveform.rise": [0, "1 ms"],
+    "wave.waveform.fall": [0, "1 ms"],
+    "wave.waveform.depth": [0, 0.5, 1],
+    "wave.waveform.frequency": ["1 kHz"],
+    "wave.waveform.sweep": [["-10 kHz", 1e4]],
+    "wave.waveform.file": ["drive.csv"],
     "drive.voltage": [10, ["5 V", 6], "20:100:5", "1 V : 1 kV : 4 : log"],
     "slider.friction_coefficient": [0.08, "0.08 +- 0.02", "0.08 +/- 20 %"],
     "slider.radius": ["1 mm", "1 +- 0.01 mm", "1 mm±1 %", "1 mm +- 2 um"],
@@ -176,6 +192,11 @@ def changed(path: str, value) -> dict:
         del table["drive"]["voltage"]
     if path.startswith("drive.recovery."):
         table["drive"]["recovery"] = {"receiver": "right"}
+    block, _, key = path.partition(".waveform")
+    if key or path.endswith(".waveform"):
+        own = {".depth": {"shape": "modulated", "frequency": 1e3}, ".frequency": {"shape": "modulated", "depth": 0.5}}
+        own |= {".sweep": {"shape": "chirp"}, ".file": {}}
+        table[block] |= {"burst": 0.01, "waveform": own.get(key, {"shape": "ramp", "rise": "1 ms", "fall": "1 ms"})}
     if path.startswith("piece"):
         table["piece"] = [{"file": "groove.msh", "length_unit": "mm", "position": "40 mm"}]
     if path == "slider.heights":

@@ -219,3 +219,109 @@ def test_free_ends_send_echoes_at_their_time(stators):
     apart = abs(values[0] - values[1])
     assert apart[common < 0.8 * echo].max() < 0.1
     assert apart[common > echo].max() > 0.3
+
+
+RATE = 2.5e5  # of a resonance 1 / (1 + 2 pi i (f - F0) / RATE): its envelope U obeys U' = RATE (a(t) - U)
+
+
+def resonance(f):
+    return 1 / (1 + 2j * np.pi * (f - F0) / RATE)
+
+
+KICK = 2.4 * RATE / (4 * np.pi * F0)  # bound of the counter-rotating half at a switch, as above
+
+
+def test_a_shape_of_one_is_the_rectangular_burst():
+    """The same sum of steps, on instants of its own; a turned constant turns the motion."""
+    plain = responded(delayed(12e-6, 6e-6))
+    for factor in (1.0, 0.5 * np.exp(0.7j)):
+        shaped = plain.lasting(40e-6, shape=lambda t, factor=factor: factor + 0.0 * t)
+        inside = shaped.time < plain.time[-1]
+        expected = np.interp(shaped.time, plain.time, plain.normal)[inside]
+        near = abs(shaped.normal[inside] - factor * expected) / abs(plain.steady_normal)
+        # linear interpolation at the corners; a turned source has another counter-rotating kick
+        assert near.max() < 0.02
+        assert near.mean() < 2e-3
+
+
+def test_a_ramp_lags_behind_a_resonance_by_its_time_constant():
+    duration, rise = 80e-6, 40e-6
+    found = responded(resonance).lasting(duration, shape=lambda t: np.clip(t / rise, 0.0, 1.0) + 0j)
+    t = found.time
+
+    def ramp(t):
+        """Response to t / rise from 0 on."""
+        t = np.maximum(t, 0.0)
+        return (t + np.expm1(-RATE * t) / RATE) / rise
+
+    exact = ramp(t) - ramp(t - rise) - np.where(t > duration, -np.expm1(-RATE * (t - duration)), 0.0)
+    clear = (t > 1e-6) & (abs(t - duration) > 1.5e-6) & (t < duration + 20e-6)
+    np.testing.assert_allclose(found.normal[clear], exact[clear], atol=KICK)
+    before = clear & (t < duration)  # no switch, no kick: what the band rounds and cuts off
+    np.testing.assert_allclose(found.normal[before], exact[before], atol=2e-3)
+    assert np.mean(abs(found.normal - exact)[t < duration]) < 2 * found.mean_error
+
+
+def test_a_modulation_passes_the_side_bands_of_the_response():
+    """(1 + m sin wt) in steady state: carrier 1, side bands with H(f0 +- w); of any response, here a delayed one."""
+    depth, slow = 0.6, 40e3
+    response = delayed(12e-6, 6e-6)
+    duration = 150e-6
+    found = responded(response, duration=duration).lasting(
+        duration, shape=lambda t: 1.0 + depth * np.sin(2 * np.pi * slow * t) + 0j
+    )
+    turn = np.exp(2j * np.pi * slow * found.time)
+    up, down = response(F0 + slow), response(F0 - slow)
+    exact = response(F0) + depth / 2j * (up * turn - down / turn)
+    settled = (found.time > 30e-6) & (found.time < duration)
+    np.testing.assert_allclose(found.normal[settled], exact[settled], atol=2e-3 * abs(response(F0)))
+
+
+def test_a_fast_chirp_is_that_of_an_independent_integrator():
+    """The envelope's own differential equation by scipy; fast against the ring-up of 4 us, so far from H(f(t))."""
+    from scipy.integrate import solve_ivp
+
+    duration, reach = 60e-6, 90e3
+
+    def shape(t):
+        return np.exp(2j * np.pi * (-reach * t + reach * t**2 / duration))
+
+    found = responded(resonance, low=0.55 * F0, high=1.45 * F0).lasting(duration, shape=shape)
+    inside = (found.time > 2e-6) & (found.time < duration - 2e-6)
+    exact = solve_ivp(
+        lambda t, u: RATE * (shape(t) - u), (0.0, duration), [0j], t_eval=found.time[inside], rtol=1e-10, atol=1e-12
+    ).y[0]
+    np.testing.assert_allclose(found.normal[inside], exact, atol=KICK)
+    f = F0 - reach + 2 * reach * found.time[inside] / duration
+    quasi_static = resonance(f) * shape(found.time[inside])
+    assert abs(quasi_static - exact).max() > 4 * KICK  # the test has something to find
+    assert np.mean(abs(found.normal[inside] - exact)) < 2 * found.mean_error
+
+
+def test_a_slow_chirp_follows_the_frequency_response():
+    """H(f(t)) a(t), to the rate of the sweep times the square of the ring-up time."""
+    reach, duration = 90e3, 4e-3
+
+    def shape(t):
+        return np.exp(2j * np.pi * (-reach * t + reach * t**2 / duration))
+
+    found = responded(resonance).lasting(duration, shape=shape)
+    inside = (found.time > 50e-6) & (found.time < duration - 2e-6)
+    f = F0 - reach + 2 * reach * found.time[inside] / duration
+    exact = resonance(f) * shape(found.time[inside])
+    lag = 2 * np.pi * 2 * reach / duration / RATE**2
+    assert lag < 6e-3
+    np.testing.assert_allclose(found.normal[inside], exact, atol=1.5 * lag + 2e-3)
+
+
+def test_switching_a_turned_source_kicks_by_its_own_phase():
+    """As above for rectangular bursts: exp(-2i phase) with the phase that the source has at each switch."""
+    duration, turn = (40 + 1 / 8) / F0, 0.6
+    found = responded(resonance).lasting(duration, shape=lambda t: np.exp(1j * turn) + 0.0 * t)
+    after = found.time - duration
+    clear = (after > 2e-6) & (after < 10e-6)
+    plain = np.exp(-RATE * after) - np.exp(-RATE * found.time)
+    kick = RATE / (4j * np.pi * F0 - RATE) * np.exp(-2j * turn)
+    expected = kick * (np.exp(-RATE * found.time) - np.exp(-0.5j * np.pi) * np.exp(-RATE * after))
+    rest = (found.normal * np.exp(-1j * turn) - plain)[clear]
+    np.testing.assert_allclose(rest, expected[clear], atol=0.15 * abs(kick))

@@ -1,0 +1,135 @@
+"""The waveform of a burst as numbers: factor and phase of the drive over time.
+
+    a(t) = A(t) exp(i phi(t)),   0 <= t <= duration,
+
+on the voltage of the source, or on a prescribed wave. Its knots are so close that amplitude and phase are linear
+between them to 1e-4.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+import contact
+from studies.lab.csv_columns import FREQUENCIES, PHASES, TIMES, CsvColumns
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.waveform import Waveform
+
+ERROR = 1e-4  # of the factor between the knots, about
+MAX_KNOTS = 1_000_000
+FASTEST = 0.1  # frequency of a modulation over that of the wave: above it, the factor is no envelope
+PLAIN = {"": 1.0}  # units of a column without one
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modulation:
+    """The factor on the drive of a burst."""
+
+    envelope: contact.Envelope
+    # largest frequency in Hz by which the drive, or a side band of its modulation, differs from the carrier
+    offset: float
+    turns: bool  # whether its phase changes
+    mean_square: float  # of the amplitude, over the burst
+
+
+def modulation(scene: Scene) -> Modulation | None:
+    """Return the waveform of a scene's burst; None for a rectangular one.
+
+    Raises
+    ------
+    SceneError
+        If the waveform's file cannot be read, or the waveform changes too fast.
+    """
+    block, duration = scene.source.waveform, scene.burst
+    if block is None:
+        return None
+    path = f"{scene.source.block}.waveform"
+    if block.file is not None:
+        envelope, offset = _of_file(CsvColumns.read(block.file, f"{path}.file"), duration)
+    else:
+        envelope, offset = _of_shape(block, path, duration, scene.frequency)
+    if np.all(envelope.amplitude == 1.0) and np.all(envelope.phase == 0.0):
+        return None
+    inside = np.clip(envelope.time, 0.0, duration)
+    amplitude = abs(envelope.at(inside))
+    squares = amplitude[1:] ** 2 + amplitude[1:] * amplitude[:-1] + amplitude[:-1] ** 2  # Simpson's rule, exact here
+    mean = float(np.sum(squares * np.diff(inside)) / (3.0 * duration)) if duration > 0.0 else 1.0
+    return Modulation(
+        envelope=envelope, offset=offset, turns=bool(np.ptp(envelope.phase) > 0.0), mean_square=mean,
+    )  # fmt: skip
+
+
+def _of_shape(block: Waveform, path: str, duration: float, carrier: float) -> tuple[contact.Envelope, float]:
+    """Return the envelope of a shape and its largest frequency offset, Hz."""
+    edges = [0.0, block.rise, duration - block.fall, duration]
+    parts, offset = 1.0, 0.0
+    if block.shape == "modulated":
+        offset = block.frequency
+        if offset > FASTEST * carrier:
+            rule = f"must be at most {FASTEST:g} of the wave's frequency, {FASTEST * carrier:g} Hz, got {offset:g} Hz"
+            raise SceneError(f"{path}.frequency", rule)
+        # a sine's chord over an angle h is off by h^2/8
+        parts = duration * offset * 2.0 * math.pi * math.sqrt(block.depth / (8.0 * ERROR))
+    elif block.shape == "chirp":
+        first, last = block.sweep
+        offset = max(abs(first), abs(last))
+        # the chord of a phase of curvature c is off by c h^2/8
+        parts = duration * math.sqrt(2.0 * math.pi * abs(last - first) / duration / (8.0 * ERROR))
+    if parts > MAX_KNOTS:
+        rule = f"changes so fast that {parts:.1e} instants are needed, at most {MAX_KNOTS:g}: shorten the burst"
+        raise SceneError(path, rule)
+    time = np.unique(np.concatenate([edges, np.linspace(0.0, duration, max(2, math.ceil(parts) + 1))]))
+    rise = np.clip(time / block.rise, 0.0, 1.0) if block.rise > 0.0 else np.ones_like(time)
+    fall = np.clip((duration - time) / block.fall, 0.0, 1.0) if block.fall > 0.0 else np.ones_like(time)
+    amplitude, phase = np.minimum(rise, fall), np.zeros_like(time)
+    if block.shape == "modulated":
+        amplitude = amplitude * (1.0 + block.depth * np.sin(2.0 * math.pi * block.frequency * time))
+    elif block.shape == "chirp":
+        phase = 2.0 * math.pi * (first * time + (last - first) * time**2 / (2.0 * duration))
+    return contact.Envelope(time=time, amplitude=np.maximum(amplitude, 0.0), phase=phase), offset
+
+
+def _of_file(table: CsvColumns, duration: float) -> tuple[contact.Envelope, float]:
+    """Return the envelope in a file and its largest frequency offset, Hz."""
+    table.refuse_uneven()
+    time, amplitude = table.column("time", TIMES), table.column("amplitude", PLAIN)
+    phase, offset = table.column("phase", PHASES), table.column("frequency_offset", FREQUENCIES)
+    if time is None or amplitude is None:
+        raise table.lacking("time_s, amplitude and perhaps phase_deg or frequency_offset_Hz")
+    if phase is not None and offset is not None:
+        raise table.error("must have one of the columns phase_deg and frequency_offset_Hz, not both")
+    at, size = time[0], amplitude[0]
+    if not np.all(np.diff(at) > 0.0):
+        row = int(np.flatnonzero(np.diff(at) <= 0.0)[0]) + 1
+        raise table.error(f"{table.line(row)}time must be later than in the row before, got {at[row]:g} s")
+    if np.any(size < 0.0):
+        row = int(np.flatnonzero(size < 0.0)[0])
+        raise table.error(
+            f"{table.line(row)}amplitude must not be negative, got {size[row]:g}: write a phase of 180 deg"
+        )
+    if not np.any(abs(contact.Envelope(time=at, amplitude=size, phase=0.0 * at).at(np.clip(at, 0.0, duration))) > 0.0):
+        raise table.error("must have an amplitude that is not 0 in the burst")
+    if offset is None:
+        angle = np.zeros_like(at) if phase is None else phase[0]
+        moving = np.maximum(size[1:], size[:-1]) > 0.0
+        rates = abs(np.diff(angle) / np.diff(at))[moving] / (2.0 * math.pi)
+        return contact.Envelope(time=at, amplitude=size, phase=angle), float(rates.max(initial=0.0))
+    return _integrated(table, at, size, offset[0], duration), float(abs(offset[0]).max())
+
+
+def _integrated(table: CsvColumns, at, size, offset, duration: float) -> contact.Envelope:
+    """Return the envelope whose phase is the integral of a frequency offset (Hz) that is linear between the rows."""
+    inside = np.unique(np.clip(np.concatenate([[0.0, duration], at]), 0.0, duration))
+    rates = abs(np.diff(np.interp(inside, at, offset)) / np.diff(inside))
+    parts = np.ceil(np.diff(inside) * np.sqrt(2.0 * math.pi * rates / (8.0 * ERROR))).astype(int)
+    if parts.sum() > MAX_KNOTS:
+        raise table.error(f"sweeps the frequency so fast that {parts.sum()} instants are needed, at most {MAX_KNOTS}")
+    time = np.concatenate(
+        [np.linspace(a, b, max(1, n), endpoint=False) for a, b, n in zip(inside[:-1], inside[1:], parts, strict=True)]
+        + [[duration]]
+    )
+    f = np.interp(time, at, offset)
+    phase = 2.0 * math.pi * np.concatenate([[0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * np.diff(time))])
+    return contact.Envelope(time=time, amplitude=np.interp(time, at, size), phase=phase)
