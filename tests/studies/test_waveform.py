@@ -273,7 +273,7 @@ def test_an_fmu_goes_with_its_drive_and_moves_as_the_run(tmp_path):
     expected = np.interp(ticks, exact.time, exact.velocity)
     assert abs(np.array(velocity) - expected)[late].max() < 1e-2 * expected.max()
     chirp = given("wave.burst=20 ms", 'wave.waveform={shape="chirp",sweep=[0,"1 kHz"]}')
-    with pytest.raises(SceneError, match="wave.waveform must keep phase and frequency here"):
+    with pytest.raises(SceneError, match=r"wave\.waveform must keep phase and frequency here"):
         drive_input(chirp, "motor")
     with pytest.raises(SceneError, match="must be a directory, as there are several files"):
         names_file(tmp_path / "motor.fmu", SimpleNamespace(format="fmu", scan=None), scene)
