@@ -15,7 +15,7 @@ import contact
 from studies.lab.csv_columns import FREQUENCIES, PHASES, TIMES, CsvColumns
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.waveform import Waveform
+from studies.scene.waveform_keys import Waveform
 
 ERROR = 1e-4  # of the factor between the knots, about
 MAX_KNOTS = 1_000_000

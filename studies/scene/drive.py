@@ -12,7 +12,7 @@ from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.numbers import AMPLITUDE, Listed, Quantity, impedance
 from studies.scene.plane_keys import WaveSource
 from studies.scene.rule import FLAG, TEXT, Named, choice
-from studies.scene.waveform import Waveform, check_burst
+from studies.scene.waveform_keys import Waveform, check_burst
 
 SUCH = ', such as "50 ohm"'
 SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 deg" }', AMPLITUDE)

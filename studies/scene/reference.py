@@ -18,7 +18,7 @@ from studies.scene import (
     roughness_keys,
     slider_keys,
     stator_keys,
-    waveform,
+    waveform_keys,
 )
 from studies.scene.block import Block, block_schema, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
@@ -36,7 +36,7 @@ BLOCKS = {
     "[drive]": drive.Drive,
     "[[drive.match]]": drive.Element,
     "[drive.recovery]": drive.Recovery,
-    "[drive.waveform]": waveform.Waveform,
+    "[drive.waveform]": waveform_keys.Waveform,
     "[wave]": drive.Wave,
     "[[wave.sources]]": plane_keys.WaveSource,
     "[slider]": slider_keys.Slider,

@@ -7,8 +7,8 @@ the start of the burst to its end, where it stops.
 import numpy as np
 
 import contact
-from studies.model.waveform import Modulation, modulation
 from studies.model.wave_to_contact import Contact
+from studies.model.waveform import Modulation, modulation
 from studies.record.point import Point
 from studies.refusal import SceneError
 from studies.scene import Scene

@@ -16,8 +16,8 @@ from studies import Scene, SceneError
 from studies.command.export import names_file
 from studies.export.averaged_motor import averaged_motor
 from studies.export.simulators import drive_input
-from studies.model.contact import Contact
 from studies.model.resolve import build
+from studies.model.wave_to_contact import Contact
 from studies.model.waveform import modulation
 from studies.record.run_pictures import trajectories
 from studies.runs import run
