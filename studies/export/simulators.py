@@ -12,7 +12,7 @@ from studies.export.fmu import FMI_VERSIONS, fmu
 from studies.export.force_grid import COLUMNS, ROWS
 from studies.export.motor_model import AveragedMotor, force_exponent
 from studies.export.reduced_motor import index
-from studies.model.waveform import modulation
+from studies.record.waveform import modulation
 from studies.refusal import refuse_other
 from studies.scene import Scene
 

@@ -264,7 +264,7 @@ def _waveform(record: "Record", ax, across: Quantity):
     """Draw the amplitude of the burst's waveform, if it has one, on an axis of its own at the right."""
     if record.scene.source.waveform is None:
         return
-    from studies.model.waveform import modulation  # contact is no part of a picture without a waveform
+    from studies.record.waveform import modulation  # contact is no part of a picture without a waveform
 
     shape = modulation(record.scene)
     if shape is None:

@@ -18,9 +18,9 @@ import numpy as np
 import fem
 from studies.model.fem_objects import relative_frequency
 from studies.model.solid_of_material import crystal, frequency_coefficient, knows_temperature, thermal_table
-from studies.model.waveform import modulation
 from studies.record import Record
 from studies.record.blocks import HeatBlock
+from studies.record.waveform import modulation
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Drive

@@ -5,7 +5,7 @@ The frequency response in a band around the drive frequency gives the complex en
 same factor is used for all balls and for both directions. After the burst, the rest of the envelope describes the
 ring-down under the slider.
 
-A waveform of the drive (`studies.model.waveform`) passes through the same response: it is followed exactly, whether it
+A waveform of the drive (`studies.record.waveform`) passes through the same response: it is followed exactly, whether it
 changes slowly or fast against the ring-up.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 import contact
 import fem
 from studies.model.model import Model
-from studies.model.waveform import modulation
+from studies.record.waveform import modulation
 from studies.solve.spectrum import response
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 
 import contact
 from studies.model.wave_to_contact import Contact
-from studies.model.waveform import Modulation, modulation
 from studies.record.point import Point
+from studies.record.waveform import Modulation, modulation
 from studies.refusal import SceneError
 from studies.scene import Scene
 

@@ -18,8 +18,8 @@ from studies.export.averaged_motor import averaged_motor
 from studies.export.simulators import drive_input
 from studies.model.resolve import build
 from studies.model.wave_to_contact import Contact
-from studies.model.waveform import modulation
 from studies.record.run_pictures import trajectories
+from studies.record.waveform import modulation
 from studies.runs import run
 from tests.oracles.contact_motion import Motor
 from tests.studies.settings import changed
