@@ -337,7 +337,7 @@ def _envelope(
     steady = spectrum.motion[:, spectrum.offsets == 0][:, 0]
     if shape is None:
         whole, narrower = burst(share), burst(NARROWER * share)
-        factors = 1.0
+        factors = np.ones(len(time), complex)
     else:
         (time, whole), (_, narrower) = (spectrum.shaped(shape, duration, each * share) for each in (1.0, NARROWER))
         factors = np.asarray(shape(time), complex)

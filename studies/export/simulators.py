@@ -12,7 +12,7 @@ from studies.export.fmu import FMI_VERSIONS, fmu
 from studies.export.force_grid import COLUMNS, ROWS
 from studies.export.motor_model import AveragedMotor, force_exponent
 from studies.export.reduced_motor import index
-from studies.record.waveform import modulation
+from studies.record.waveform import instants, modulation
 from studies.refusal import refuse_other
 from studies.scene import Scene
 
@@ -23,17 +23,17 @@ def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> E
     inputs = drive_input(scene, name)
     motor = averaged_motor(scene, tolerance=tolerance)
     content, remark = fmu(motor, fmi)
-    return Exported(files={f"{name}.fmu": content} | inputs, answer=_answer(motor), remarks=(remark,) * bool(remark))
+    return Exported(files=inputs | {f"{name}.fmu": content}, answer=_answer(motor), remarks=(remark,) * bool(remark))
 
 
 def c_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return motor.c and motor.h of a scene with a slider."""
     inputs = drive_input(scene, name)
     motor = averaged_motor(scene, tolerance=tolerance)
-    return Exported(files={"motor.c": source(motor), "motor.h": header(motor)} | inputs, answer=_answer(motor))
+    return Exported(files=inputs | {"motor.c": source(motor), "motor.h": header(motor)}, answer=_answer(motor))
 
 
-def drive_input(scene: Scene, name: str) -> dict[str, str]:
+def drive_input(scene: Scene, name: str) -> dict[str, bytes | str]:
     """Return the input ``drive`` over time of a scene with a waveform, at its largest level, as NAME.drive.csv.
 
     Raises
@@ -48,7 +48,7 @@ def drive_input(scene: Scene, name: str) -> dict[str, str]:
         rule = "must keep phase and frequency here: the averaged motor takes amplitudes, sawmotor run takes both"
         scene.refuse(f"{scene.source.block}.waveform", rule)
     duration, level = scene.burst, max(scene.levels)
-    time = np.unique(np.clip(np.concatenate([[0.0, duration], shape.envelope.time]), 0.0, duration))
+    time = instants(shape.envelope, duration)
     drive = level * abs(shape.envelope.at(time))
     rows = np.column_stack([np.append(time, duration), np.append(drive, 0.0)])  # a step down at the burst's end
     return {f"{name}.drive.csv": "time,drive\n" + _rows(rows)}

@@ -264,13 +264,13 @@ def _waveform(record: "Record", ax, across: Quantity):
     """Draw the amplitude of the burst's waveform, if it has one, on an axis of its own at the right."""
     if record.scene.source.waveform is None:
         return
-    from studies.record.waveform import modulation  # contact is no part of a picture without a waveform
+    from studies.record.waveform import instants, modulation  # contact is no part of a picture without a waveform
 
     shape = modulation(record.scene)
     if shape is None:
         return
     duration = record.scene.burst
-    time = np.unique(np.clip(np.concatenate([[0.0, duration], shape.envelope.time]), 0.0, duration))
+    time = instants(shape.envelope, duration)
     right = ax.twinx()
     right.plot(time * across.scale, abs(shape.envelope.at(time)), color=COLOURS["line"], linewidth=1, alpha=0.4)
     right.set(ylim=(0.0, None), ylabel="amplitude of the drive\nover its level (grey)")

@@ -52,28 +52,33 @@ def modulation(scene: Scene) -> Modulation | None:
         envelope, offset = _of_shape(block, path, duration, scene.frequency)
     if np.all(envelope.amplitude == 1.0) and np.all(envelope.phase == 0.0):
         return None
-    inside = np.clip(envelope.time, 0.0, duration)
+    inside = instants(envelope, duration)
     amplitude = abs(envelope.at(inside))
     squares = amplitude[1:] ** 2 + amplitude[1:] * amplitude[:-1] + amplitude[:-1] ** 2  # Simpson's rule, exact here
-    mean = float(np.sum(squares * np.diff(inside)) / (3.0 * duration)) if duration > 0.0 else 1.0
+    mean = float(np.sum(squares * np.diff(inside)) / (3.0 * duration))
     return Modulation(
         envelope=envelope, offset=offset, turns=bool(np.ptp(envelope.phase) > 0.0), mean_square=mean,
     )  # fmt: skip
+
+
+def instants(envelope: contact.Envelope, duration: float) -> np.ndarray:
+    """Return the times in a burst between which the amplitude of its envelope is linear, s."""
+    return np.unique(np.clip(np.concatenate([[0.0, duration], envelope.time]), 0.0, duration))
 
 
 def _of_shape(block: Waveform, path: str, duration: float, carrier: float) -> tuple[contact.Envelope, float]:
     """Return the envelope of a shape and its largest frequency offset, Hz."""
     edges = [0.0, block.rise, duration - block.fall, duration]
     parts, offset = 1.0, 0.0
+    depth, slow, (first, last) = block.depth or 0.0, block.frequency or 0.0, block.sweep or (0.0, 0.0)
     if block.shape == "modulated":
-        offset = block.frequency
+        offset = slow
         if offset > FASTEST * carrier:
             rule = f"must be at most {FASTEST:g} of the wave's frequency, {FASTEST * carrier:g} Hz, got {offset:g} Hz"
             raise SceneError(f"{path}.frequency", rule)
         # a sine's chord over an angle h is off by h^2/8
-        parts = duration * offset * 2.0 * math.pi * math.sqrt(block.depth / (8.0 * ERROR))
+        parts = duration * offset * 2.0 * math.pi * math.sqrt(depth / (8.0 * ERROR))
     elif block.shape == "chirp":
-        first, last = block.sweep
         offset = max(abs(first), abs(last))
         # the chord of a phase of curvature c is off by c h^2/8
         parts = duration * math.sqrt(2.0 * math.pi * abs(last - first) / duration / (8.0 * ERROR))
@@ -85,7 +90,7 @@ def _of_shape(block: Waveform, path: str, duration: float, carrier: float) -> tu
     fall = np.clip((duration - time) / block.fall, 0.0, 1.0) if block.fall > 0.0 else np.ones_like(time)
     amplitude, phase = np.minimum(rise, fall), np.zeros_like(time)
     if block.shape == "modulated":
-        amplitude = amplitude * (1.0 + block.depth * np.sin(2.0 * math.pi * block.frequency * time))
+        amplitude = amplitude * (1.0 + depth * np.sin(2.0 * math.pi * slow * time))
     elif block.shape == "chirp":
         phase = 2.0 * math.pi * (first * time + (last - first) * time**2 / (2.0 * duration))
     return contact.Envelope(time=time, amplitude=np.maximum(amplitude, 0.0), phase=phase), offset

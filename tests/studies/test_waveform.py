@@ -148,12 +148,15 @@ def test_a_file_gives_what_its_shape_gives(tmp_path):
         assert second.mean_square == pytest.approx(first.mean_square, rel=1e-6)
 
 
-def test_the_power_of_a_waveform_is_its_mean_square():
+def test_the_power_of_a_waveform_is_its_mean_square(tmp_path):
     """1 + m^2/2 over whole periods; a third of an edge."""
     both = {
         '{shape="modulated",depth=0.8,frequency="10 kHz"}': 1 + 0.8**2 / 2,
         '{shape="ramp",rise="0.1 ms",fall="0.2 ms"}': (0.1 / 3 + 0.2 / 3 + 0.1) / 0.4,
     }
+    short = tmp_path / "short.csv"  # it ends before the burst
+    short.write_text("time_ms,amplitude\n0.1,1\n0.2,0.5\n")
+    both[f'{{file="{short}"}}'] = (0.1 + 0.1 * (1 - 0.125) / 1.5 + 0.2 * 0.25) / 0.4
     for shape, expected in both.items():
         found = modulation(given("wave.burst=0.4 ms", f"wave.waveform={shape}"))
         assert found.mean_square == pytest.approx(expected, rel=1e-4)
