@@ -47,6 +47,7 @@ STUDIES = {
     "dispersion": ("stator", 5),
     "regime_map": ("motor", 1),
     "load_line": ("motor", 2),
+    "roughness": ("motor", 50),
     "stroke": ("motor", 7),
     "step_planner": ("motor", 7),
     "positioning": ("motor", 20),

@@ -111,8 +111,8 @@ class RoughBalls:
         number = sum(table.touch.size for table in self._tables[0])
         reasons = (f"cycle means of {number} asperities, a stop each",)
         answer = Answer(value=values[-1], error=error, reasons=reasons)
-        each_ball = zip(heights, waves, self._at(0), strict=True)
-        hops = all(height - abs(wave.normal) <= table.touch.min() for height, wave, table in each_ball)
+        each_ball = zip(heights, waves, self._parting, strict=True)
+        hops = all(height - abs(wave.normal) <= part for height, wave, part in each_ball)
         regime = "stick" if answer.value == 0.0 else "intermittent" if hops else "slip"
         return RoughMotion(answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0), heights, regime)
 
@@ -130,14 +130,27 @@ class RoughBalls:
             scaled = tuple(each.scaled(factor) for each in waves)
             return abs(self.velocity(scaled, tolerance=tolerance).value) - speed
 
-        low, high = 1.0, 1.0
-        while left(high) < 0.0:
-            low, high = high, 1.3 * high
-            if high > 1e3:
-                return math.inf
-        while left(low) > 0.0:
-            low, high = low / 1.3, low
-        return bracketed(left, low, high, tolerance=1e-3 * high)
+        return _passing(left)
+
+    def release(self, orbits: Orbit | Sequence[Orbit]) -> float:
+        """Return the factor on the orbits at which the first ball leaves the surface in every cycle; inf above 1000.
+
+        A sample leaves with its highest asperity; of a mean field half of all balls have left; see `MeanField.parting`.
+        """
+        waves = self._of_each(orbits)
+
+        def left(factor):
+            scaled = tuple(each.scaled(factor) for each in waves)
+            self._reach(max(abs(each.normal) for each in scaled))
+            troughs = (h - abs(each.normal) for h, each in zip(self._riding(scaled, 1), scaled, strict=True))
+            return max(part - trough for part, trough in zip(self._parting, troughs, strict=True))
+
+        return _passing(left)
+
+    @property
+    def _parting(self) -> tuple[float, ...]:
+        """Approach at which each ball leaves the surface, m."""
+        return tuple(each.parting(self.slider.radius) for each in self.samples)
 
     def _of_each(self, orbits: Orbit | Sequence[Orbit]) -> tuple[Orbit, ...]:
         """Return the orbit of each ball."""
@@ -228,6 +241,18 @@ class RoughBalls:
             return 0.0
         # at this speed every asperity slips backwards all the time
         return bracketed(lambda v: left(v, load), 0.0, way * top, tolerance=CLOSE * top)
+
+
+def _passing(left) -> float:
+    """Return the factor at which a function that rises passes zero, to 1e-3 of it; infinite above a thousand."""
+    low, high = 1.0, 1.0
+    while left(high) < 0.0:
+        low, high = high, 1.3 * high
+        if high > 1e3:
+            return math.inf
+    while left(low) > 0.0:
+        low, high = low / 1.3, low
+    return bracketed(left, low, high, tolerance=1e-3 * high)
 
 
 def _turn(doubling: int) -> np.ndarray:

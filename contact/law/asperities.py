@@ -88,6 +88,8 @@ class Asperities:
         """Return the approach in m at which the first asperity touches."""
         return -float(np.max(self.heights - (self.x**2 + self.y**2) / (2.0 * sphere_radius)))
 
+    parting = lowest  # the approach in m at which the ball leaves the surface
+
     def ball(self, sphere_radius: float, effective_modulus: float, deepest: float) -> "RoughBall":
         """Return the sample on a sphere, up to an approach in m; refused where too many asperities are near."""
         ball = RoughBall(self, sphere_radius, effective_modulus, deepest)

@@ -24,6 +24,7 @@ from contact import parameter_check
 from contact.exceptions import ConvergenceError
 from contact.law.asperities import Asperities, State
 from contact.law.normal import SPHERE, approach, stiffness
+from contact.roots import bracketed
 
 ASPERITY_RADIUS = 10e-6  # m, of polished balls by atomic force microscopy; a factor of 5 changes the stiffness by 5 %
 ASPERITIES = 0.05  # eta beta sigma of surfaces without a measured density
@@ -228,6 +229,20 @@ class MeanField:
     def lowest(self, _radius: float) -> float:
         """Return the approach of the mean planes in m from which the asperities are counted to carry; see `FIRST`."""
         return -FIRST * self.roughness.rms
+
+    def parting(self, _radius: float) -> float:
+        """Return the approach of the mean planes in m at which half of all balls touch nothing.
+
+        So it is where ln 2 asperities of a Poisson process are expected to touch, of surfaces that are not dented:
+        2 pi R eta sigma times the mean of what is higher than the separation.
+        """
+        rough = self.roughness
+        number = 2.0 * math.pi * self.radius * rough.density * rough.rms
+
+        def left(t):
+            return number * float(tail(1.0, np.array([t]))[0]) - math.log(2.0)
+
+        return -rough.rms * bracketed(left, FAR, REACH)
 
     def ball(self, _radius: float, _modulus: float, deepest: float) -> "FieldBall":
         """Return the asperities of the field as those of one ball, up to an approach in m."""

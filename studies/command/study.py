@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     measured = (
         "network: Touchstone file or an impedance analyser's table; beam, frequency_response: vibrometer's scan; "
     )
-    measured += "drawn over the prediction"
+    measured += 'drawn over the prediction; roughness: a threshold, e.g. "4.2 V"'
     parser.add_argument("--measured", metavar="FILE", help=measured)
     parser.add_argument("--port", metavar="N", help="network: take this port of the measured file, counted from 1")
     parser.add_argument("--target", metavar="LENGTH", help='positioning: where to go, e.g. "10 um"')

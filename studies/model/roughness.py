@@ -61,16 +61,16 @@ def check_roughness(slider: Slider) -> Iterator[Any]:
     if block.sampled:
         yield from _crowd(slider, 0.0)
         return
-    touching = _touching(slider)
-    if touching < FEWEST:
-        carry = f"{touching:.0f} asperities carry" if touching >= 1.5 else "one asperity or none carries"
+    carrying = touching(slider)
+    if carrying < FEWEST:
+        carry = f"{carrying:.0f} asperities carry" if carrying >= 1.5 else "one asperity or none carries"
         given = f"{block.rms * 1e9:.3g} nm" if block.density is None else f"{block.density:.3g} 1/m^2"
         rule = f"of {given}: {carry} a ball: the mean field does not apply"
         key = "rms" if block.density is None else "density"
         yield f"slider.roughness.{key}", f"{rule}; give a seed, the answer is that of one ball"
 
 
-def _touching(slider: Slider) -> float:
+def touching(slider: Slider) -> float:
     """Return the asperities of the mean field that carry one ball at rest."""
     block, balls = slider.roughness, len(slider.offsets)
     smooth = contact_body(slider).rest_approach(balls)
@@ -82,17 +82,22 @@ def _touching(slider: Slider) -> float:
         return field.at(field.approach(slider.preload_force / balls)).touching
 
 
-def _crowd(slider: Slider, amplitude: float) -> Iterator[Any]:
-    """Yield a refusal of samples of more than `MOST` asperities within reach on a wave of an amplitude in m."""
+def drawn_asperities(slider: Slider, amplitude: float) -> float:
+    """Return about how many asperities a sample has within reach on a wave of an amplitude in m."""
     block = slider.roughness
     if block.file is None:
         density = roughness_of(block).density
     else:
         patch = patch_of(block)
         density = patch.peaks().shape[1] / math.prod(patch.size)
-    number = density * math.pi * reach_of(slider, amplitude) ** 2
+    return density * math.pi * reach_of(slider, amplitude) ** 2
+
+
+def _crowd(slider: Slider, amplitude: float) -> Iterator[Any]:
+    """Yield a refusal of samples of more than `MOST` asperities within reach on a wave of an amplitude in m."""
+    number = drawn_asperities(slider, amplitude)
     if number > MOST:
-        key = "seed" if block.file is None else "file"
+        key = "seed" if slider.roughness.file is None else "file"
         yield f"slider.roughness.{key}", f"must draw at most {MOST} asperities for a ball, got about {number:.2g}"
 
 
@@ -144,6 +149,11 @@ def rough_balls(slider: Slider, amplitude: float) -> tuple[contact.RoughBalls, .
         contact.RoughBalls(body, [_sample(block, first + STRIDE * k + ball, reach) for ball in balls], amplitude)
         for k in range(SAMPLES)
     )
+
+
+def orbits_of_each(slider: Slider, orbits: tuple) -> tuple:
+    """Return the orbit of each ball of `rough_balls`; a mere number of balls moves alike."""
+    return tuple(orbits) * (slider.share if slider.roughness.sampled else 1)
 
 
 def _sample(block: Roughness, seed: int, reach: float) -> contact.Asperities:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import contact
-from studies.model.roughness import rough_balls
+from studies.model.roughness import orbits_of_each, rough_balls
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.point import Point
@@ -21,7 +21,7 @@ STEP = 1.5  # largest amplitudes go by steps of this factor, so that neighbourin
 
 def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
     """Return the steady velocity at a level; of a sample also the velocities of seven others, its scatter."""
-    orbits = scaled(_of_each_ball(driven), level)
+    orbits = scaled(orbits_of_each(driven.scene.slider, driven.orbits), level)
     with slider_keys():
         own, *others = _balls(driven)
         state = own.motion(orbits, tolerance=SHARE * tolerance)
@@ -57,7 +57,9 @@ def rough_threshold(driven: Contact) -> float:
     if level <= 0.0:
         return math.inf
     with slider_keys(), as_run_errors(f"slider.roughness: the amplitude for {1e3 * STARTS:g} mm/s:"):
-        return level * _balls(driven)[0].threshold(scaled(_of_each_ball(driven), level), STARTS, tolerance=SCATTER)
+        return level * _balls(driven)[0].threshold(
+            scaled(orbits_of_each(driven.scene.slider, driven.orbits), level), STARTS, tolerance=SCATTER
+        )
 
 
 def _balls(driven: Contact) -> tuple:
@@ -65,9 +67,3 @@ def _balls(driven: Contact) -> tuple:
     slider = driven.scene.slider
     largest = max(driven.scene.levels) * max(abs(each.normal) for each in driven.orbits)
     return rough_balls(slider, STEP ** math.ceil(math.log(max(largest, 1e-12), STEP)))
-
-
-def _of_each_ball(driven: Contact) -> tuple:
-    """Return the orbit of each ball for a level of 1; a mere number of balls moves alike."""
-    slider = driven.scene.slider
-    return tuple(driven.orbits) * (slider.share if slider.roughness.sampled else 1)
