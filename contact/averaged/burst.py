@@ -16,8 +16,9 @@ import math
 
 import numpy as np
 
+from contact.averaged.averaged_state import Span
 from contact.averaged.riding import quadrature
-from contact.averaged.transient import Span, response
+from contact.averaged.transient import response
 from contact.codes import At, Recorded, Status
 from contact.error_estimate import averaged_steps_error, second_order_burst_error
 from contact.exceptions import ConvergenceError

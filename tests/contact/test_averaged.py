@@ -7,7 +7,10 @@ import pytest
 
 from contact import ConvergenceError, Orbit, burst, mean_motion, steady
 from contact.answers.burst_methods import BURST_METHODS, Burst, rest_problem
-from contact.averaged import transient
+from contact.averaged import riding_stage
+from contact.averaged.averaged_state import AveragedMotion, Span, Stage
+from contact.averaged.equilibrium import work_arrays
+from contact.averaged.riding import Rule
 from contact.codes import Status
 from contact.orbit import as_orbits
 from tests.contact.motors import orbit, slider, steady_map
@@ -188,12 +191,11 @@ def test_general_phase():
 @pytest.mark.parametrize("rate", [1e300, np.inf, np.nan])
 def test_rates_that_no_step_can_follow_end_the_averaged_motion(rate, monkeypatch):
     rates = chain([1.0, 1.0], repeat(rate))
-    monkeypatch.setattr(transient, "averaged_rate", lambda _p, h, *_: (next(rates), h))
-    problem, state = rest_problem(slider(), (orbit(5e-9),)), np.array([0.1, 0.0, 0.0])
-    span = transient.Span(600.0, 1e-4, 8, transient.Rule(np.empty(0), np.empty(0)), 1, np.empty(0), np.empty((0, 2)))
+    monkeypatch.setattr(riding_stage, "averaged_rate", lambda _p, h, *_: (next(rates), h))
+    problem, no_rule = rest_problem(slider(), (orbit(5e-9),)), Rule(np.empty(0), np.empty(0))
+    span = Span(600.0, 1e-4, 8, no_rule, 1, np.empty(0), np.empty((0, 2)))
+    start = Stage(Status.DONE, AveragedMotion(0.1, 0.0, 0.0), 0.0, 0)
     with np.errstate(all="ignore"):  # as in the compiled kernel
-        ended = transient.accelerate(
-            problem, state, 0.0, 0, span, transient.work_arrays(1), transient.integration_arrays()
-        )
-    assert ended == Status.UNSETTLED
-    assert state[2] == 0.0
+        ended = riding_stage.follow_velocity(problem, start, span, work_arrays(1), riding_stage.velocity_arrays())
+    assert ended.status == Status.UNSETTLED
+    assert ended.motion == start.motion

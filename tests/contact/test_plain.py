@@ -10,8 +10,9 @@ import pytest
 
 from contact import PassingWave, Pillars, UserLaw, mean_motion, pillar_motion
 from contact.answers.burst_methods import rest, rest_problem
+from contact.averaged.averaged_state import Span
 from contact.averaged.riding import quadrature
-from contact.averaged.transient import Span, response
+from contact.averaged.transient import response
 from contact.stepping.time_stepping import steps
 from tests.contact.motors import orbit, slider
 
