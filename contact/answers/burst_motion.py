@@ -22,7 +22,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact import parameter_check
-from contact.answers.burst_methods import METHODS, Burst, rest_problem, ring_down, run, silence
+from contact.answers.after_burst import Afterwards, Series, follow_after
+from contact.answers.burst_methods import METHODS, Burst, rest_problem, run
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.quasi_static import quasi_static
 from contact.choice import Answer, Answered, refused
@@ -149,66 +150,108 @@ def burst(
     ConvergenceError
         Status "not applicable" if the method does not apply, or the status of the solver that failed.
     """
-    begun = clock.perf_counter()
+    start_time = clock.perf_counter()
     after, fading = after if isinstance(after, tuple) else (after, None)
     parameter_check.positive("duration", duration, "s")
     parameter_check.non_negative("after", after, "s")
     parameter_check.positive("tolerance", tolerance, "")
     parameter_check.count("samples", samples, 2)
     parameter_check.choice("method", method, (*METHODS, QUASI_STATIC))
-    given = slider
     if method == QUASI_STATIC or (coupling(slider, orbits) and method in ("auto", "averaged")):
-        return _quasi_static(slider, orbits, duration, after, tolerance, samples, envelope, track, fading, begun)
-    slider, listed = prescribed(slider, orbits, in_time=True)
-    frequency = listed[0].frequency
-    cycles = max(1, round(duration * frequency))
-    share = cycles / frequency / (cycles / frequency + after)
-    stride = max(1, round(cycles / max(1.0, samples * share)))
-    side, driven = towards_plus(listed)
-    problem = rest_problem(slider, driven)
-    request = Burst(slider, driven, problem, cycles, stride, tolerance, envelope)
-    if track is not None:
-        turn = np.exp(1j * driven[0].upward_zero) / problem.length
-        request = request._replace(track=Scaled(track, side, turn, problem.length))
-    result, method, reasons = run(method, request)
-    (motion, record, *way), statistics, asked = result.run, result.statistics, cycles
-    if way:
-        cycles = way[0].cycles
-        request = request._replace(cycles=cycles)
-        reasons = (*reasons, *((f"the track ends after {cycles} of {asked} cycles",) if cycles < asked else ()))
-    end, parts = side * float(motion.state[At.VELOCITY]) * problem.speed, _during(request, motion, record)
-    ledgers = [ledger(slider, motion)] if motion.begun is not None else []
-    slid, rang, still = [], 0.0, None
-    if cycles == asked:
-        slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share), request.track, way)
-    parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
-    after_ledger = None
-    if still is not None:
-        after_ledger = ledger(slider, still)
-        statistics |= {f"after_{name}": number for name, number in still.events().items()}
-        ledgers += [after_ledger] if ledgers else []
-    time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
+        _refuse_quasi_static(orbits, track, fading)
+        trajectory = _quasi_static(slider, orbits, duration, after, tolerance, samples, envelope)
+        return replace(trajectory, seconds=clock.perf_counter() - start_time)
+    body, listed = prescribed(slider, orbits, in_time=True)
+    asked, side = _question(body, listed, duration, after, tolerance, samples, envelope, track)
+    result, method, reasons = run(method, asked)
+    motion, record, *ways = result.run
+    driven = ways[0] if ways else None  # the motion along the track
+    done = asked if driven is None else asked._replace(cycles=driven.cycles)
+    if done.cycles < asked.cycles:
+        reasons = (*reasons, f"the track ends after {done.cycles} of {asked.cycles} cycles")
+    span = done.cycles / listed[0].frequency
+    # what follows the burst goes on with its motion, so that velocity, record and energies are taken before
+    end = side * float(motion.state[At.VELOCITY]) * asked.problem.speed
+    parts = _series_of_burst(done, motion, record)
+    own_ledger = ledger(body, motion) if motion.begun is not None else None
+    later, after_ledger, statistics = Afterwards(), None, dict(result.statistics)
+    if done.cycles == asked.cycles:
+        share = _share_of_burst(span, after)
+        later = follow_after(body, motion, after, fading, samples * (1.0 - share), asked.track, driven)
+        parts += [part._replace(time=span + part.time) for part in later.parts]
+    if later.at_rest is not None:
+        after_ledger = ledger(body, later.at_rest)
+        statistics |= {f"after_{name}": number for name, number in later.at_rest.events().items()}
     answer = Answer(
-        value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
+        value=end, error=result.error * asked.problem.speed, reasons=(f"{done.cycles} cycles from rest", *reasons)
     ).judged(tolerance, reference_speed(end, listed), _advice(method, envelope))
-    motion_after = Trajectory(
-        slider=given, orbits=orbits if isinstance(orbits, PassingWave) else listed, time=time,
-        velocity=side * velocity * problem.speed,
-        position=position * problem.length,
-        duration=cycles / frequency, cycles=cycles, rang=rang, answer=answer, method=method,
-        ledger=together(*ledgers) if ledgers and not rang else None, after_ledger=after_ledger, statistics=statistics,
-        seconds=clock.perf_counter() - begun,
+    time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
+    trajectory = Trajectory(
+        slider=slider, orbits=orbits if isinstance(orbits, PassingWave) else listed, time=time,
+        velocity=side * velocity * asked.problem.speed,
+        position=position * asked.problem.length,
+        duration=span, cycles=done.cycles, rang=later.rang, answer=answer, method=method,
+        ledger=_whole_ledger(own_ledger, after_ledger, later.rang), after_ledger=after_ledger, statistics=statistics,
+        seconds=clock.perf_counter() - start_time,
     )  # fmt: skip
-    return motion_after if track is None else _on_track(motion_after, track, way, side * problem.length, asked)
+    if driven is None:
+        return trajectory
+    return _on_track(trajectory, track, driven, later.along, side * asked.problem.length, asked.cycles)
 
 
-def _quasi_static(slider, wave, duration, after, tolerance, samples, envelope, track, fading, begun):
-    """Return the trajectory by the quasi-static method."""
+def _share_of_burst(duration, after):
+    """Return the part of a trajectory's time that the burst takes, and of its samples."""
+    return duration / (duration + after)
+
+
+def _question(slider, orbits, duration, after, tolerance, samples, envelope, track):
+    """Return the scaled burst, and the side, +1 or -1, to which its waves run."""
+    frequency = orbits[0].frequency
+    cycles = max(1, round(duration * frequency))
+    share = _share_of_burst(cycles / frequency, after)
+    stride = max(1, round(cycles / max(1.0, samples * share)))
+    side, driving = towards_plus(orbits)
+    problem = rest_problem(slider, driving)
+    question = Burst(slider, driving, problem, cycles, stride, tolerance, envelope)
+    if track is not None:
+        turn = np.exp(1j * driving[0].upward_zero) / problem.length
+        question = question._replace(track=Scaled(track, side, turn, problem.length))
+    return question, side
+
+
+def _series_of_burst(burst, motion, record):
+    """Return the start of a burst, its record and, if the last sample is not its end, the end: a list of `Series`."""
+    frequency, cycles = burst.orbits.frequency, burst.cycles
+    start = -burst.slider.rest_approach(len(burst.orbits)) / burst.problem.length
+    sampled = burst.stride * np.arange(1, len(record) + 1) / frequency
+    parts = [
+        Series(np.zeros(1), np.zeros(1), np.full(1, start)),
+        Series(sampled, record[:, Recorded.VELOCITY], record[:, Recorded.POSITION]),
+    ]
+    if cycles % burst.stride:
+        end = np.full(1, cycles / frequency)
+        parts.append(Series(end, motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
+    return parts
+
+
+def _whole_ledger(own, after, rang):
+    """Return the energies of burst and motion after it; None if those of the burst or of a ring-down are not known."""
+    if own is None or rang:
+        return None
+    return own if after is None else together(own, after)
+
+
+def _refuse_quasi_static(wave, track, fading):
+    """Refuse what the quasi-static method does not take."""
     why = ("the orbits are prescribed, give a PassingWave",) if not isinstance(wave, PassingWave) else ()
     why += ("it takes no track",) if track is not None else ()
     why += ("it takes no ring-down",) if fading is not None else ()
     if why:
         raise refused("a burst", {QUASI_STATIC: why}, "leave them out")
+
+
+def _quasi_static(slider, wave, duration, after, tolerance, samples, envelope):
+    """Return the trajectory by the quasi-static method; its computing time is not known yet."""
     refuse_infinite_mass(slider)
     time = np.unique(np.append(np.linspace(0.0, duration + after, samples), duration))
     answer, velocity, height = quasi_static(slider, wave, time, duration, envelope)
@@ -216,41 +259,33 @@ def _quasi_static(slider, wave, duration, after, tolerance, samples, envelope, t
         slider=slider, orbits=wave, time=time, velocity=velocity, position=np.full(time.size, -height),
         duration=duration, cycles=max(1, round(duration * wave.frequency)), rang=0.0, method=QUASI_STATIC,
         answer=answer.judged(tolerance, reference_speed(answer.value, wave)), ledger=None, after_ledger=None,
-        statistics={}, seconds=clock.perf_counter() - begun,
+        statistics={}, seconds=0.0,
     )  # fmt: skip
 
 
-def _on_track(trajectory, track, way, unit, asked):
-    """Return a trajectory with its displacement, stopped at the end of the track; ``unit``: m, with the side."""
-    x = unit * np.concatenate([[0.0], way[0].displacement])
+def _on_track(trajectory, track, driven, ringing, unit, asked):
+    """Return a trajectory with its displacement, stopped where the track ends.
+
+    `driven` and `ringing` are the motions along the track during the burst and the ring-down, `Followed` or None;
+    ``unit``: the unit of length in m, with the side; `asked`: cycles of the burst that was asked for.
+    """
+    x = unit * np.concatenate([[0.0], driven.displacement])
     if x.size < trajectory.time.size and trajectory.time[x.size] <= trajectory.duration * (1.0 + 1e-12):
-        x = np.append(x, unit * way[0].place)
-    if len(way) > 1:
-        x = np.concatenate([x, unit * way[1].displacement])
-    rest = slice(x.size - 1, None)
-    time, velocity = trajectory.time[rest], trajectory.velocity[rest]
+        x = np.append(x, unit * driven.place)  # the end of the burst is a sample of its own
+    if ringing is not None:
+        x = np.concatenate([x, unit * ringing.displacement])
+    # on the surface at rest the displacement is the integral of the velocity
+    at_rest = slice(x.size - 1, None)
+    time, velocity = trajectory.time[at_rest], trajectory.velocity[at_rest]
     steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time)
     x = np.concatenate([x, x[-1] + np.cumsum(steps)])
     outside = np.flatnonzero((x < track.limits[0]) | (x > track.limits[1]))
     inside = outside[0] if outside.size else x.size
+    ended = trajectory.cycles < asked or inside < x.size or (ringing is not None and ringing.ended)
     return replace(
         trajectory, time=trajectory.time[:inside], velocity=trajectory.velocity[:inside],
-        position=trajectory.position[:inside], displacement=x[:inside],
-        ended=trajectory.cycles < asked or inside < x.size or (len(way) > 1 and way[1].ended),
+        position=trajectory.position[:inside], displacement=x[:inside], ended=ended,
     )  # fmt: skip
-
-
-def _during(burst, motion, record):
-    """Return the parts of a burst: start, record and, if the last sample is not its end, the end; see `_follow_on`."""
-    frequency, start = burst.orbits.frequency, -burst.slider.rest_approach(len(burst.orbits)) / burst.problem.length
-    ends = burst.stride * np.arange(1, len(record) + 1)
-    parts = [
-        (np.zeros(1), np.zeros(1), np.full(1, start)),
-        (ends / frequency, record[:, Recorded.VELOCITY], record[:, Recorded.POSITION]),
-    ]
-    if burst.cycles % burst.stride:
-        parts.append((np.full(1, burst.cycles / frequency), motion.state[[At.VELOCITY]], motion.state[[At.POSITION]]))
-    return parts
 
 
 def _advice(method, envelope):
@@ -260,31 +295,3 @@ def _advice(method, envelope):
             "even the shortest fixed steps do not follow this motion closely enough; an envelope excludes method exact"
         )
     return "" if method == "exact" else "ask for method exact"
-
-
-def _follow_on(slider, motion, after, envelope, samples, track, way):
-    """Follow the slider after the burst, during the ring-down of the surface and then on the surface at rest.
-
-    Returns (parts, duration of the ring-down, motion at the end). A part is (times in s from the end of the burst, v,
-    z_s). The motion is None if the surface does not come to rest within the time `after`, or the slider comes to an end
-    of the `track` before. `way`: the motion along it up to now, `Followed`; that during the ring-down is appended.
-    """
-    parts, rang, problem = [], 0.0, motion.problem
-    if envelope is not None:
-        count = max(2, round(samples / 2.0))
-        start = way[0].place if way else 0.0
-        times, record, *along = ring_down(
-            slider, motion, envelope, longest=after, samples=count, track=track, start=start
-        )
-        way += along
-        if times.size:
-            rang = float(times[-1])
-            parts.append((times, record[:, Recorded.VELOCITY], record[:, Recorded.POSITION]))
-    if after <= rang or any(each.ended for each in way):
-        return parts, rang, None
-    still, span, count = silence(motion), after - rang, max(2, round(samples))
-    at = np.arange(1, count + 1) * (span / count)
-    z, *_, velocity = still.move(0.0, problem.omega * span * (1.0 + 1e-12), at * problem.omega)[:, 0].T
-    # the surface is at rest at zero, so that the approach of the first contact is its height less z_s
-    parts.append((rang + at, velocity, problem.paths.height[0] - z))
-    return parts, rang, still
