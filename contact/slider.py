@@ -674,7 +674,7 @@ class Slider(SliderRules):
         x, limits = deformations[touching], self._slip_limits(z)[touching]
         contacts = [self._in_si(slopes[i] * self.slope_unit) for i in touching]
 
-        def left(distance):
+        def unbalanced(distance):
             at_rest = np.clip(x - distance, -limits, limits)
             forces = (
                 share[i] * np.sign(b) * float(si.law.stuck(si, z[i], abs(b)))
@@ -682,7 +682,7 @@ class Slider(SliderRules):
             )
             return self.stiffness_unit * sum(forces) - load
 
-        return bracketed(left, float(np.min(x - limits)), float(np.max(x + limits)))
+        return bracketed(unbalanced, float(np.min(x - limits)), float(np.max(x + limits)))
 
     def _slip_limits(self, z):
         """Return the slip limit in m of each contact at its approach; 0 if it does not touch."""

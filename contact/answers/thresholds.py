@@ -386,16 +386,16 @@ def _factor_searched(height, slider, normal):
     """Do the work of `_factor_at` where the normal force is not homogeneous; contacts are closed all the time."""
     law, (share, _) = slider.profile, slider.contact_factors(len(normal))
 
-    def left(factor):
+    def unbalanced(factor):
         loads = (mean_load(factor * height, factor * each, law) for each in normal)
         carried = slider.stiffness_unit * sum(part * each for part, each in zip(share, loads, strict=True))
         return carried - slider.preload
 
     high = slider.rest_approach(len(normal)) / height
-    while left(high) < 0.0:
+    while unbalanced(high) < 0.0:
         high *= 2.0
     # without a preload the forces balance at 0 too, where an attraction ends
-    return bracketed(left, OPEN * high if slider.preload == 0.0 else 0.0, high)
+    return bracketed(unbalanced, OPEN * high if slider.preload == 0.0 else 0.0, high)
 
 
 def _alike(orbits):

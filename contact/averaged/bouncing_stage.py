@@ -12,7 +12,7 @@ import numpy as np
 from contact.averaged.averaged_state import AveragedMotion, Stage
 from contact.averaged.cycle_mean import cycle, respond
 from contact.averaged.cycle_pieces import FORWARD, Counted, Mean
-from contact.averaged.equilibrium import force_left
+from contact.averaged.equilibrium import net_force
 from contact.averaged.riding import Rule, mean_normal_force, mean_pull, riding
 from contact.averaged.runge_kutta import CLASSICAL, Stages, runge_kutta_step, stages
 from contact.body import Coordinates, body_force, contact_force
@@ -119,11 +119,11 @@ def follow_bounce(problem, motion, span, work, arrays):
         middle, middle_rate = _half_step(equation, step, arrays)
         arrays.bounce[0], arrays.bounce[1] = middle, middle_rate
         approach, rate = _half_step(equation, step, arrays)
-        v_middle = motion.velocity + 0.5 * step * force_left(problem, tangential_force, motion.velocity)
+        v_middle = motion.velocity + 0.5 * step * net_force(problem, tangential_force, motion.velocity)
         stuck = 0
         for _ in range(2 if steps == 0 else 1):  # the first step has no force of a step before
             tangential_force, stuck = _force_at_middle(problem, middle, v_middle, span, work, arrays.correction)
-            v_middle = motion.velocity + 0.5 * step * force_left(problem, tangential_force, v_middle)
+            v_middle = motion.velocity + 0.5 * step * net_force(problem, tangential_force, v_middle)
         if stuck > 0:
             return Stage(Status.STICKS, motion, phase, taken)
         new = AveragedMotion(approach, rate, _advanced_velocity(problem, motion.velocity, tangential_force, step))

@@ -109,11 +109,11 @@ def averaged_run(burst, motion, checked):
     first, second = (follow(order, 2.0 * v_tolerance, per_period // 2, few) for order in (False, True))
     averaging = differences(first, second)
     ratio = burst.slider.normal_resonance(len(burst.orbits)) / burst.orbits.frequency
-    left = second_order_burst_error(averaging, ratio, unit)
-    second_order_needed = averaging[0] + left[0] > 0.7 * tolerance * unit
+    second_order = second_order_burst_error(averaging, ratio, unit)
+    second_order_needed = averaging[0] + second_order[0] > 0.7 * tolerance * unit
     state, averaged_record = fine = follow(second_order_needed, v_tolerance, per_period, nodes)
     steps = averaged_steps_error(differences(fine, second if second_order_needed else first), v_tolerance * unit)
-    error, stated = steps + left + (0.0 if second_order_needed else averaging)
+    error, stated = steps + second_order + (0.0 if second_order_needed else averaging)
     record = np.zeros((ends.size, 2))
     record[ends <= 1] = motion.state[At.VELOCITY], motion.state[At.POSITION]
     record[inner] = averaged_record[np.searchsorted(numbers, ends[inner])]

@@ -79,12 +79,12 @@ def _sliding(slider):
 def _dragged_speed(slider, contacts):
     """Return the least speed in m/s at which damper and sliding friction carry the load, without a wave."""
 
-    def left(speed):
+    def net_force(speed):
         return slider.load - slider.tangential_damping * speed - slider.sliding_friction(contacts, speed)
 
     speeds = slider.load / slider.tangential_damping * np.linspace(0.0, 1.0, 400) ** 2
-    falls = next(k for k, speed in enumerate(speeds) if left(speed) <= 0.0)
-    return bracketed(left, speeds[falls - 1], speeds[falls])
+    falls = next(k for k, speed in enumerate(speeds) if net_force(speed) <= 0.0)
+    return bracketed(net_force, speeds[falls - 1], speeds[falls])
 
 
 def _dragged(slider, orbits):
@@ -112,8 +112,8 @@ def _carried(slider, orbits):
         return None
     lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * orbits.normal_size[0]
     pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * orbits.tangential_size[0]
-    left = slider.static_coefficient * (slider.preload - lift)
-    if lift > INSIDE * slider.preload or pull + slider.load > INSIDE * left:
+    least_limit = slider.static_coefficient * (slider.preload - lift)
+    if lift > INSIDE * slider.preload or pull + slider.load > INSIDE * least_limit:
         return None
     return {
         "velocity": 0.0, "regime": "stick", "height": slider.rest_approach(contacts),

@@ -217,7 +217,7 @@ class Equilibrium:
         moments = np.array([np.sum(P * cycle.x), np.sum(P * cycle.y)]) / (self.preload * self.arm)
         return np.array([np.sum(P) / self.preload, *moments, Q / self.friction])
 
-    def left(self, active, side, slope):
+    def residuals(self, active, side, slope):
         """Return the residuals and the step of the amplitudes, over the incident one."""
         residual = self._evaluate(side)[active]
         return residual, self.cycle.wave_step(self.forces, slope) / self.amplitude
@@ -286,13 +286,13 @@ class Equilibrium:
             self._evaluate(side)
             return self._balance(0.0)
         try:
-            left = _Search(self, active, side).run()
+            speed_error = _Search(self, active, side).run()
         except ConvergenceError:
             if w is None:
                 raise
             self.begin()
-            left = _Search(self, active, side, careful=True).run()
-        return self._balance(left * self.speed)
+            speed_error = _Search(self, active, side, careful=True).run()
+        return self._balance(speed_error * self.speed)
 
     def _balance(self, error):
         height, pitch, roll, w = self.unknowns.tolist()
@@ -340,11 +340,11 @@ class _Search:
             else:
                 self.sizes.append(max(self.size, self.change))
                 if self._is_solved():
-                    return self.change + self._left()
+                    return self.change + self._last_step()
                 self._advance()
-        left = max(self.size, self.change)
+        remaining = max(self.size, self.change)
         raise ConvergenceError(
-            "not converged", f"height, tilts, velocity and the wave leave a residual of {left:.1e} of the preload"
+            "not converged", f"height, tilts, velocity and the wave leave a residual of {remaining:.1e} of the preload"
         )
 
     @property
@@ -366,7 +366,7 @@ class _Search:
             self._set_residual()
 
     def _set_residual(self):
-        self.residual, self.wave_step = self.equations.left(self.active, self.side, self.slope)
+        self.residual, self.wave_step = self.equations.residuals(self.active, self.side, self.slope)
         self.size, self.change = _largest(self.residual), _largest(self.wave_step)
 
     def _is_worse(self) -> bool:
@@ -390,7 +390,7 @@ class _Search:
         step = self.equations.limited(0.0 * self.residual, self.wave_step)
         self.equations.go_to(self.equations.at(self.active) + step, self.active)
 
-    def _left(self) -> float:
+    def _last_step(self) -> float:
         """Return Newton's step of the unknowns from here, scaled."""
         step = self.residual if self.jacobian is None else np.linalg.pinv(self.jacobian) @ self.residual
         return _largest(step)
@@ -400,7 +400,7 @@ class _Search:
             return True
         if not (self.careful and self._stale):
             return False
-        rounded = self.size < MAX_RESIDUAL and self.change < ROUNDING and self._left() < CLOSE
+        rounded = self.size < MAX_RESIDUAL and self.change < ROUNDING and self._last_step() < CLOSE
         return self.sizes[-1] < ROUNDING or rounded
 
     def _advance(self):
@@ -410,7 +410,7 @@ class _Search:
             self.least, self.best = self.sizes[-1], equations.at(self.active)
         elif stale:
             equations.go_to(self.best, self.active)
-            self.residual, _ = equations.left(self.active, self.side, None)
+            self.residual, _ = equations.residuals(self.active, self.side, None)
         if stale:
             progress = self.least < 0.9 * self.reached
             self.stagnations, self.reached = (0, self.least) if progress else (self.stagnations + 1, self.reached)

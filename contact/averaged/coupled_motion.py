@@ -15,7 +15,7 @@ import numpy as np
 from contact import parameter_check
 from contact.averaged.coupled_equilibrium import SPEED, Balance, Equilibrium
 from contact.averaged.cycle_mean import ContactMean, MeanForces
-from contact.averaged.equilibrium import balanced_speed, force_left
+from contact.averaged.equilibrium import balanced_speed, net_force
 from contact.averaged.overtone_cycle import OvertoneCycle
 from contact.averaged.row_cycle import RowCycle
 from contact.codes import Status
@@ -275,9 +275,9 @@ class CoupledSearch:
         return (other, held, held) if side < 0.0 else (held, other, held)
 
     @staticmethod
-    def left(problem, search, w):
+    def net_force(problem, search, w):
         """Return the mean tangential force less load and damper, which accelerates the slider at v = omega w."""
-        return force_left(problem, search.equilibrium.solve(problem.load, w).traction, w)
+        return net_force(problem, search.equilibrium.solve(problem.load, w).traction, w)
 
     def directed(self, load: float) -> float:
         """Return a load with the sign of the motion that it opposes."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from contact.averaged.cycle_mean import cycle
 from contact.averaged.cycle_pieces import BACKWARD, FORWARD, Cycle, Mean, cycle_arrays
-from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction
+from contact.averaged.equilibrium import balanced_speed, full_slip_speed, load_direction, net_force
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
 from contact.events.collocation import SMOOTH, collocation
@@ -38,16 +38,16 @@ class Heights(NamedTuple):
     weights: np.ndarray
     rule: Rule
     work: Cycle
-    left: Callable
+    net_force: Callable
 
 
-def _left(problem, means, v, before=FORWARD):
+def _net_force(problem, means, v, before=FORWARD):
     """Return the mean tangential force less load and damper, averaged over the heights; `before` as in `cycle`."""
     mean = 0.0
     for h, weight in zip(means.heights, means.weights, strict=True):
         cycle(problem, float(h), v, before, means.rule, means.work)
         mean += weight * float(means.work.means[Mean.TANGENTIAL])
-    return force_left(problem, mean, v)
+    return net_force(problem, mean, v)
 
 
 def speed_lost(problem: Problem, rest: float, level: float) -> float:
@@ -69,13 +69,13 @@ def speed_lost(problem: Problem, rest: float, level: float) -> float:
     if half_bounce is None:
         return math.nan
     heights, weights = half_bounce
-    at_level = Heights(np.array([level]), np.ones(1), rule, work, _left)
-    return _speed(problem, Heights(heights, weights, rule, work, _left)) - _speed(problem, at_level)
+    at_level = Heights(np.array([level]), np.ones(1), rule, work, _net_force)
+    return _speed(problem, Heights(heights, weights, rule, work, _net_force)) - _speed(problem, at_level)
 
 
 def _speed(problem, means):
     """Return the velocity at which the mean tangential force balances damper and load, NaN if the search fails."""
-    least, largest = (_left(problem, means, 0.0, before) + problem.load for before in (FORWARD, BACKWARD))
+    least, largest = (_net_force(problem, means, 0.0, before) + problem.load for before in (FORWARD, BACKWARD))
     loaded = problem._replace(load=problem.load * load_direction(largest))
     search = balanced_speed(loaded, means, least, largest, full_slip_speed(problem.paths, problem.limit_slope), 1e-9)
     return search.velocity if search.status == Status.DONE else math.nan

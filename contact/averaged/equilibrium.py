@@ -11,7 +11,7 @@ and d_n and d_t the dampers of the slider.
 
 At rest h follows from <sum P> = p (`riding`) and V from <sum Q>(V) = d_t V + q, which `balanced_speed` searches between
 rest and the velocity at which every contact slips all the time. The search takes the mean from any provider with a
-function `left(problem, means, v)`, the mean force that is left to accelerate the slider:
+function `net_force(problem, means, v)`, the mean force that accelerates the slider along the wave:
 
     `ClosedForm`                     cycles in closed form between exact events (`cycle_mean`), here
     `event_equilibrium.EventCycles`  cycles of the event-driven solver, for laws that the closed form does not know
@@ -95,7 +95,7 @@ class ClosedForm(NamedTuple):
     rule: Rule
     height: float
     work: Work
-    left: Callable
+    net_force: Callable
 
 
 @per_thread
@@ -127,21 +127,21 @@ def settle(problem, rule, h, v, work, most, close=1e-13):
 
 
 @formula
-def force_left(problem, mean, v):
-    """Return what a mean tangential force leaves to accelerate the slider at a velocity."""
+def net_force(problem, mean, v):
+    """Return the force that accelerates the slider under a mean tangential force of the contacts, load and damper."""
     return mean + damping_force(problem, Coordinates(0.0, v)).along - problem.load
 
 
 @compiled
-def excess(problem, rule, h, v, before, work):
-    """Return the mean tangential force that is left to accelerate a slider at a velocity, of first order."""
+def net_force_at(problem, rule, h, v, before, work):
+    """Return the mean net force, of first order, on a slider at a mean approach and velocity."""
     cycle(problem, h, v, before, rule, work.first)
-    return force_left(problem, work.first.means[Mean.TANGENTIAL], v)
+    return net_force(problem, work.first.means[Mean.TANGENTIAL], v)
 
 
 @compiled
-def _left(problem, means, v):
-    return excess(problem, means.rule, means.height, v, FORWARD, means.work)
+def _net_force(problem, means, v):
+    return net_force_at(problem, means.rule, means.height, v, FORWARD, means.work)
 
 
 @formula
@@ -172,14 +172,14 @@ class BalancedSpeed(NamedTuple):
     status: int
     way: float  # direction of the motion, +1 or -1; 0 if friction holds the slider
     velocity: float
-    force: float  # left at that velocity
+    force: float  # net force at that velocity
     slope: float  # of the force in the velocity
     top: float  # range of the search
 
 
 @formula
 def balanced_speed(problem, means, least, largest, fastest, close):
-    """Return the velocity at which no force is left, as a `BalancedSpeed`.
+    """Return the velocity at which the mean net force vanishes, as a `BalancedSpeed`.
 
     `least` and `largest` bound the mean tangential force of a cycle at rest: the slider is held under a load between
     them. `fastest` is the speed beyond which every contact slips all the time; the search ends where a step is below
@@ -193,20 +193,20 @@ def balanced_speed(problem, means, least, largest, fastest, close):
     else:
         return BalancedSpeed(Status.DONE, 0.0, 0.0, 0.0, 0.0, fastest)
     a, b = 0.0, way * fastest
-    fb = means.left(problem, means, b)
+    fb = means.net_force(problem, means, b)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
             return BalancedSpeed(Status.RUNAWAY, way, 0.0, 0.0, 0.0, fastest)
         for _ in range(60):  # one step where friction does not fall with speed
             b += 1.000001 * fb / problem.tangential_damping
-            fb = means.left(problem, means, b)
+            fb = means.net_force(problem, means, b)
             if fb * way < 0.0:
                 break
     v, top, v_old, f_old = b, abs(b), a, fa
     slope = (fb - fa) / (b - a)
     for count in range(100):
         v = trial(a, fa, b, fb, count)
-        f = means.left(problem, means, v)
+        f = means.net_force(problem, means, v)
         if v != v_old:
             slope = (f - f_old) / (v - v_old)
         moved = abs(v - v_old)
@@ -244,12 +244,12 @@ def solve_equilibrium(problem, harmonics, work, out):
 def _fill_rest_forces(problem, h, work, out):
     """Fill the least and the largest tangential force of a cycle at rest."""
     counts = work.first.counts
-    least = largest = excess(problem, work.fine, h, 0.0, FORWARD, work) + problem.load
+    least = largest = net_force_at(problem, work.fine, h, 0.0, FORWARD, work) + problem.load
     stuck = counts[Counted.STUCK]
     out[Entry.MADE_PER_CYCLE], out[Entry.SLIPS_PER_CYCLE] = counts[Counted.MADE], counts[Counted.SLIPS]
     if least - max(problem.load, 0.0) <= ROUNDING * full_friction(problem):
         # the slider may be held or move backwards
-        largest = excess(problem, work.fine, h, 0.0, BACKWARD, work) + problem.load
+        largest = net_force_at(problem, work.fine, h, 0.0, BACKWARD, work) + problem.load
     counts[Counted.STUCK] = stuck
     out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST] = least, largest
 
@@ -260,17 +260,18 @@ def _first_order(problem, h, close, work, out):
 
     The search ends where a step is below `close` of its range. Of a held slider the slope is 0.
     """
-    means, least, largest = ClosedForm(work.rule, h, work, _left), out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST]
-    status, way, v, left, slope, top = balanced_speed(
+    means = ClosedForm(work.rule, h, work, _net_force)
+    least, largest = out[Entry.LEAST_AT_REST], out[Entry.LARGEST_AT_REST]
+    status, way, v, force, slope, top = balanced_speed(
         problem, means, least, largest, full_slip_speed(problem.paths, problem.limit_slope), close
     )
     out[Entry.HELD] = 1.0 if way == 0.0 else 0.0
     if status != Status.DONE or way == 0.0:
         return status, top, 0.0
     # the search may stop early: Newton's step from there has an error of the square of the last step
-    out[Entry.COARSE], out[Entry.RESIDUAL] = (v - left / slope if slope < 0.0 else v), abs(left / slope)
-    f = excess(problem, work.fine, h, v, FORWARD, work)
-    out[Entry.QUADRATURE] = quadrature_error((f - left) / slope)
+    out[Entry.COARSE], out[Entry.RESIDUAL] = (v - force / slope if slope < 0.0 else v), abs(force / slope)
+    f = net_force_at(problem, work.fine, h, v, FORWARD, work)
+    out[Entry.QUADRATURE] = quadrature_error((f - force) / slope)
     if slope < 0.0:
         v -= f / slope
     out[Entry.VELOCITY], out[Entry.FIRST_ORDER] = v, v
@@ -288,7 +289,7 @@ def _second_order(problem, slope, top, work, out):
     change = np.inf
     for count in range(40):
         h, change = settle(problem, work.fine, h, v, second, 1)
-        f = force_left(problem, second.means[Mean.TANGENTIAL], v)
+        f = net_force(problem, second.means[Mean.TANGENTIAL], v)
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
             if 0.5 * slope > new > 2.0 * slope:  # a secant within a factor of two of the last slope; both < 0

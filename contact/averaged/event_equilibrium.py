@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.averaged.equilibrium import balanced_speed, force_left, full_slip_speed, load_direction
+from contact.averaged.equilibrium import balanced_speed, full_slip_speed, load_direction, net_force
 from contact.averaged.riding import riding_approach
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
@@ -172,8 +172,8 @@ class EventCycles:
         self.height, self.motion = height, None
 
     @staticmethod
-    def left(problem: Problem, means: "EventCycles", v: float) -> float:
+    def net_force(problem: Problem, means: "EventCycles", v: float) -> float:
         """Return the mean tangential force less load and damper, which accelerates the slider at the velocity v."""
         deformations = 0.0 if means.motion is None else means.motion.carried.deformation
         mean, means.motion = mean_tangential_force(problem, means.height, v, deformations)
-        return force_left(problem, mean, v)
+        return net_force(problem, mean, v)

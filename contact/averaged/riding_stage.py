@@ -13,7 +13,7 @@ import numpy as np
 from contact.averaged.averaged_state import AveragedMotion, Stage
 from contact.averaged.cycle_mean import cycle
 from contact.averaged.cycle_pieces import FORWARD, Counted, Cycle, Mean
-from contact.averaged.equilibrium import force_left, full_slip_speed, settle
+from contact.averaged.equilibrium import full_slip_speed, net_force, settle
 from contact.averaged.riding import Rule, riding
 from contact.averaged.runge_kutta import Stages, integrate, stages
 from contact.codes import Recorded, Status
@@ -68,7 +68,7 @@ def averaged_rate(problem, approach, velocity, rule, work, max_rounds, close):
         approach, change = settle(problem, rule, approach, velocity, work, max_rounds, close)
     if change >= close:
         cycle(problem, approach, velocity, FORWARD, rule, work)
-    return force_left(problem, work.means[Mean.TANGENTIAL], velocity), approach
+    return net_force(problem, work.means[Mean.TANGENTIAL], velocity), approach
 
 
 @compiled

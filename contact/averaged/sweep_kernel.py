@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.cycle_pieces import FORWARD
-from contact.averaged.equilibrium import Entry, Work, excess, full_slip_speed, solve_equilibrium, work_arrays
+from contact.averaged.equilibrium import Entry, Work, full_slip_speed, net_force_at, solve_equilibrium, work_arrays
 from contact.averaged.riding import riding
 from contact.body import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.codes import Status, SteadyRegime
@@ -229,5 +229,5 @@ def _change(problem, base, slope, work, result):
 
 @compiled
 def _surplus(problem, v, work):
-    """Return the mean tangential force that is left to accelerate a slider riding at a velocity."""
-    return excess(problem, work.rule, riding(problem, work.rule), v, FORWARD, work)
+    """Return the mean net force on a slider that rides at a velocity."""
+    return net_force_at(problem, work.rule, riding(problem, work.rule), v, FORWARD, work)
