@@ -26,11 +26,16 @@ import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import ConvergenceError, InputError
+from contact.law.force_table import ForceTable
 from contact.law.normal import SPHERE, stiffness
 
 CLOSE = 1e-12  # residual of (1) over the largest approach at which Newton's method ends
 MAX_NEAR = 2500  # asperities of a ball; a table of them takes about a minute
 MERGED = 0.25 * math.pi  # radius over the distance of the nearest asperity from which a contact is a punch
+
+
+ROWS = 24  # approaches of a ball at which the forces are solved, of a first table
+FINE = 1024  # rows of the table of a ball's whole force
 
 
 class State(NamedTuple):
@@ -157,6 +162,29 @@ class RoughBall:
         cap = np.minimum(np.maximum(u, 0.0), self.merged)
         return self.stiffness * np.sqrt(cap) * (cap + 1.5 * np.maximum(u - self.merged, 0.0))
 
+    def force(self, z: float) -> float:
+        """Return the force of all at an approach z in m, N."""
+        return float(self.forces(self.at(z).approaches).sum())
+
+    def force_table(self, deepest: float, doubling: int) -> ForceTable:
+        """Return the force of all up to an approach in m, from `ROWS` solutions doubled so many times.
+
+        Between them each u_j is a cubic in z.
+        """
+        lowest, rows = -float(np.max(self.free)), ROWS * 2**doubling
+        z, spacing = np.linspace(lowest, deepest, rows + 1, retstep=True)
+        approaches, rates = solved(self, z)
+        fine, step = np.linspace(0.0, rows, FINE + 1, retstep=True)
+        row = np.minimum(fine.astype(int), rows - 1)
+        t, low, high = (fine - row)[:, None], approaches[row], approaches[row + 1]
+        rise, fall = spacing * rates[row], spacing * rates[row + 1]
+        cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
+        u = low + t * (rise + t * (square + t * cubic))
+        slopes = 1.5 * self.stiffness * np.sqrt(np.minimum(np.maximum(u, 0.0), self.merged))
+        slopes *= rise + t * (2.0 * square + 3.0 * t * cubic)
+        force, slope = self.forces(u).sum(axis=1), step * slopes.sum(axis=1)
+        return ForceTable(force[None], slope[None], np.array([lowest]), np.array([step * spacing]))
+
     def at(self, z: float, near: np.ndarray | None = None) -> State:
         """Return the state at an approach z in m; `near` are approaches u_j from which the search starts.
 
@@ -201,3 +229,13 @@ class RoughBall:
         solution = right - columns @ forces
         solution[touching] = forces / rates
         return solution
+
+
+def solved(ball, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the approaches of the asperities of a ball and their derivatives in z at equally spaced z, (rows, n)."""
+    states, near = [], None
+    for each in z:
+        states.append(ball.at(float(each), near))
+        near = states[-1].approaches + (z[1] - z[0]) * states[-1].rates
+    approaches, rates = (np.array(each) for each in zip(*states, strict=True))
+    return approaches, rates

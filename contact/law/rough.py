@@ -16,13 +16,15 @@ one sphere differs from the next, and only a sample (`law.asperities`) tells by 
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from contact import parameter_check
-from contact.exceptions import ConvergenceError
-from contact.law.asperities import Asperities, State
+from contact.exceptions import ConvergenceError, InputError
+from contact.law.asperities import FINE, Asperities, State
+from contact.law.force_table import ForceTable
 from contact.law.normal import SPHERE, approach, stiffness
 from contact.roots import bracketed
 
@@ -31,33 +33,40 @@ ASPERITIES = 0.05  # eta beta sigma of surfaces without a measured density
 FEWEST = 10.0  # asperities in contact below which the mean field is not that of one sphere
 COVERED = 0.4  # random places one after another fill 0.547 of a plane with discs
 FIRST = 4.5  # standard deviations between the mean planes from which on asperities are counted to carry: 1e-5 of a load
-HEIGHTS, PLACES = 16, 24  # classes of height, and rings, of the asperities of a field; 64 and 80: 2e-3 of the velocity
+START, GRADED = 6.0, 3.0  # standard deviations: where a table starts, and from where on its steps grow
+STEP_OF_ROWS, FINEST = 0.3, 64  # of asinh of the approach in a first table, and its smallest part
 RINGS = 160  # rings of pressure; 320 change the approach by 2e-5
 REACH = 7.0  # standard deviations above the mean plane beyond which asperities carry nothing
 FAR = -12.0  # t below which the series of a tail has rounding errors only
+STEP = 0.04  # of the variable of integration of a tail; 0.08 gives 1e-9
+TAILS = 64  # rows of the table of tails a standard deviation: 4e-7 of a tail
 CLOSE = 1e-12  # relative change of the largest pressure or approach at which Newton's method ends
 
 
 def tail(power: float, t: np.ndarray) -> np.ndarray:
     r"""Return int_t^inf (s - t)^power phi(s) ds of the standard normal density.
 
+    With s - t = x^2 the integrand is even in x and falls as exp(-x^4/2), so that the trapezoidal rule gives it to
+    rounding.
+
     Parameters
     ----------
     power : float
-        1/2 or 3/2; any number above -1 serves.
+        -1/2, 1/2, 3/2 or another half of an odd number.
     t : ndarray
         Lower limits.
 
     Examples
     --------
-    >>> [round(float(each), 6) for each in tail(1.0, np.array([0.0, -20.0]))]  # 1/sqrt(2 pi), and 20
-    [0.398942, 20.0]
+    >>> [round(float(each), 6) for each in tail(0.5, np.array([0.0, -25.0]))]  # Gamma(3/4)/(2^(3/4) sqrt(pi)), 5
+    [0.411089, 4.999]
     """
-    from scipy.special import gamma, pbdv  # of the rough contact alone: scipy is not imported where it is absent
-
     t = np.asarray(t, dtype=float)
-    near = np.maximum(t, FAR)
-    found = gamma(power + 1.0) / math.sqrt(2.0 * math.pi) * np.exp(-0.25 * near**2) * pbdv(-power - 1.0, near)[0]
+    near = np.maximum(t, FAR)[..., None]
+    x = STEP * np.arange(math.ceil(math.sqrt(9.0 - FAR) / STEP))
+    weight = np.full(x.size, 2.0 * STEP)
+    weight[0] = STEP
+    found = np.exp(-0.5 * (x**2 + near) ** 2) @ (weight * x ** (2.0 * power + 1.0)) / math.sqrt(2.0 * math.pi)
     away = np.maximum(-t, -FAR)
     total = term = np.ones_like(away)
     for k in range(1, 12):
@@ -65,6 +74,30 @@ def tail(power: float, t: np.ndarray) -> np.ndarray:
         term = term * (power - 2 * k + 2) * (power - 2 * k + 1) / (2 * k) / away**2
         total = total + term
     return np.where(t < FAR, total * away**power, found)
+
+
+@cache
+def _tail_table() -> np.ndarray:
+    """Return the tails of the powers 3/2, 1/2 and -1/2 from `FAR` on, shape (3, n)."""
+    t = np.arange(FAR, REACH + 2.0, 1.0 / TAILS)
+    return np.array([tail(power, t) for power in (1.5, 0.5, -0.5)])
+
+
+def pressure_tails(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the tail of the power 3/2 and less its derivative: by cubics in a table, or by `tail` before it."""
+    values = _tail_table()
+    at = np.clip((t - FAR) * TAILS, 0.0, values.shape[1] - 1.001)
+    row = at.astype(int)
+    s, found = at - row, []
+    for power, value, slope in ((1.5, values[0], values[1]), (0.5, values[1], values[2])):
+        low, high, rise, fall = value[row], value[row + 1], -power / TAILS * slope[row], -power / TAILS * slope[row + 1]
+        cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
+        found.append(low + s * (rise + s * (square + s * cubic)))
+    far = t < FAR
+    if far.any():
+        for power, each in zip((1.5, 0.5), found, strict=True):
+            each[far] = tail(power, t[far])
+    return found[0], 1.5 * found[1]
 
 
 def disc_displacement(radius, r) -> np.ndarray:
@@ -85,13 +118,14 @@ def disc_displacement(radius, r) -> np.ndarray:
 class Field(NamedTuple):
     """The mean field at one approach."""
 
+    approach: float  # z, m
     force: float  # N
     stiffness: float  # dP/dz, N/m
     r: np.ndarray  # middle radii of the rings, m
     pressure: np.ndarray  # mean pressure of the rings, Pa
     touching: float  # asperities in contact
-    separation: np.ndarray  # of the mean planes at the rings, m
-    separation_rate: np.ndarray  # its derivative in z
+    dent: np.ndarray  # displacement of the half-space at the rings, m
+    dent_rate: np.ndarray  # its derivative in z
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +139,8 @@ class Roughness:
     asperity_radius : float
         Radius beta of the asperities, m, positive; 10 um where it is not given.
     density : float, optional
-        Asperities per area eta, 1/m^2, positive; None: 0.05/(beta sigma).
+        Asperities per area eta, 1/m^2, positive and at most 1/(beta sigma); None: 0.05/(beta sigma). Of random
+        surfaces eta beta sigma is 0.03 to 0.1 (McCool, Wear 107 (1986) 37).
 
     Examples
     --------
@@ -122,6 +157,10 @@ class Roughness:
             object.__setattr__(self, name, parameter_check.positive(f"roughness.{name}", getattr(self, name), unit))
         density = ASPERITIES / (self.asperity_radius * self.rms) if self.density is None else self.density
         object.__setattr__(self, "density", parameter_check.positive("roughness.density", density, "1/m^2"))
+        most = 1.0 / (self.asperity_radius * self.rms)
+        if self.density > most:
+            rule = f"must be at most 1/(asperity_radius rms) = {most:.4g} 1/m^2, got {self.density:.4g}"
+            raise InputError("roughness.density", rule)
 
     @property
     def spacing(self) -> float:
@@ -180,46 +219,59 @@ class MeanField:
         self.radius = parameter_check.positive("radius", radius, "m")
         self.modulus = parameter_check.positive("effective_modulus", effective_modulus, "Pa")
         self.roughness, self.rings = roughness, rings
+        self._solved: dict[int, Field] = {}
         self._edges = np.linspace(0.0, 1.0, rings + 1)
         middle = self.middle = 0.5 * (self._edges[1:] + self._edges[:-1])
         # displacements scale with the outermost radius
         discs = disc_displacement(self._edges[None, :], middle[:, None])
         self._influence = np.diff(discs, axis=1) / effective_modulus
 
-    def at(self, z: float, near: Field | None = None, *, reach: float | None = None) -> Field:
+    def at(self, z: float, near: Field | None = None) -> Field:
         """Return the field at an approach z of the mean planes in m; it is negative where few asperities touch.
 
-        `near` is that at another approach, whose pressures the search starts from, and `reach` the radius of the
-        outermost ring in m.
+        `near` is that at another approach, from which the search starts.
 
         Raises
         ------
         ConvergenceError
             If Newton's method does not converge.
         """
-        sigma, rough = self.roughness.rms, self.roughness
-        reach = reach or self.reach(z)
+        from scipy.special import ndtr
+
+        sigma, rough, reach = self.roughness.rms, self.roughness, self.reach(z)
         r, influence = reach * self.middle, reach * self._influence
         area = math.pi * np.diff((reach * self._edges) ** 2)
         scale = rough.density * float(stiffness(rough.asperity_radius, self.modulus, SPHERE.shape)) * sigma**1.5
         plane = r**2 / (2.0 * self.radius) - z
-        p, identity = np.zeros(self.rings), np.eye(self.rings)
+        dent = np.zeros(self.rings)
         if near is not None:
-            p = np.interp(r, near.r, near.pressure, right=0.0)
+            dent = np.interp(r, near.r, near.dent + (z - near.approach) * near.dent_rate)
+        bound = CLOSE * sigma + 1e-15 * float(np.max(np.abs(plane)))
+        identity = np.eye(self.rings)
+
+        def residual(dent):
+            pressures, falls = pressure_tails((plane + dent) / sigma)
+            return dent - influence @ (scale * pressures), scale * pressures, scale / sigma * falls
+
+        left, p, falls = residual(dent)
         for _ in range(100):
-            t = (plane + influence @ p) / sigma
-            wanted, falls = scale * tail(1.5, t), 1.5 * scale / sigma * tail(0.5, t)
-            jacobian = identity + falls[:, None] * influence
-            step = np.linalg.solve(jacobian, wanted - p)
-            p = np.maximum(p + step, 0.0)
-            if np.max(np.abs(step)) <= CLOSE * np.max(p):
+            jacobian = identity + influence * falls
+            step = np.linalg.solve(jacobian, -left)
+            for _ in range(40):
+                new, p, falls = residual(dent + step)
+                if new @ new < left @ left or np.max(np.abs(step)) <= bound:
+                    break
+                step = 0.5 * step
+            dent, left = dent + step, new
+            if np.max(np.abs(step)) <= bound:
                 break
         else:
             raise ConvergenceError("not converged", f"the mean field of asperities at an approach of {z:.4g} m")
-        touching = rough.density * float(area @ tail(0.0, t))
-        rise = np.linalg.solve(jacobian, falls)
-        separation = plane + influence @ p
-        return Field(float(area @ p), float(area @ rise), r, p, touching, separation, influence @ rise - 1.0)
+        # p = f(z - plane - dent), so that dp = f' (dz - influence dp)
+        dent_rate = np.linalg.solve(identity + influence * falls, influence @ falls)
+        touching = rough.density * float(area @ ndtr(-(plane + dent) / sigma))
+        rise = falls * (1.0 - dent_rate)
+        return Field(z, float(area @ p), float(area @ rise), r, p, touching, dent, dent_rate)
 
     def reach(self, z: float) -> float:
         """Return the radius in m within which asperities may touch at an approach z in m."""
@@ -240,13 +292,45 @@ class MeanField:
         number = 2.0 * math.pi * self.radius * rough.density * rough.rms
 
         def left(t):
-            return number * float(tail(1.0, np.array([t]))[0]) - math.log(2.0)
+            above = math.exp(-0.5 * t**2) / math.sqrt(2.0 * math.pi) - 0.5 * t * math.erfc(t / math.sqrt(2.0))
+            return number * above - math.log(2.0)
 
         return -rough.rms * bracketed(left, FAR, REACH)
 
-    def ball(self, _radius: float, _modulus: float, deepest: float) -> "FieldBall":
-        """Return the asperities of the field as those of one ball, up to an approach in m."""
-        return FieldBall(self, deepest)
+    def ball(self, _radius: float, _modulus: float, _deepest: float) -> "FieldBall":
+        """Return one ball with the force of the field."""
+        return FieldBall(self)
+
+    def force_table(self, deepest: float, doubling: int) -> ForceTable:
+        """Return the force up to an approach in m.
+
+        log P is a cubic between approaches s sinh(k step), s = `GRADED` standard deviations: about equally spaced near
+        the mean plane, and growing beyond as the force becomes a power of z. Each doubling halves the step, and keeps
+        the fields that are solved.
+        """
+        scale, step = GRADED * self.roughness.rms, STEP_OF_ROWS / 2**doubling
+        first = math.floor(math.asinh(-START / GRADED) / step)
+        last = math.ceil(math.asinh(max(deepest, 0.0) / scale) / step)
+        fields = [self._field(k * FINEST // 2**doubling) for k in range(first, last + 1)]
+        logs = np.log([each.force for each in fields])
+        slopes = step * np.array([each.stiffness / each.force * math.hypot(each.approach, scale) for each in fields])
+        z, spacing = np.linspace(fields[0].approach, deepest, FINE + 1, retstep=True)
+        at = np.arcsinh(z / scale) / step - first
+        row = np.clip(at.astype(int), 0, last - first - 1)
+        t, low, high, rise, fall = at - row, logs[row], logs[row + 1], slopes[row], slopes[row + 1]
+        cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
+        force = np.exp(low + t * (rise + t * (square + t * cubic)))
+        slope = force * (rise + t * (2.0 * square + 3.0 * t * cubic)) / (step * np.hypot(z, scale))
+        return ForceTable(force[None], spacing * slope[None], z[:1], np.array([spacing]))
+
+    def _field(self, number: int) -> Field:
+        """Return the field at one of the approaches of the finest table, solved once."""
+        if number not in self._solved:
+            before = [each for each in self._solved if each < number]
+            near = self._solved[max(before)] if before else None
+            z = GRADED * self.roughness.rms * math.sinh(number * STEP_OF_ROWS / FINEST)
+            self._solved[number] = self.at(z, near)
+        return self._solved[number]
 
     def approach(self, force: float) -> float:
         """Return the approach of the mean planes in m under a force in N, by Newton's method on its logarithm."""
@@ -262,37 +346,29 @@ class MeanField:
 
 
 class FieldBall:
-    """The asperities of a mean field as a sample: classes of height on rings, which the field dents alike.
+    """One ball with the force of a mean field, as if it were one asperity of the ball's own radius.
 
     Attributes
     ----------
-    near : ndarray
-        Numbers of the classes.
-    stiffness, merged : ndarray, shape (n,)
-        Of the asperities of each class together, N/m^1.5; no approach at which they meet.
+    stiffness, merged : ndarray, shape (1,)
+        K in N/m^1.5 of the smooth ball, and no approach at which it would merge with others.
     """
 
-    def __init__(self, field: MeanField, deepest: float):
-        self.field = MeanField(field.radius, field.modulus, field.roughness, PLACES)
-        sigma, self.reach = field.roughness.rms, self.field.reach(deepest)
-        steps = (np.arange(HEIGHTS) + 0.5) / HEIGHTS * 2.0 * FIRST - FIRST
-        share = np.exp(-0.5 * steps**2)
-        self.heights = sigma * steps
-        areas = math.pi * np.diff((self.reach * np.linspace(0.0, 1.0, PLACES + 1)) ** 2)
-        each = float(stiffness(field.roughness.asperity_radius, field.modulus, SPHERE.shape))
-        self.stiffness = (each * field.roughness.density * np.outer(areas, share / share.sum())).ravel()
-        self.merged, self.near = np.full(self.stiffness.size, np.inf), np.arange(self.stiffness.size)
+    def __init__(self, field: MeanField):
+        self.field, self.force_table = field, field.force_table
+        self.stiffness = np.array([float(stiffness(field.radius, field.modulus, SPHERE.shape))])
+        self.merged = np.array([math.inf])
         self._last: Field | None = None
 
-    def at(self, z: float, near: np.ndarray | None = None) -> State:
-        """Return the approaches of the asperities at an approach z in m, and their derivatives."""
-        self._last = field = self.field.at(z, self._last if near is not None else None, reach=self.reach)
-        approaches = self.heights - field.separation[:, None]
-        return State(approaches.ravel(), np.repeat(-field.separation_rate, HEIGHTS))
+    def force(self, z: float) -> float:
+        """Return the force at an approach z in m, N."""
+        return self.field.at(z, self._last).force
 
-    def forces(self, u: np.ndarray) -> np.ndarray:
-        """Return the forces at approaches u, N."""
-        return self.stiffness * np.maximum(u, 0.0) ** 1.5
+    def at(self, z: float, near: np.ndarray | None = None) -> State:
+        """Return the approach at which a smooth ball has the force, and its derivative."""
+        self._last = field = self.field.at(z, self._last if near is not None else None)
+        u = float(approach(field.force / self.stiffness[0], SPHERE))
+        return State(np.array([u]), np.array([2.0 / 3.0 * u * field.stiffness / field.force]))
 
 
 def johnson_number(rms: float, approach: float) -> float:

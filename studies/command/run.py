@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _compiled_aside(scene):
     """Return a context in which a kernel that the scene needs is compiled aside, while the stator is solved."""
-    if scene.slider is None or scene.slider.law != "elastic":
+    if scene.slider is None or scene.slider.tangential_law != "elastic":
         return nullcontext()
     from contact import compiled_aside
 

@@ -39,7 +39,7 @@ def _adhesion(slider: Slider):
 
 def _friction(slider: Slider):
     """Return the ``contact`` object of a friction law other than Coulomb's, None for Coulomb's."""
-    law, mu = slider.law, slider.friction_coefficient
+    law, mu = slider.tangential_law, slider.friction_coefficient
     if isinstance(law, LawText):
         return contact.UserLaw(law.name, law.source)
     if isinstance(mu, Friction):

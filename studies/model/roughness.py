@@ -1,7 +1,9 @@
 """From the roughness of a scene's balls to their mean field, or to samples of asperities.
 
-Without ``seed`` and ``file`` the balls are the mean field of many asperities (`contact.MeanField`), each with its own
-stop. A scene whose balls touch with fewer than `FEWEST` asperities is refused, for no two of such balls are alike.
+Without ``seed`` and ``file`` the balls are the mean field of many asperities (`contact.MeanField`). The tangential law,
+unless the scene says another, is the memory of Mindlin and Deresiewicz in the normal force of the whole ball
+(`contact.RoughBalls`). A scene whose balls touch with fewer than `FEWEST` asperities is refused, for no two of such
+balls are alike.
 """
 
 import math
@@ -14,7 +16,7 @@ import numpy as np
 
 import contact
 from studies.lab.afm_patch import AfmPatch, read_patch
-from studies.model.scene_errors import as_run_errors
+from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.refusal import SceneError, refuses
 from studies.scene.roughness_keys import Roughness
 from studies.scene.slider_keys import Slider
@@ -28,7 +30,8 @@ STRIDE = 10_000  # between the seeds of the samples; balls of one slider have se
 def roughness_of(block: Roughness) -> contact.Roughness:
     """Return the `contact.Roughness` of a block without a file."""
     given = {} if block.asperity_radius is None else {"asperity_radius": block.asperity_radius}
-    return contact.Roughness(rms=block.rms, density=block.density, **given)
+    with slider_keys():
+        return contact.Roughness(rms=block.rms, density=block.density, **given)
 
 
 @lru_cache(64)  # of a sweep's points many have the same
@@ -120,11 +123,11 @@ def reach_of(slider: Slider, amplitude: float) -> float:
 
 
 def contact_body(slider: Slider) -> contact.Slider:
-    """Return the smooth slider on all its balls."""
+    """Return the smooth slider on all its balls, with the tangential law that its rough balls take."""
     return contact.Slider(
         radius=slider.radius, mass=slider.mass, preload=slider.preload_force, load=slider.load,
         friction_coefficient=slider.static_coefficient, effective_modulus=slider.effective_modulus,
-        tangential_modulus=slider.tangential_modulus, law="elastic", reciprocal=False, stick_band=0.0,
+        tangential_modulus=slider.tangential_modulus, law=slider.tangential_law, reciprocal=False, stick_band=0.0,
         contact_damping=slider.damping.contact, normal_damping=slider.damping.normal,
         tangential_damping=slider.damping.tangential,
     )  # fmt: skip

@@ -1,13 +1,13 @@
 """What the roughness of the balls does to threshold, release and velocity, and which roughness a threshold tells.
 
 Method: the balls of a scene (``twente-contact`` by default) with a roughness of 0.5 to 10 nm: eight samples of
-asperities (`contact.RoughBalls`), a stop for each asperity, and the mean field where ten asperities or more carry a
-ball. The threshold is the level at which the slider runs at 0.2 mm/s, because rough balls have no sharp one; the
-release is that at which the first ball leaves the surface in every cycle. Beside them stand smooth balls with the
-elastic law, and with the hysteretic one. A measured threshold (``--measured "4.2 V"``, or ``"0.9 nm"`` on a prescribed
+asperities (`contact.RoughBalls`), and the mean field where ten asperities or more carry a ball. The threshold is the
+level at which the slider runs at 0.2 mm/s, because rough balls have no sharp one; the release is that at which the
+first ball leaves the surface in every cycle. Beside them stand smooth balls with the elastic law, and with the
+hysteretic one. A measured threshold (``--measured "4.2 V"``, or ``"0.9 nm"`` on a prescribed
 wave) becomes a roughness: that at which the median of the samples has this threshold, with the range in which one of
 the eight has it. Expected: the threshold grows with the roughness; rough balls differ more from each other the rougher
-they are; the mean field lies within the samples. Run time: about 50 s, plus the time of the stator.
+they are; the mean field lies at their lower end, for it is softer. Run time: about 50 s, plus the time of the stator.
 """
 
 import logging
@@ -109,7 +109,7 @@ def _without_roughness(scene: Scene) -> tuple[Roughness, Scene]:
     block = scene.slider.roughness
     if block is not None and block.file is not None:
         scene.refuse("slider.roughness.file", "must be absent in this study, which changes slider.roughness.rms")
-    law = {"law": "elastic"} if scene.slider.law == "hysteretic" else {}
+    law = {"law": None} if scene.slider.law == "hysteretic" else {}
     if block is None:
         scene.replace(slider=law | {"roughness": {"rms": RMS[0]}})  # what does not go with roughness is refused
     return block or Roughness(rms=RMS[0]), scene.replace(slider=law | {"roughness": None})

@@ -32,8 +32,6 @@ from studies.solve.solved_stator import contact_of_run
 TABLE = Path(__file__).with_name("rough_balls.csv")
 RMS = 3e-9  # m: of a bearing ball over the size of its contact (ISO 3290-1 allows 10 to 20 nm over larger lengths)
 ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air, also of pillars
-FINE = 0.0064  # alpha of asperities so fine that they are those of a smooth ball: k 0.7 % below Hertz's
-FINE_TOLERANCE = 3e-3  # of the velocities that are compared
 WATER = 0.072  # N/m: surface tension
 REMOVED = 10.0  # Fuller's and Tabor's number above which roughness removes adhesion
 DECIDES = 0.1  # relative change from which a warning is given, also of `run_warnings`
@@ -45,14 +43,12 @@ STARTS, CLEAN, WET = (
     "adhesion of clean smooth balls",
     "meniscus of water at the balls",
 )
-DRAWN_ALONG = "asperities that draw each other along"
 OTHER_BALL, SPLIT = "another ball of the same roughness", "loads of the balls by statics instead of one height"
 AT_LARGEST = (
     ROUGHNESS,
     MEMORY,
     OTHER_BALL,
     SPLIT,
-    DRAWN_ALONG,
 )  # stated at the largest level: near the threshold they decide everything
 
 
@@ -131,29 +127,9 @@ def ball_surface_at(record: Record, point: Point) -> Effects:
         size = 0.5 * (highest - lowest) / median / math.sqrt(len(slider.offsets))
         yield OTHER_BALL, "velocity", size, how
     yield from _split(record, point)
-    if block is not None:
-        yield from _drawn_along(record, point)
-    if slider.law == "elastic" and block is None:
+    if slider.tangential_law == "elastic" and block is None:
         how = "hysteretic law (Mindlin and Deresiewicz) over the elastic one, smooth ball"
         yield MEMORY, "velocity", ratio(0.0, amplitude)[0] - 1.0, how
-
-
-def _drawn_along(record: Record, point: Point) -> Effects:
-    """Yield what stops that do not draw each other along miss: the hysteretic law over fine stops, on smooth balls.
-
-    Of fewer and higher asperities it is less: they are further apart.
-    """
-    slider = record.scene.slider
-    body, orbits = contact_slider(replace(slider.along_x, roughness=None)), contact_of_run(record).at(point.level)
-    body = replace(body, law="elastic", reciprocal=False, stick_band=0.0)
-    fine = contact.Roughness(rms=FINE * body.rest_approach(len(orbits)))
-    field = contact.MeanField(slider.radius, body.effective_modulus, fine)
-    with suppress(contact.ConvergenceError):
-        stops = contact.RoughBalls(body, (field,) * len(orbits)).velocity(orbits, tolerance=FINE_TOLERANCE).value
-        limit = float(contact.steady(replace(body, law="hysteretic"), orbits, tolerance=FINE_TOLERANCE).velocity)
-        if stops != 0.0:
-            how = "at most: hysteretic law over a stop for each of many fine asperities, smooth ball"
-            yield DRAWN_ALONG, "velocity", limit / stops - 1.0, how
 
 
 def _split(record: Record, point: Point) -> Effects:

@@ -137,7 +137,7 @@ def _contact(model: Model) -> Conditions:
     merged = f"{slider.share - 1} of {slider.contacts} contacts: all move in phase, and one of them is computed"
     yield slider.share > 1, merged
     yield scene.burst is None, "motion from rest: without a burst, the periodic state is computed directly"
-    memory = f"in the {slider.law} law, the friction force depends on the present motion only"
+    memory = f"in the {slider.tangential_law} law, the friction force depends on the present motion only"
     yield not slider.remembers, f"memory of the contact: {memory}"
     reaction = "reaction of the tangential spring on the normal motion: slider.reciprocal is false"
     yield not slider.reciprocal, reaction

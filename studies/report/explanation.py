@@ -94,7 +94,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         seconds += PILLAR * placed * len(scene.levels)
         block_bytes += PILLAR_BYTES * placed / MEMORY_FACTOR
         contacts = len(set(slider.offsets))  # contacts at the same position move identically
-        facts = [f"{slider.law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
+        facts = [f"{slider.tangential_law} law, {_counted(number, 'contact')}, {len(scene.levels)} {levels}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
             facts.append(f"a burst of {scene.burst * scene.frequency:.4g} cycles of the wave at each")

@@ -131,11 +131,12 @@ class Slider(Block):
         str | None, TEXT, 'Material of the balls, such as "steel", from which both moduli follow; not with [wave].'
     ] = None
     law: Annotated[
-        str | LawText,
+        str | LawText | Any,
         choice("elastic", "hysteretic") | LawFile() | Within(LawText),
         "Tangential contact law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin and Deresiewicz, "
-        "with memory; or a Python file with a user's law (contact/README.md).",
-    ] = "elastic"
+        "with memory; or a Python file with a user's law (contact/README.md). Absent: elastic; with roughness "
+        "hysteretic, that of asperities that draw each other along.",
+    ] = None
     normal_law: Annotated[
         NormalLawText | None,
         LawFile(NormalLawText) | Within(NormalLawText),
@@ -217,7 +218,7 @@ class Slider(Block):
         for key in ALONE:
             if getattr(self, key) is not None:
                 yield key, "must be absent with [slider.pillars], which define the contacts"
-        if self.law != "elastic":
+        if self.tangential_law != "elastic":
             yield "law", 'must be "elastic" with [slider.pillars]: a flat pillar slips as a whole'
         if isinstance(self.friction_coefficient, Friction):
             yield "friction_coefficient", "must be a number with [slider.pillars]"
@@ -239,7 +240,7 @@ class Slider(Block):
         if self.pillars is not None or self.shape != "sphere":
             yield "roughness", "is that of balls, which this slider has not"
         other = {
-            "law": self.law != "elastic",
+            "law": isinstance(self.law, LawText),
             "friction_coefficient": isinstance(self.friction_coefficient, Friction),
             "method": self.method not in ("auto", "averaged"),
             "freedom": self.freedom != "x",
@@ -305,9 +306,14 @@ class Slider(Block):
         return friction.static if isinstance(friction, Friction) else friction
 
     @property
+    def tangential_law(self) -> "str | LawText":
+        """The tangential law: the given one, or what its absence says."""
+        return self.law or ("elastic" if self.roughness is None else "hysteretic")
+
+    @property
     def remembers(self) -> bool:
         """Whether the law has a memory."""
-        return self.law == "hysteretic"
+        return self.tangential_law == "hysteretic"
 
     @property
     def preload_force(self) -> float:

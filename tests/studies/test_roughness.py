@@ -7,7 +7,6 @@ import contact
 from studies import Scene, SceneError, run
 from studies.evidence import rough_balls
 from studies.model.roughness import STRIDE
-from studies.refusal import RunError
 
 AMPLITUDES = ["3 nm", "8 nm"]
 
@@ -28,7 +27,7 @@ def sampled():
 
 def test_a_sample_is_that_of_the_contact(sampled):
     """The same ball by `RoughBalls`, with a reach of its own."""
-    ball = rough_balls.ball()
+    ball = rough_balls.ball("hysteretic")
     balls = [contact.RoughBalls(ball, [contact.Roughness(rms=3e-9).drawn(5 + STRIDE * k, 9e-6)]) for k in range(8)]
     for point, amplitude in zip(sampled.points, (3e-9, 8e-9), strict=True):
         orbit = contact.Orbit(
@@ -92,7 +91,7 @@ def test_a_patch_gives_the_asperities(tmp_path):
     near = np.hypot(x, y) < 8e-6
     sample = contact.Asperities(x=x[near], y=y[near], heights=np.full(near.sum(), 2e-9), radius=radius)
     orbit = contact.Orbit(frequency=2.2e6, normal=8e-9, tangential=-1j * record.scene.wave.tangential_ratio * 8e-9)
-    expected = contact.asperity_motion(rough_balls.ball(), sample, orbit, tolerance=1e-3).value
+    expected = contact.asperity_motion(rough_balls.ball("hysteretic"), sample, orbit, tolerance=1e-3).value
     assert record.points[1].velocity_m_per_s == pytest.approx(expected, rel=0.01)
     assert record.points[1].sample_highest_m_per_s > record.points[1].sample_lowest_m_per_s
 
@@ -114,7 +113,7 @@ def test_missing_pixels_are_counted_aloud(tmp_path):
         ({"rms": "3 nm", "file": "a.npy"}, {}, r"slider\.roughness\.rms must be absent with slider\.roughness\.file"),
         ({"rms": "3 nm", "step": "1 nm"}, {}, r"slider\.roughness\.step belongs to slider\.roughness\.file"),
         ({"file": "none.npy", "step": "1 nm"}, {}, r"slider\.roughness\.file cannot be read: No such file"),
-        ({"rms": "3 nm", "seed": 1}, {"law": "hysteretic"}, r"slider\.law does not go with slider\.roughness"),
+        ({"rms": "3 nm", "seed": 1}, {"law": {"name": "a.py", "source": "b"}}, r"slider\.law does not go with"),
         ({"rms": "3 nm", "seed": 1}, {"stick_band": "1 mm/s"}, "stick_band does not go with slider.roughness"),
         ({"rms": "3 nm", "seed": 1}, {"method": "exact"}, "method does not go with slider.roughness"),
         ({"rms": "3 nm"}, {"shape": "punch"}, r"slider\.roughness is that of balls, which this slider has not"),
@@ -142,7 +141,7 @@ def test_a_mean_field_is_near_the_middle_of_samples(sampled):
     """Ranges of an independent program at 3 nm: 0.79 to 1.02 of the smooth ball, threshold 1.05 to 1.43."""
     record = run(scene(rms="3 nm"), tolerance=1e-3)
     for point, other in zip(record.points, sampled.points, strict=True):
-        assert other.sample_lowest_m_per_s < point.velocity_m_per_s < other.sample_highest_m_per_s
+        assert 0.9 < point.velocity_m_per_s / other.sample_median_m_per_s < 1.0  # the field is softer than samples
         assert point.sample_median_m_per_s is None
     smooth = contact.mean_motion(rough_balls.ball(), rough_balls.orbit(3e-9)).velocity
     assert 0.79 < abs(record.points[0].velocity_m_per_s) / smooth < 1.02
@@ -192,15 +191,22 @@ def test_a_patch_in_other_units_is_refused(tmp_path):
         run(scene(file=str(file), step="25 nm"))
 
 
-@pytest.mark.parametrize("roughness", [{"rms": "0.01 nm"}, {"rms": "3 nm", "density": 1e30}])
-def test_a_mean_field_that_does_not_converge_says_so(roughness):
-    with pytest.raises(RunError, match=r"slider\.roughness.*: not converged: the mean field of asperities"):
-        run(scene(**roughness))
+def test_a_vanishing_roughness_is_the_smooth_ball_with_memory():
+    """0.01 nm was not solved once; the velocity is that of the hysteretic law on the smooth ball."""
+    smooth = run(scene(rms="3 nm").replace(slider={"roughness": None, "law": "hysteretic"}), tolerance=1e-3)
+    rough = run(scene(rms="0.01 nm"), tolerance=1e-3)
+    for point, other in zip(rough.points, smooth.points, strict=True):
+        assert point.velocity_m_per_s == pytest.approx(other.velocity_m_per_s, rel=5e-3)
 
 
-def test_the_budget_has_what_asperities_that_draw_each_other_along_would_change():
-    """At 3 nm stops on a roughness of 0.03 nm gave 9 % more than the hysteretic law of a smooth ball."""
+def test_asperities_that_overlap_are_refused():
+    rule = r"slider\.roughness\.density must be at most 1/\(asperity_radius rms\) = 3\.333e\+13 1/m\^2"
+    with pytest.raises(SceneError, match=rule):
+        run(scene(rms="3 nm", density=1e30))
+
+
+def test_the_printed_threshold_is_that_of_a_speed():
     record = run(scene(rms="3 nm").replace(wave={"normal_amplitude": "3 nm"}), tolerance=1e-3)
-    assert effects(record)["asperities that draw each other along"]["size"] == pytest.approx(1 / 1.09 - 1, abs=0.01)
+    assert "asperities that draw each other along" not in effects(record)
     assert "nm: the slider runs at 0.2 mm/s" in str(record)
     assert "starts to move" not in str(record)

@@ -1,0 +1,299 @@
+r"""Mean tangential force over a cycle of a contact of any normal force, with the memory of Mindlin and Deresiewicz.
+
+Jaeger (Arch. Appl. Mech. 68 (1998) 245) and Ciavarella (J. Appl. Mech. 65 (1998) 998): where tangential displacements
+of a half-space are proportional to normal ones, as Cattaneo and Mindlin take them, a contact of any shape is a
+sequence of punches, and what touches first at the approach eta carries the part P'(eta) d eta of the normal force. Its
+anchor y slips where |x - y| reaches c (z - eta). So for every history of approach z and displacement x
+
+    Q = (mu/c) int P''(eta) (x - y(eta)) d eta,        |x - y(eta)| <= c (z - eta)                                 (1)
+
+(the memory diagrams of Aleshin, Bou Matar and Van Den Abeele, Int. J. Solids Struct. 60-61 (2015) 1). For P of Hertz it
+is `law.hysteretic`. It holds for asperities that interact, of one sample or of a mean field: those that touch first
+share the displacement of all, and draw each other along as they push each other down.
+
+On a wave z = h + A cos theta, x = c A (b cos(theta + phi) - w theta), all of it depends on the depth e = (h - eta)/A
+alone: in units of c A the anchor lies between the walls
+
+    x - cos theta - e <= y <= x + cos theta + e,
+
+and is moved by the one that meets it. A wall sigma (+1: the lower one) moves towards the anchor, so that the anchor can
+slip, where
+
+    sigma x' - (cos theta)' = r sin(theta + psi) - sigma w > 0,      r exp(i psi) = 1 - sigma b exp(i phi),          (2)
+
+once in a cycle, and at the same angles at every depth. From (1), by parts,
+
+    <Q> = -mu int P'(eta) <dy/de> d eta,                                                                           (3)
+
+where dy/de is +1 after the upper wall has moved the anchor, -1 after the lower one, and x'/(cos theta)' of the first
+touch before that. So the mean needs the angles at which a wall meets the anchor, and no steps of time.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.jit.compiled import compiled, native
+from contact.law.force_table import force_at
+from contact.roots import narrowed, trial
+
+NEWTON = 50  # steps at most of the search for an angle, most of which take 3 or 4
+ANGLE = 1e-6  # rad: last step of that search, whose error is about its square
+HEIGHT = 1e-10  # of a mean approach over its range
+VELOCITY = 1e-6  # of a velocity over that at which all slips backwards
+NOTHING = 1e-9  # force over the friction of a ball that is no drive
+
+
+class Heavy(NamedTuple):
+    """Numbers of a slider that moves at one velocity, and of its waves."""
+
+    friction: float  # mu
+    limit_slope: float  # c
+    load: float  # N, against the motion
+    damping: float  # R_t, N s/m
+    share: float  # of the preload for each ball, N
+    omega: float  # rad/s
+
+
+class Path(NamedTuple):
+    """Motion of the surface past one ball in the units of the text, and where the walls can move the anchors."""
+
+    normal: float  # A, m
+    along: float  # b cos phi
+    behind: float  # b sin phi
+    drift: float  # w, not negative
+    # where (2) is positive, for the lower and the upper wall; never if the stop is before the start
+    start: tuple[float, float]
+    stop: tuple[float, float]
+
+
+@compiled
+def _displacement(path, theta):
+    """Return x."""
+    return path.along * np.cos(theta) - path.behind * np.sin(theta) - path.drift * theta
+
+
+@compiled
+def _sum_of_displacements(path, low, high):
+    """Return the integral of x over an interval."""
+    sines, cosines = np.sin(high) - np.sin(low), np.cos(high) - np.cos(low)
+    return path.along * sines + path.behind * cosines - 0.5 * path.drift * (high - low) * (high + low)
+
+
+@compiled
+def _meeting(path, e, wall, y, low, high):
+    """Return the angle between two at which a wall meets the anchor, from the gap's sign there; `high` + 1 if none."""
+    sign = 1.0 - 2.0 * wall
+    if e + np.cos(high) - sign * (_displacement(path, high) - y) >= 0.0:
+        return high + 1.0
+    a, b = low, high
+    theta = 0.5 * (low + high)
+    for _ in range(NEWTON):
+        cosine, sine = np.cos(theta), np.sin(theta)
+        gap = e + cosine - sign * (path.along * cosine - path.behind * sine - path.drift * theta - y)
+        if gap >= 0.0:
+            a = theta
+        else:
+            b = theta
+        closing = sine + sign * (-path.along * sine - path.behind * cosine - path.drift)
+        new = theta + gap / closing if closing > 0.0 else a
+        if not a < new < b:
+            new = 0.5 * (a + b)
+        if abs(new - theta) <= ANGLE:
+            return new
+        theta = new
+    return theta
+
+
+@compiled
+def _slipping(path, wall, theta):
+    """Return the first interval after an angle, or about it, in which a wall moves towards the anchor."""
+    turn = 2.0 * math.pi
+    shift = turn * math.floor((theta - path.stop[wall]) / turn + 1.0)
+    return path.start[wall] + shift, path.stop[wall] + shift
+
+
+@compiled
+def _next_slip(path, e, y, theta, end):
+    """Return (wall, start, stop) of the next slip of an anchor that sticks at an angle; wall -1 if there is none."""
+    mover, first, last = -1, end, end
+    for wall in range(2):
+        if path.stop[wall] > path.start[wall]:
+            low, high = _slipping(path, wall, theta)
+            while low < first:
+                stop = min(high, end)
+                at = _meeting(path, e, wall, y, max(low, theta), stop)
+                if at <= stop:
+                    if at < first:
+                        mover, first, last = wall, at, stop
+                    break
+                low, high = low + 2.0 * math.pi, high + 2.0 * math.pi
+    return mover, first, last
+
+
+@compiled
+def mean_deformation(path, e):
+    """Return the mean of x - y at a depth e > -1, over a cycle that repeats; zero while it does not touch."""
+    if e < 1.0:
+        end = math.acos(-e)
+        theta = -end
+        y = _displacement(path, theta)
+        rate = (path.along * np.sin(theta) + path.behind * np.cos(theta) + path.drift) / np.sin(end)  # -x'/(cos theta)'
+        mover, stop = -1, end
+        if abs(rate) > 1.0:
+            mover = 1 if rate > 0.0 else 0
+            stop = min(_slipping(path, mover, theta)[1], end)
+    else:
+        # where the upper wall, which drifts downwards, ends to move the anchor
+        theta, mover, stop = path.stop[1], -1, 0.0
+        end = theta + 2.0 * math.pi
+        y = _displacement(path, theta) + e + np.cos(theta)
+    total = 0.0
+    while theta < end:
+        if mover < 0:
+            mover, start, stop = _next_slip(path, e, y, theta, end)
+            total += _sum_of_displacements(path, theta, start) - y * (start - theta)
+            theta = start
+        if mover >= 0:
+            sign = 1.0 - 2.0 * mover
+            total += sign * (e * (stop - theta) + np.sin(stop) - np.sin(theta))
+            theta, mover = stop, -1
+            y = _displacement(path, theta) - sign * (e + np.cos(theta))
+    return total / (2.0 * math.pi)
+
+
+@compiled
+def _interval(along, behind, drift, sign):
+    """Return (start, stop) of the angles at which (2) is positive; stop is before the start if it never is."""
+    real, imaginary = 1.0 - sign * along, -sign * behind
+    size, turn, level = math.hypot(real, imaginary), math.atan2(imaginary, real), sign * drift
+    if level >= size:
+        return 0.0, -1.0
+    if level <= -size:
+        return -math.pi, math.pi
+    first = math.asin(level / size)
+    return first - turn, math.pi - first - turn
+
+
+@compiled
+def mean_memory(table, k, height, path, cells):
+    """Return <Q>/mu of ball k at a mean approach, by so many cells of depth over which x - y is a straight line."""
+    A, deepest = path.normal, (height - table.start[k]) / path.normal
+    # depth below which the lower wall does not reach what the upper one has left
+    last = 1.0
+    if path.stop[0] > path.start[0]:
+        left = path.stop[1]
+        top = _slipping(path, 0, left)[1]
+        gap = _displacement(path, top) - math.cos(top) - _displacement(path, left) - math.cos(left)
+        last = max(last, 0.5 * gap)
+    last = min(last, deepest)
+    total, above, before, shallow = 0.0, force_at(table, k, height + A), 0.0, -1.0
+    if last > -1.0:
+        for cell in range(1, cells + 1):
+            # finer near the crest, where layers hardly touch
+            e = (last + 1.0) * (cell / cells) ** 1.5 - 1.0
+            deformation, below = mean_deformation(path, e), force_at(table, k, height - A * e)
+            total += (above - below) * (deformation - before) / (e - shallow)
+            above, before, shallow = below, deformation, e
+    return total - above  # what is deeper is moved by the upper wall alone, once in a cycle
+
+
+@compiled
+def _left(table, which, waves, heights, heavy, way, v, cells):
+    """Return the mean force that is left along the motion at a speed v >= 0 in the direction `way`."""
+    total = 0.0
+    for ball in range(which.size):
+        A = waves[ball, 0]
+        unit = heavy.limit_slope * A
+        along, behind, drift = way * waves[ball, 1] / unit, way * waves[ball, 2] / unit, v / (heavy.omega * unit)
+        lower, upper = _interval(along, behind, drift, 1.0), _interval(along, behind, drift, -1.0)
+        path = Path(A, along, behind, drift, (lower[0], upper[0]), (lower[1], upper[1]))
+        total += mean_memory(table, which[ball], heights[ball], path, cells)
+    return heavy.friction * total - heavy.load - heavy.damping * v
+
+
+@compiled
+def _mean_left(table, k, height, normal, share, steps):
+    """Return the mean normal force of ball k less its share of the preload, by the trapezoidal rule."""
+    total = 0.5 * (force_at(table, k, height + normal) + force_at(table, k, height - normal))
+    for step in range(1, steps):
+        total += force_at(table, k, height + normal * math.cos(math.pi * step / steps))
+    return total / steps - share
+
+
+@compiled
+def _mean_height(table, k, normal, share, steps):
+    """Return the mean approach at which the mean force of ball k is its share of the preload."""
+    rows = table.force.shape[1] - 1
+    a, b = table.start[k] - normal, table.start[k] + rows * table.spacing[k] - normal
+    tolerance = HEIGHT * (b - a)
+    fa, fb = _mean_left(table, k, a, normal, share, steps), _mean_left(table, k, b, normal, share, steps)
+    for count in range(200):
+        if fb == 0.0 or abs(b - a) <= tolerance:
+            break
+        x = trial(a, fa, b, fb, count)
+        if abs(x - b) <= tolerance:
+            return x
+        a, fa, b, fb = narrowed(a, fa, b, fb, x, _mean_left(table, k, x, normal, share, steps))
+    return b
+
+
+@native("t i1 f2 t i f1 f1", {"which": "n", "waves": "n 3", "heights": "n", "out": "2"})
+def memory_motion(table, which, waves, heavy, cells, heights, out):
+    """Write the mean approaches of balls and the slider's velocity, from which the search starts; return nothing.
+
+    `which` are the balls' contacts in the table, `waves` A, and the parts of u_x along u_z and a quarter of a cycle
+    before it, in m.
+    """
+    top = 0.0
+    for ball in range(which.size):
+        heights[ball] = _mean_height(table, which[ball], waves[ball, 0], heavy.share, 2 * cells)
+        along = math.hypot(waves[ball, 1], waves[ball, 2])
+        # from this speed on every layer slips backwards all the time
+        top = max(top, heavy.omega * (along + heavy.limit_slope * waves[ball, 0]))
+    way, a, fa = 0.0, 0.0, 0.0
+    for sign in (1.0, -1.0):
+        fa = _left(table, which, waves, heights, heavy, sign, 0.0, cells)
+        if fa > NOTHING * heavy.friction * heavy.share:
+            way = sign
+            break
+    start, rate = out[0] * way, out[1]
+    out[0] = out[1] = 0.0
+    if way == 0.0:
+        return 0
+    b, fb, tolerance = top, -1.0, VELOCITY * top
+    if 0.0 < start < top and rate < 0.0:
+        # two points about the start, as far from each other as its force suggests
+        f = _left(table, which, waves, heights, heavy, way, start, cells)
+        if f > 0.0:
+            a, fa = start, f
+            b = min(start - 1.2 * f / rate + 2.0 * tolerance, top)
+            fb = _left(table, which, waves, heights, heavy, way, b, cells)
+            if fb > 0.0:
+                a, fa, b = b, fb, top
+                fb = _left(table, which, waves, heights, heavy, way, b, cells)
+        else:
+            b, fb = start, f
+            low = max(start - 1.2 * f / rate - 2.0 * tolerance, 0.0)
+            f = _left(table, which, waves, heights, heavy, way, low, cells)
+            if f > 0.0:
+                a, fa = low, f
+            else:
+                b, fb = low, f
+    else:
+        fb = _left(table, which, waves, heights, heavy, way, b, cells)
+    slope = (fb - fa) / (b - a) if b > a else 0.0
+    for count in range(200):
+        if fb == 0.0 or abs(b - a) <= tolerance:
+            break
+        x = trial(a, fa, b, fb, count)
+        close = abs(x - b) <= tolerance
+        old, fold = b, fb
+        a, fa, b, fb = narrowed(a, fa, b, fb, x, _left(table, which, waves, heights, heavy, way, x, cells))
+        if b != old:
+            slope = (fb - fold) / (b - old)
+        if close:
+            break
+    out[0], out[1] = way * b, slope
+    return 0

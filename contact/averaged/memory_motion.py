@@ -1,0 +1,63 @@
+"""Heavy slider on rough balls with the memory of Mindlin and Deresiewicz: mean approaches and velocity."""
+
+import numpy as np
+
+from contact.averaged.memory_cycle import Heavy, memory_motion
+from contact.law.force_table import ForceTable, joined
+from contact.orbit import Orbit
+from contact.slider import Slider
+
+CELLS = 16  # of depth, of the first answer; 32 and extrapolation: 5e-5 of the velocity, `tests/contact/test_memory.py`
+ERROR = 1.0 / 12.0  # of an extrapolated velocity over the change before it; `tests/contact/test_memory_motion.py`
+FLAT = 1e-6  # of the tangential amplitude over c: a smaller normal one counts as this
+
+
+class Memory:
+    """Balls up to a deepest approach in m, with the memory of their whole contact."""
+
+    def __init__(self, slider: Slider, balls, _lowest: float, deepest: float):
+        self.slider, self.balls, self.deepest = slider, balls, deepest
+        distinct = self._distinct = list(dict.fromkeys(balls))
+        self._which = np.array([distinct.index(each) for each in balls])
+        self._tables: dict[int, ForceTable] = {}
+        self._rates = [0.0] * 16  # of the force that is left over the velocity, of the last answer
+
+    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: float = 0.0) -> tuple[float, tuple[float, ...]]:
+        """Return the velocity in m/s and the mean approaches in m, with so many doublings of cells and rows.
+
+        The search starts from the velocity `near`, if it is not zero.
+        """
+        slider = self.slider
+        heavy = Heavy(
+            slider.friction_coefficient, slider.limit_slope, slider.load, slider.tangential_damping,
+            slider.preload / len(waves), waves[0].omega,
+        )  # fmt: skip
+        motions = np.empty((len(waves), 3))
+        for motion, wave in zip(motions, waves, strict=True):
+            size = abs(wave.normal)
+            along = wave.tangential * (wave.normal.conjugate() / size if size > 0.0 else 1.0)
+            motion[:] = max(size, FLAT * abs(along) / slider.limit_slope), along.real, along.imag
+        heights, found = np.empty(len(waves)), np.array([near, self._rates[doubling]])
+        if np.any(motions[:, 0] > 0.0):
+            memory_motion(self._at(doubling), self._which, motions, heavy, CELLS * 2**doubling, heights, found)
+            self._rates[doubling] = float(found[1])
+            if not any(wave.normal for wave in waves):
+                found[0] = 0.0  # a friction limit that stays as it is holds as much forwards as backwards
+        return float(found[0]), tuple(map(float, heights))
+
+    @property
+    def said(self) -> str:
+        """What the answers are."""
+        return "cycle means with the memory of Mindlin and Deresiewicz in the force of the rough balls"
+
+    def refined(self, values: list[float]) -> tuple[float, float]:
+        """Return the velocity and its error from those of rising numbers of cells, which err by their square."""
+        before, last = values[-2:]
+        if min(abs(before), abs(last)) == 0.0:
+            return last, abs(last - before)
+        return last + (last - before) / 3.0, ERROR * abs(last - before)
+
+    def _at(self, doubling: int) -> ForceTable:
+        if doubling not in self._tables:
+            self._tables[doubling] = joined([each.force_table(self.deepest, doubling) for each in self._distinct])
+        return self._tables[doubling]
