@@ -15,8 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.exceptions import ConvergenceError
+from contact.jit.compiled import per_thread
+from contact.plane.balance_search import Found, HeavyBody, Search, Task, search_of, seek_balance
 from contact.plane.cycle import COLUMNS, cycle_means
-from contact.plane.disc_contacts import Sum, state_of, work_of
+from contact.plane.disc_contacts import Sum, state_of, with_nodes, work_of
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.plane_equations import PlaneProblem
 from contact.plane.plane_waves import SurfaceWaves
@@ -24,18 +26,23 @@ from contact.plane.scaling import FREE, Scaled, scaled
 from contact.slider import Slider
 
 # Nodes and tolerance of a segment: of the answer, and of the check that differs from it in both
-ANSWER, CHECK = (6, 1e-6), (5, 3e-6)
-SEARCH = (4, 1e-2)  # of the search, whose means err by 1e-5 of the friction
+ANSWER, CHECK = (8, 1e-7), (6, 1e-6)
+SEARCH = (6, 1e-4)  # of the search, whose means err by 1e-9 to 1e-7 of the friction
 # The same for a tolerance of the velocity of 1e-5 or more: errors of 1e-9 to 1e-7 of the friction, in three quarters of
 # the time
-COARSE_ANSWER, COARSE_CHECK, COARSE = (6, 1e-4), (5, 1e-4), 1e-5
+COARSE_ANSWER, COARSE_CHECK, COARSE = SEARCH, (5, 1e-4), 1e-5
 # Least error of the velocity that is stated, fine and coarse: of 119 drawn sliders that move one fine and one coarse
 # answer were beyond twice the error without it
 LEAST = (1e-9, 2e-8)
-MAX_NEWTON = 60
-STEP = 1e-4  # of the differences, over the surface's largest speed
+WIDE = 2  # nodes of a segment of stick over those of slip
 ROUGH = 1e-4  # of that speed: a step at which the search goes over to the means of the answer
-HELD = 1e-9  # of the surface's largest speed, below which a slider is taken as held
+
+
+@per_thread
+def _arrays(n, how):
+    """Return the work arrays of n contacts for nodes and tolerance of a segment."""
+    work = work_of(n, *how)
+    return state_of(n), work, with_nodes(work, WIDE * how[0])
 
 
 class Means(NamedTuple):
@@ -79,12 +86,32 @@ class Averaged:
         self.load = -np.array([problem.force[1], problem.force[2], problem.force[3] / self.arm])
         self.friction = problem.friction * -problem.force[0]
         self.deformation = np.zeros((n, 2))
-        self._arrays = {}
 
     @property
     def problem(self) -> PlaneProblem:
         """The scaled problem."""
         return self.scaled.problem
+
+    @property
+    def body(self) -> HeavyBody:
+        """The slider as the search for its balance takes it."""
+        return HeavyBody(
+            self.rigid, np.ascontiguousarray(self.basis), self.load, self.damping, self.friction, self.top_speed,
+            self.height, self.start, self.scaled.period,
+        )  # fmt: skip
+
+    def seek(self, body: HeavyBody, search: Search, how, task: Task, close: float = 0.0) -> int:
+        """Do a task of a search with means of this accuracy; see `seek_balance`."""
+        begun = search.done[0]
+        status = seek_balance(self.problem, body, *_arrays(len(self.start), how), search, close, int(task))
+        self.evaluations += int(search.done[0] - begun)
+        return status
+
+    def derivative(self, unknown: np.ndarray, how) -> np.ndarray:
+        """Return the derivative of the forces that accelerate the body in the free unknowns."""
+        search = search_of(self.body, unknown, self.deformation.copy())
+        self.seek(self.body, search, how, Task.SEARCH, np.inf)
+        return search.matrix
 
     @property
     def closed(self) -> np.ndarray:
@@ -104,14 +131,11 @@ class Averaged:
     def contact_means(self, velocities: np.ndarray, how=SEARCH, deformation=None) -> tuple[np.ndarray, bool]:
         """Return the means of each contact at its own velocity (n, 2)."""
         n = len(velocities)
-        if how not in self._arrays:
-            self._arrays[how] = state_of(n), work_of(n, *how)
-        state, work = self._arrays[how]
         out = np.zeros((n, COLUMNS))
         guess = self.deformation if deformation is None else deformation
         fine = cycle_means(
-            self.problem, self.height, np.ascontiguousarray(velocities), self.start, self.scaled.period, state, work,
-            guess, out,
+            self.problem, self.height, np.ascontiguousarray(velocities), self.start, self.scaled.period,
+            *_arrays(n, how), guess, out,
         )  # fmt: skip
         self.evaluations += 1
         return out, bool(fine)
@@ -129,19 +153,6 @@ class Averaged:
     def residual(self, means: Means, unknown: np.ndarray) -> np.ndarray:
         """Return the forces that accelerate the body, of its free coordinates."""
         return self.basis.T @ (means.force - self.load - self.damping * unknown)
-
-    def derivative(self, means: Means, unknown: np.ndarray, how=SEARCH) -> np.ndarray:
-        """Return the derivative of the residual in the free unknowns."""
-        velocities, step = self.rigid @ unknown, STEP * self.top_speed
-        matrix = np.diag(-self.damping)
-        for axis in range(2):
-            moved = velocities.copy()
-            moved[:, axis] += step
-            changed, _ = self.contact_means(moved, how, self.deformation.copy())
-            columns = [Sum.ALONG_X, Sum.ALONG_Y]
-            slope = (changed - means.contacts)[:, columns] / step  # (n, 2): dQ/dV_axis
-            matrix = matrix + np.einsum("ick,ic,im->km", self.rigid, slope, self.rigid[:, axis])
-        return self.basis.T @ matrix @ self.basis
 
     def guess(self) -> np.ndarray:
         """Return the velocity of the surface weighted by the normal force: that of contacts which are viscous."""
@@ -168,6 +179,7 @@ class Root(NamedTuple):
     derivative: np.ndarray
     error: np.ndarray  # (3,) of the unknowns
     held: bool
+    near_rest: bool = False  # the search came to rest, but friction does not hold the load
 
 
 def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: float = 1e-8) -> Root:
@@ -179,86 +191,40 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         "runaway" where friction does not balance the load, "not converged".
     """
     _refuse_runaway(averaged)
-    top, basis = averaged.top_speed, averaged.basis
-    if top == 0.0:
+    if averaged.top_speed == 0.0:
         return _at_rest(averaged)
-    if averaged.closed.any() and (held := _at_rest(averaged)).held:
-        return held
-    unknown = averaged.guess() if near is None else np.array(near)
-    means = averaged.at(unknown)
-    residual = averaged.residual(means, unknown)
-    matrix = averaged.derivative(means, unknown)
-    fresh = True
-    for _ in range(MAX_NEWTON):
-        step = _newton_step(matrix, residual)
-        size, factor = np.abs(step).max(), 1.0
-        if size > 0.7 * top:
-            step *= 0.7 * top / size
-        for _ in range(8):
-            new = unknown + factor * basis @ step
-            new_means = averaged.at(new)
-            new_residual = averaged.residual(new_means, new)
-            better = np.linalg.norm(new_residual) < 0.9 * np.linalg.norm(residual) or size < ROUGH * top
-            if better or not fresh:
-                break
-            factor *= 0.4
-        if not better and not fresh:
-            matrix, fresh = averaged.derivative(means, unknown), True
-            continue
-        moved = factor * step
-        slow = np.linalg.norm(new_residual) > 0.3 * np.linalg.norm(residual)
-        matrix = _updated(matrix, new_residual - residual, moved)
-        unknown, means, residual, fresh = new, new_means, new_residual, False
-        if np.abs(unknown).max() < HELD * top:
-            return _at_rest(averaged)
-        if np.abs(_newton_step(matrix, residual)).max() < ROUGH * top:
-            break
-        if slow:
-            matrix, fresh = averaged.derivative(means, unknown), True
-    else:
+    body = averaged.body
+    search = search_of(body, averaged.guess() if near is None else near, averaged.deformation)
+    if averaged.closed.any() and averaged.seek(body, search, SEARCH, Task.REST) == Found.AT_REST:
         held = _at_rest(averaged)
         if held.held:
             return held
+    answer, check = (COARSE_ANSWER, COARSE_CHECK) if tolerance >= COARSE else (ANSWER, CHECK)
+    close = max(1e-13, 1e-4 * tolerance)
+    status = averaged.seek(body, search, SEARCH, Task.SEARCH, close if answer == SEARCH else ROUGH)
+    if status == Found.BALANCE and answer != SEARCH:
+        search.unknown[:] += body.basis @ search.step
+        status = averaged.seek(body, search, answer, Task.CONTINUE, close)
+    if status != Found.BALANCE:
+        held = _at_rest(averaged)
+        if held.held or status == Found.AT_REST:
+            return held
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
-    unknown = unknown + basis @ _newton_step(matrix, residual)
-    return _refined(averaged, unknown, matrix, tolerance)
-
-
-def _updated(matrix, change, moved):
-    """Return the derivative after Broyden's update by a change of the residual over a step."""
-    size = moved @ moved
-    return matrix + np.outer(change - matrix @ moved, moved) / size if size > 0.0 else matrix
-
-
-def _newton_step(matrix, residual):
-    step, *_ = np.linalg.lstsq(matrix, -residual, rcond=1e-12)
-    return step
-
-
-def _refined(averaged, unknown, matrix, tolerance):
-    """Return the root of the finer means from that of the search, and its error against means that differ."""
-    basis, top = averaged.basis, averaged.top_speed
-    answer, check_how = (COARSE_ANSWER, COARSE_CHECK) if tolerance >= COARSE else (ANSWER, CHECK)
-    close = max(3e-11, 1e-4 * tolerance)
-    means = averaged.at(unknown, answer)
-    residual = averaged.residual(means, unknown)
-    for _ in range(30):
-        step = _newton_step(matrix, residual)
-        if np.abs(step).max() < close * top:
-            break
-        new = unknown + basis @ step
-        means = averaged.at(new, answer)
-        changed = averaged.residual(means, new)
-        matrix = _updated(matrix, changed - residual, step)
-        unknown, residual = new, changed
-    check = averaged.at(unknown, check_how, averaged.deformation.copy())
-    error = np.abs(basis @ _newton_step(matrix, basis.T @ (check.force - means.force))) + np.abs(basis @ step)
-    # two computations may agree by chance
-    least = LEAST[tolerance >= COARSE] * max(np.linalg.norm(unknown), 0.1 * top)
-    error = error + least * np.abs(basis).max(axis=1)
-    if not means.repeats:
+    if not search.done[1]:
         raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
-    return Root(unknown, means, matrix, error, False)
+    averaged.seek(body, search, check, Task.CHECK)
+    means = Means(search.means, averaged.total(search.means), True)
+    return Root(search.unknown, means, search.matrix, _error(averaged, search, means, tolerance), False)
+
+
+def _error(averaged, search, means, tolerance):
+    """Return the error of a root against means that differ, those in `search.moved`."""
+    basis = averaged.basis
+    change, *_ = np.linalg.lstsq(search.matrix, basis.T @ (averaged.total(search.moved) - means.force), rcond=1e-12)
+    error = np.abs(basis @ change) + np.abs(basis @ search.step)
+    # two computations may agree by chance
+    least = LEAST[tolerance >= COARSE] * max(np.linalg.norm(search.unknown), 0.1 * averaged.top_speed)
+    return error + least * np.abs(basis).max(axis=1)
 
 
 def _refuse_runaway(averaged):
@@ -311,4 +277,4 @@ def _at_rest(averaged):
         if np.abs(new - towards).max() < 1e-9:
             break
         towards = new
-    return Root(np.zeros(3), means, np.zeros((basis.shape[1],) * 2), np.zeros(3), held)
+    return Root(np.zeros(3), means, np.zeros((basis.shape[1],) * 2), np.zeros(3), held, not held)

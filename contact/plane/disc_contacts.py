@@ -34,6 +34,7 @@ CLOSE = 1e-9  # of an event, in phase: forces are continuous there, their integr
 PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
+MAX_TURN = 3.0  # rad of angle per rad of phase, of the guess at the start of a segment
 MAX_TRIES = 60  # trials of the length of one segment
 
 
@@ -101,6 +102,7 @@ class Total(IntEnum):
     SOLVES = 3
     LOST_NORMAL = 4  # energy lost in the body's damper of the height, and in the others
     LOST_TANGENTIAL = 5
+    MARGIN = 6  # least c z - |e| of stick in the period of a heavy slider
 
 
 class State(NamedTuple):
@@ -131,6 +133,8 @@ class Work(NamedTuple):
     surface: np.ndarray  # (s, n, 6)
     before: np.ndarray  # (n, 6): surface at the start of the segment
     start: np.ndarray  # (n, len(Stage)): contacts at the start
+    spot: np.ndarray  # (n, 6): surface at any phase
+    point: np.ndarray  # (n, len(Stage)): contacts there
     matrix: np.ndarray  # (s, s + 1)
 
 
@@ -150,12 +154,18 @@ def work_of(n: int, nodes: int, tolerance: float) -> Work:
     return Work(
         radau(nodes), tolerance, np.empty(s), np.empty(s), np.empty((s, 4)), np.empty((s, 4)), np.zeros((s, 4)),
         np.zeros((s, n, len(Stage))), np.empty((s, n, 6)), np.empty((n, 6)), np.zeros((n, len(Stage))),
-        np.empty((s, s + 1)),
+        np.empty((n, 6)), np.zeros((n, len(Stage))), np.empty((s, s + 1)),
     )  # fmt: skip
 
 
+def with_nodes(work: Work, nodes: int) -> Work:
+    """Return the work arrays with another number of nodes; what a segment knows of its start is shared."""
+    own = work_of(work.start.shape[0], nodes, work.tolerance)
+    return own._replace(before=work.before, start=work.start, spot=work.spot, point=work.point)
+
+
 @compiled
-def _solve_linear(matrix):
+def solve_linear(matrix):
     """Solve a linear system in place, the right side in the last column; return False where it is singular."""
     n = matrix.shape[0]
     for k in range(n):
@@ -181,7 +191,7 @@ def _solve_linear(matrix):
 
 
 @compiled
-def _fill_kinematics(problem, i, surface, q, p, row):
+def fill_kinematics(problem, i, surface, q, p, row):
     """Fill approach and surface speed of contact i at a node."""
     c, s = (1.0, 0.0) if q[Body.YAW] == 0.0 else (np.cos(q[Body.YAW]), np.sin(q[Body.YAW]))
     x, y = c * problem.x[i] - s * problem.y[i], s * problem.x[i] + c * problem.y[i]
@@ -193,18 +203,22 @@ def _fill_kinematics(problem, i, surface, q, p, row):
 
 
 @compiled
-def _slip_angles(problem, i, alpha, first, work):
+def _slip_angles(problem, i, alpha, known, work):
     """Solve eq. (1) for contact i at the nodes of a segment by Newton's method; return True where it converges.
 
-    `first`: True where no angles of this segment are known yet.
+    `known`: True where the turning of a longer segment, in this one's nodes, stands there as a guess. Else the guess is
+    that of the start.
     """
     nodes, stage, matrix, c = work.nodes, work.stage, work.matrix, problem.limit_slope[i]
-    n = nodes.weight.size
-    if first:
+    n, close = nodes.weight.size, max(1e-6, 0.1 * work.tolerance)
+    if not known:
+        start, turning = work.start[i], 0.0
+        if start[Stage.Z] > 0.0:
+            turning = (start[Stage.N_X] * start[Stage.W_Y] - start[Stage.N_Y] * start[Stage.W_X]) / (c * start[Stage.Z])
+            turning = max(-MAX_TURN, min(MAX_TURN, turning))
         for j in range(n):
-            stage[j, i, Stage.TURNING] = 0.0
+            stage[j, i, Stage.TURNING] = turning * work.rate[j]
     for _ in range(25):
-        change = 0.0
         for j in range(n):
             row = stage[j, i]
             angle = alpha
@@ -223,25 +237,23 @@ def _slip_angles(problem, i, alpha, first, work):
                 matrix[j, k] = along * nodes.integral[j, k]
             matrix[j, j] += inertia
             matrix[j, n] = across - inertia * row[Stage.TURNING]
-        if not _solve_linear(matrix):
+        if not solve_linear(matrix):
             return False
-        largest = 0.0
+        change = 0.0
         for j in range(n):
-            largest = max(largest, abs(matrix[j, n]))
-        factor = 1.0 if largest < 2.0 else 2.0 / largest
+            change = max(change, abs(matrix[j, n]))
+        factor = 1.0 if change < 2.0 else 2.0 / change
         for j in range(n):
             stage[j, i, Stage.TURNING] += factor * matrix[j, n]
-            change = max(change, abs(matrix[j, n]))
-        if change < 1e-6:
-            break
-    if not change < 1e-6:
-        return False
-    for j in range(n):  # quadratic: the last change leaves 1e-12
-        row, angle = stage[j, i], alpha
-        for k in range(n):
-            angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
-        row[Stage.N_X], row[Stage.N_Y] = np.cos(angle), np.sin(angle)
-    return True
+        if change < close:
+            for j in range(n):  # quadratic: the last change leaves its square, in the turn by it too
+                row, turn = stage[j, i], 0.0
+                for k in range(n):
+                    turn += nodes.integral[j, k] * matrix[k, n]
+                cos, sin = row[Stage.N_X], row[Stage.N_Y]
+                row[Stage.N_X], row[Stage.N_Y] = cos - turn * sin, sin + turn * cos
+            return True
+    return False
 
 
 @compiled
@@ -282,7 +294,7 @@ def _guard(problem, i, regime, which, row):
 
 
 @compiled
-def _guard_rate(problem, i, which, length, kind, work):
+def guard_rate(problem, i, which, length, kind, work):
     """Return the rate of a guard at the end of a segment."""
     stage = work.stage
     row = stage[stage.shape[0] - 1, i]
@@ -302,12 +314,12 @@ def _guard_rate(problem, i, which, length, kind, work):
 
 
 @compiled
-def _fill_contact(problem, i, first, state, work):
+def _fill_contact(problem, i, known, state, work):
     """Fill contact i at all nodes of a segment; return True where its equations are solved."""
     stage, regime, c = work.stage, state.regime[i], problem.limit_slope[i]
     n = stage.shape[0]
     for j in range(n):
-        _fill_kinematics(problem, i, work.surface[j, i], work.q[j], work.p[j], stage[j, i])
+        fill_kinematics(problem, i, work.surface[j, i], work.q[j], work.p[j], stage[j, i])
     if regime == Regime.SLIP:
         for j in range(n - 1):
             if stage[j, i, Stage.Z] <= 0.0:  # opens before the end: the caller shortens the segment
@@ -318,7 +330,7 @@ def _fill_contact(problem, i, first, state, work):
             for k in range(n):
                 stage[k, i, Stage.LAMBDA] = 1.0
             return True
-        if not _slip_angles(problem, i, state.alpha[i], first, work):
+        if not _slip_angles(problem, i, state.alpha[i], known, work):
             return False
     for j in range(n):
         row = stage[j, i]
@@ -339,8 +351,11 @@ def _fill_contact(problem, i, first, state, work):
 
 
 @compiled
-def _solve(problem, first, last, length, kind, state, work):
-    """Solve one segment of a length in phase for contacts `first` to `last`; return True where it converges."""
+def solve_segment(problem, first, last, length, kind, known, state, work):
+    """Solve one segment of a length in phase for contacts `first` to `last`; return True where it converges.
+
+    `known`: see `_slip_angles`.
+    """
     nodes, n = work.nodes, work.phase.size
     begin = state.total[Total.PHASE]
     state.total[Total.SOLVES] += 1.0
@@ -367,7 +382,7 @@ def _solve(problem, first, last, length, kind, state, work):
                     place += length * nodes.phase[kind, j] * state.p[k]
                 work.q[j, k] = place
         for i in range(first, last):
-            if not _fill_contact(problem, i, count == 0, state, work):
+            if not _fill_contact(problem, i, known or count > 0, state, work):
                 return False
         if not moves:
             return True
@@ -461,7 +476,7 @@ def _first_event(problem, first, last, length, kind, state, work):
 
 
 @compiled
-def _error(problem, first, last, state, work):
+def segment_error(problem, first, last, state, work):
     """Return the error of a segment's forces over the friction limit, by a rule without one of the nodes."""
     nodes, error = work.nodes, 0.0
     for i in range(first, last):
@@ -498,13 +513,13 @@ def _rises(problem, i, which, state, work):
 
 
 @compiled
-def _shorter(error, work):
+def shorter(error, work):
     """Return the factor on a segment that is too long for its error."""
     return max(0.15, min(0.8, 0.9 * (work.tolerance / error) ** (1.0 / work.phase.size)))
 
 
 @compiled
-def _finish(problem, first, last, state, work):
+def finish_segment(problem, first, last, state, work):
     """Add the integrals of a solved segment and move body and contacts to its end."""
     nodes, n, sums = work.nodes, work.phase.size, state.sums
     for i in range(first, last):
@@ -556,7 +571,7 @@ def _finish(problem, first, last, state, work):
 
 
 @compiled
-def _pass_event(problem, i, which, state, row):
+def pass_event(problem, i, which, state, row):
     """Move contact i beyond its guard; `row` is the contact at the event."""
     c, counts = problem.limit_slope[i], state.counts
     if which == Guard.TOUCH:
@@ -596,7 +611,7 @@ def begin(problem, first, last, state, work):
     fill_surface(problem, first, last, state.total[Total.PHASE], work.before)
     for i in range(first, last):
         row = work.start[i]
-        _fill_kinematics(problem, i, work.before[i], state.q, state.p, row)
+        fill_kinematics(problem, i, work.before[i], state.q, state.p, row)
         row[Stage.E_X], row[Stage.E_Y] = state.e[i, 0], state.e[i, 1]
         row[Stage.N_X], row[Stage.N_Y] = np.cos(state.alpha[i]), np.sin(state.alpha[i])
         row[Stage.LAMBDA] = (
@@ -624,16 +639,16 @@ def advance(problem, first, last, until, state, work):
                 kind = Map.BEGIN
         begun, low, high, target, guard, done, error, passes = kind, 0.0, np.inf, -1, 0, False, 0.0, 0
         for _ in range(MAX_TRIES):
-            if not _solve(problem, first, last, length, kind, state, work):
+            if not solve_segment(problem, first, last, length, kind, False, state, work):
                 length, kind, target, high, low = 0.4 * length, begun, -1, np.inf, 0.0
                 continue
             i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
             if i < 0 and target < 0:
-                error = _error(problem, first, last, state, work)
+                error = segment_error(problem, first, last, state, work)
                 if error <= work.tolerance or length < 1e-7:
                     done = True
                     break
-                length = length * _shorter(error, work)
+                length = length * shorter(error, work)
                 continue
             if i >= 0 and which == Guard.NONE:  # a gap that closes between two nodes
                 length, kind, target = at, begun, -1
@@ -651,25 +666,25 @@ def advance(problem, first, last, until, state, work):
             if guard == Guard.PASS:  # a bend of the force, not an event: near is enough
                 passes += 1
                 if passes > 4 and crossing != 1:
-                    error = _error(problem, first, last, state, work)
+                    error = segment_error(problem, first, last, state, work)
                     if error <= work.tolerance or length < 1e-7:
                         done = True
                         break
-                    length, kind, target = length * _shorter(error, work), begun, -1
+                    length, kind, target = length * shorter(error, work), begun, -1
                     continue
             value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
-            rate = _guard_rate(problem, target, guard, length, kind, work)
+            rate = guard_rate(problem, target, guard, length, kind, work)
             if crossing == 1 or value < 0.0:
                 high = length
             else:
                 low = length
             step = -value / rate if rate < 0.0 else 0.0
             if crossing != 1 and (abs(step) < CLOSE or abs(value) < 1e-15 or high - low < CLOSE) and value > -1e-9:
-                error = _error(problem, first, last, state, work)
+                error = segment_error(problem, first, last, state, work)
                 if error <= work.tolerance or length < 1e-7:
                     done = True
                     break
-                length, kind, target = length * _shorter(error, work), begun, -1
+                length, kind, target = length * shorter(error, work), begun, -1
                 continue
             if i >= 0 and at < 1e-11:  # at the start of the segment
                 length, done = max(at, 1e-15), True
@@ -686,17 +701,17 @@ def advance(problem, first, last, until, state, work):
         if not done:
             return False
         if target >= 0 and length < 1e-11:
-            _pass_event(problem, target, guard, state, work.start[target])
+            pass_event(problem, target, guard, state, work.start[target])
             if length < 1e-14:
                 total[Total.STEPS] += 1.0
             continue
-        _finish(problem, first, last, state, work)
+        finish_segment(problem, first, last, state, work)
         grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / n)
         proposed = length * max(0.3, min(2.5, grow))
         # a segment that an event has cut says little about the next one
         total[Total.STEP] = max(proposed, 0.5 * total[Total.STEP] if target >= 0 else LEAST_STEP)
         if target >= 0:
-            _pass_event(problem, target, guard, state, work.start[target])
+            pass_event(problem, target, guard, state, work.start[target])
             for i in range(first, last):  # events of equal contacts
                 if i != target:
                     _pass_simultaneous(problem, i, state, work)
@@ -716,7 +731,7 @@ def _pass_simultaneous(problem, i, state, work):
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         rising = along > problem.limit_slope[i] * row[Stage.Z_RATE]
     if rising and abs(_guard(problem, i, regime, which, row)) < CLOSE:
-        _pass_event(problem, i, which, state, row)
+        pass_event(problem, i, which, state, row)
 
 
 @native("t i i f t t")

@@ -1,9 +1,10 @@
 r"""Radau's collocation on a step of time, with maps that remove square roots at its ends.
 
-A step of phase, H, is mapped from 0 <= s <= 1 by one of three maps. Near the instant at which a sphere touches, opens
+A step of phase, H, is mapped from 0 <= s <= 1 by one of four maps. Near the instant at which a sphere touches, opens
 or begins to slip its force has a term (phase - phase_0)^(3/2), which is smooth in s:
 
     LINEAR   phi = H s            BEGIN   phi = H s^2            END   phi = H (1 - (1 - s)^2)
+    BOTH     phi = H s^2 (3 - 2 s)
 
 Radau's rule has the end of the step among its nodes, is stable for stiff equations and has the order 2 n - 1
 (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.5).
@@ -25,17 +26,19 @@ class Map(IntEnum):
     LINEAR = 0
     BEGIN = 1
     END = 2
+    BOTH = 3
 
 
 class Nodes(NamedTuple):
     """A Radau rule with n nodes; arrays."""
 
-    phase: np.ndarray  # (3, n): phase of the nodes over H, by `Map`
-    rate: np.ndarray  # (3, n): its derivative in s
+    phase: np.ndarray  # (4, n): phase of the nodes over H, by `Map`
+    rate: np.ndarray  # (4, n): its derivative in s
     integral: np.ndarray  # (n, n): integrals from 0 to each node of the polynomial through the nodes
     weight: np.ndarray  # (n,): weights of the integral over the step
     difference: np.ndarray  # (n,): those of the rule less those of the rule without one of its nodes
-    slope: np.ndarray  # (3, n): weights of the derivative in phase, times H, at the end of the step
+    slope: np.ndarray  # (4, n): weights of the derivative in phase, times H, at the end of the step
+    power: np.ndarray  # (n, n): coefficients of s, s^2, ... of the integral from 0 of each node's polynomial
 
 
 @cache
@@ -51,10 +54,12 @@ def radau(n: int) -> Nodes:
     middle = np.delete(np.arange(n), n // 2)
     difference = weight.copy()
     difference[middle] -= _integrals(s[middle])[1]
-    phase = np.array([s, s**2, 1.0 - (1.0 - s) ** 2])
-    rate = np.array([np.ones(n), 2.0 * s, 2.0 * (1.0 - s)])
+    phase = np.array([s, s**2, 1.0 - (1.0 - s) ** 2, s**2 * (3.0 - 2.0 * s)])
+    rate = np.array([np.ones(n), 2.0 * s, 2.0 * (1.0 - s), 6.0 * s * (1.0 - s)])
     slope = np.array([_slope_at_end(each) for each in phase])
-    return Nodes(phase, rate, integral, weight, difference, slope)
+    own = [Polynomial.fromroots(np.delete(s, k)) for k in range(n)]
+    power = np.array([(each / each(at)).integ().coef[1:] for each, at in zip(own, s, strict=True)])
+    return Nodes(phase, rate, integral, weight, difference, slope, power)
 
 
 def _integrals(s):

@@ -117,7 +117,7 @@ def drift_per_degree(slider: Slider, surface: Surface, direction=(0.0, 1.0), *, 
     towards = np.append(np.asarray(direction, float) / np.linalg.norm(direction), 0.0)
     if not root.unknown.any():
         return 0.0
-    slope = averaged.derivative(root.means, root.unknown, how=CHECK)
+    slope = averaged.derivative(root.unknown, CHECK)
     rate = -towards @ averaged.basis @ np.linalg.solve(slope, averaged.basis.T @ towards)
     force = slider.mass * gravity * math.pi / 180.0
     return float(rate) * averaged.scaled.speed * force / averaged.scaled.force

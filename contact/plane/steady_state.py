@@ -141,7 +141,7 @@ def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun
     if units.period_change > 1e-9:
         reasons.append(f"frequencies changed by {units.period_change:.1g} to have a common period")
     band = None
-    if np.all(root.unknown == 0.0) and not root.held:
+    if root.near_rest:
         raise ConvergenceError(
             "near the threshold", "friction holds the slider or nearly so, and averaging cannot tell which"
         )
