@@ -30,7 +30,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condense.column import Column, sides_to_inside
+from fem.condense.column import Column, sides_to_inside, symmetric_product
 from fem.condense.columns import FingerColumns, LiftedHalf, Pair, Restated
 from fem.condense.electrodes import equipotential
 
@@ -63,7 +63,7 @@ def joined(
     if electrode is not None:
         middle[phi, phi] = 1.0
     transfer = sides_to_inside(middle, coupling)  # T of equation (2)
-    matrix = coupling.T @ transfer  # and equation (3)
+    matrix = symmetric_product(coupling, transfer)  # and equation (3)
     for own, line in ((first, at.left), (second, at.right)):
         matrix[line, line] += own[line, line]
         matrix[line, at.ports] += own[line, at.ports]

@@ -7,7 +7,7 @@ checked frequencies are therefore scaled to the sharpest resonance that the band
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,8 @@ from fem.circuit import Circuit, Drive
 from fem.condense.electrodes import is_port
 from fem.condense.mesh import MeshedPiece
 from fem.condense.reduced import PieceSample, rational_piece
-from fem.discretize.mesh_refinement import LEVELS, first_level
+from fem.discretize.element_sizes import Resolution
+from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.mesh.placement import is_step
@@ -27,7 +28,7 @@ from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.evaluation import surface_of
 from fem.results.solution import Solution, driven_solution
 from fem.solve.full_band import FullModel
-from fem.solve.harmonic import check_driven, driven_wave, solution_differences
+from fem.solve.harmonic import check_driven, driven_wave, refined_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.force import LineForce
 from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
@@ -37,6 +38,8 @@ from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
 MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
 REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
+# Up to this share of the tolerance in the discretisation's error, more nodes are tried before a finer discretisation
+MAX_LEVEL_SHARE = 0.95
 WHOLE_SHARE = 0.1  # of the tolerance, for the interpolation of a stator of one mesh
 REDUCTION_SAFETY = 2.0  # a difference at a check counts so many times: between the checks the reduction may err more
 # The estimate from two levels exceeds the true error by at least this factor: a level divides the error by 11 to 25,
@@ -187,13 +190,20 @@ def frequency_band(
     )
     placed = stator.placement
     steps = any(end is not None and is_step(end, stator.depth) for end in placed.ends)
-    attempt = _unreduced_attempt if steps or placed.whole is not None else _attempt
+    unreduced = steps or placed.whole is not None
     level_share = (1 - REDUCTION_SHARE) * tolerance
     level_tolerance = tolerance
+    solved: dict[Resolution, Solution] = {}
     for _ in range(MAX_ROUNDS):
-        band, level_error = attempt(problem, level_tolerance)
+        if unreduced:
+            band, level_error = _unreduced_attempt(problem, level_tolerance)
+        else:
+            band, level_error = _attempt(problem, level_tolerance, solved)
         if band.relative_error <= tolerance:
             return band
+        if not (unreduced or problem.more_nodes) and level_error <= MAX_LEVEL_SHARE * tolerance:
+            problem, solved = replace(problem, more_nodes=True), {}
+            continue
         if level_error <= level_share:
             break  # a finer discretisation would not help
         level_tolerance *= level_share / level_error
@@ -275,33 +285,37 @@ def _closed_amplification(nodes: list[PortFields]) -> tuple[list[float], float]:
     return [amplification(square) for square in squares], amplification(nearest)
 
 
-def _attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:
-    """Band on the discretisation that meets a tolerance at one frequency, and that discretisation's largest error."""
-    expected = LEVELS[first_level(level_tolerance) + 1]
+def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resolution, Solution]) -> tuple[Band, float]:
+    """Band on the discretisation that meets a tolerance at one frequency, and that discretisation's largest error.
 
-    def reference():
-        return driven_wave(
+    ``solved``: the solutions at this frequency.
+    """
+    while True:
+        wave = refined_wave(
             problem.stator,
             problem.transducers,
             frequency=problem.between_nodes,
             drive=problem.drive,
             tolerance=level_tolerance,
             places=tuple(problem.positions),
+            solved=solved,
         )
-
-    wave, nodes = side_by_side(lambda work: work(), (reference, lambda: solve_at_nodes(problem, expected)))
-    resolution = wave.solution.fields.resolution
-    if resolution != expected:
-        nodes = solve_at_nodes(problem, resolution)
-    checks = [_Check.of(problem, solution) for solution in (wave.solution, *nodes.solutions)]
+        between = _Check.of(problem, wave.solution)
+        level_error = between.growth(between.worst) * wave.relative_error
+        if level_error <= problem.tolerance or wave.solution.fields.resolution == LEVELS[-1]:
+            break
+        # no nodes are solved on a discretisation that is too coarse already by this one frequency
+        level_tolerance *= (1 - REDUCTION_SHARE) * problem.tolerance / level_error
+    nodes = solve_at_nodes(problem, wave.solution.fields.resolution)
+    checks = [between, *(_Check.of(problem, solution) for solution in nodes.solutions)]
     worst = max(check.worst for check in checks)
-    growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
+    growth = between.growth(worst)
     level_error = growth * wave.relative_error
     model, motion_error, admittance_error = reduced_model(
         problem, nodes, checks, worst, problem.tolerance - level_error
     )
     # an error of a piece's matrix acts through the waves that the piece sends back
-    piece_error = max(1.0, worst / checks[0].here) * model.piece_error
+    piece_error = max(1.0, worst / between.here) * model.piece_error
     band = Band(
         model=model,
         relative_error=level_error + motion_error + piece_error,
@@ -329,6 +343,10 @@ class _Check:
         phase_range = 2 * np.pi * (high - low) / 3 * problem.stator.length / surface.phase_velocity
         here, worst = solution.fields.amplification(min(phase_range, np.pi))
         return cls(solution=solution, motion=surface.motion(problem.positions), here=here, worst=worst)
+
+    def growth(self, worst: float) -> float:
+        """Factor from an estimate of two levels at this frequency to where resonances amplify by ``worst``."""
+        return max(1.0, worst / self.here / ESTIMATE_EXCESS)
 
 
 def reduced_model(

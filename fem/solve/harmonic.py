@@ -63,12 +63,30 @@ def driven_wave(
         If the finest discretisation does not reach the tolerance; its ``reached`` is the best answer.
     """
     check_driven(stator, transducers, frequency, tolerance)
+    options = {"frequency": frequency, "drive": drive, "tolerance": tolerance, "places": places}
+    return refined_wave(stator, transducers, **options, solved={})
+
+
+def refined_wave(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    drive: str | Drive,
+    tolerance: float,
+    places: tuple[float, ...],
+    solved: dict[Resolution, Solution],
+) -> SurfaceWave:
+    """Return what `driven_wave` does; ``solved`` holds the solutions by discretisation and receives the new ones."""
     at = np.array(places or (stator.length / 2,))
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
         LOGGER.debug(resolution.name)
-        solution = solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
-        return solution, surface_of(solution).motion(at)
+        if resolution not in solved:
+            solved[resolution] = solve_driven(
+                stator, transducers, frequency=frequency, drive=drive, resolution=resolution
+            )
+        return solved[resolution], surface_of(solved[resolution]).motion(at)
 
     refined = refine_stator(stator, at_level, differences=solution_differences, tolerance=tolerance)
     solution, _ = refined.answer

@@ -130,7 +130,8 @@ def end_walls(
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
     columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
-    left, right = (reduce(joined, [columns[each] for each in from_left]) for from_left in (widths[::-1], widths))
+    right = reduce(joined, [columns[each] for each in widths])
+    left = reduce(joined, [columns[each] for each in widths[::-1]]) if layers else right  # else all widths are equal
     lines = np.arange(2 * section.size).reshape(2, -1)
     held = section.mechanical if stator.ends == "clamped" else np.zeros(0, dtype=int)
     return (closed(left, lines[1], np.delete(lines[0], held))[0], closed(right, lines[0], np.delete(lines[1], held))[0])

@@ -6,6 +6,9 @@ bursts of 300 to 5000 cycles. The check has the first third, at most 1000 cycles
 
     python -m tests.benchmarks.stepped_error --draws aimed --number 400
     python -m tests.benchmarks.stepped_error --draws calibration --number 200
+
+`--parts` tests the error of long bursts instead, which is seen in parts of them (`burst_methods.STEPPED_PARTS`), at
+three tolerances in bursts of 3100 to 12 000 cycles, at most the given number of segments.
 """
 
 import argparse
@@ -21,6 +24,7 @@ from contact.stepping.time_stepping import steps
 from tests import motors
 
 SHORTEST, LONGEST, LEVELS = 300, 5000, 6
+MAX_SEGMENTS, PARTS_TOLERANCES = 3e6, (1e-3, 1e-4, 1e-6)
 FACTORS = (2.0, 3.0, 4.0), (1.0, 0.5, 0.35, 0.25)
 
 
@@ -46,12 +50,46 @@ def compared(slider, orbits, cycles):
         yield k, off[-1] / reference, whole / reference, np.max(off[first]) / reference, stated / reference
 
 
+def in_parts(slider, orbits, cycles, number):
+    """Yield (tolerance, true error over the stated one) of one long burst at three tolerances."""
+    _, driven = towards_plus(orbits)
+    problem = methods.rest_problem(slider, driven)
+    cycles = int(min(max(cycles, 3100), 9000) * np.random.default_rng(number).uniform(1.0, 1.33))
+    if problem.segments * cycles > MAX_SEGMENTS or methods.stepped_refusals(slider, problem, methods.STEPS[1][0]):
+        return
+    exact = methods.rest(slider, driven, problem, nodes=14, truncation=1e-11)
+    exact.turn(cycles)
+    for tolerance in PARTS_TOLERANCES:
+        found = methods.steps_checked_in_parts(methods.Burst(slider, driven, problem, cycles, 1, tolerance, None))
+        if found is not None and found.error > 0.0:
+            yield tolerance, abs(found.run[0].state[2] - exact.state[2]) / found.error
+
+
+def print_parts(draws, count):
+    """Print the largest ratios of true and stated error of long bursts."""
+    ratios = []
+    for number in range(count):
+        slider, orbits, *_, cycles = draw(draws, number)
+        try:
+            for tolerance, ratio in in_parts(slider, orbits, cycles, number):
+                ratios.append(ratio)
+                if ratio > 1.0:
+                    print(f"{number}: {ratio:.2f} at a tolerance of {tolerance:g}")
+        except ConvergenceError:
+            continue
+    print(f"{len(ratios)} answers, true over stated error: median {np.median(ratios):.2f}, largest {max(ratios):.2f}")
+
+
 def main():
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", choices=("aimed", "calibration"), default="aimed")
     parser.add_argument("--number", type=int, default=400)
+    parser.add_argument("--parts", action="store_true")
     chosen, rows = parser.parse_args(), []
+    if chosen.parts:
+        print_parts(chosen.draws, chosen.number)
+        return
     for number in range(chosen.number):
         slider, orbits, *_, cycles = draw(chosen.draws, number)
         try:

@@ -55,6 +55,17 @@ def test_rounding_counts_where_the_surface_hardly_moves_along(number, cycles):
     assert answer.relative_error < 1e-10
 
 
+@pytest.mark.parametrize("number", [1, pytest.param(6, marks=pytest.mark.slow)])
+def test_long_bursts_in_fixed_steps_state_what_the_events_see_in_their_parts(number):
+    """Draws whose true error is 1.1 times the sum over the parts without its factor: it must not be lost or divided."""
+    body, orbits, *_ = around_the_seed(number)
+    cycles = 3893
+    asked = {"duration": cycles / orbits[0].frequency, "after": 0.0, "samples": 2, "method": "stepped"}
+    found, truth = burst(body, orbits, tolerance=1e-3, **asked), finest(body, orbits, cycles)
+    error = abs(found.velocity_at_burst_end - truth) / reference_speed(truth, orbits)
+    assert 0.05 * found.relative_error < error <= found.relative_error <= 1e-3
+
+
 @pytest.mark.slow
 def test_at_most_one_in_a_hundred_is_beyond_twice_its_error():
     wrong = [
