@@ -474,8 +474,8 @@ def _error_in_part(burst, level, state, cycles):
     problem = burst.problem._replace(longest=longest * burst.problem.longest)
     exact = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
     exact.set_state(*state[: At.DEFORMATIONS], state[At.DEFORMATIONS :])
-    true = exact.turn(cycles, stride=1)[:, Column.VELOCITY]
-    found = steps(burst.problem, state.copy(), cycles, STEPS[level][0], stride=1)[:, Column.VELOCITY]
+    true = exact.turn(cycles, stride=1)[:, Recorded.VELOCITY]
+    found = steps(burst.problem, state.copy(), cycles, STEPS[level][0], stride=1)[:, Recorded.VELOCITY]
     return float(np.max(np.abs(found - true)))
 
 

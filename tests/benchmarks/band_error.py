@@ -11,7 +11,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from fem.discretize.error_estimate import LEVELS
+from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError
 from fem.results.evaluation import surface_of
 from fem.solve.band import frequency_band
