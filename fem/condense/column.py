@@ -212,18 +212,8 @@ def schur(matrix, keep, drop):
     if not len(drop):
         return remaining, coupling
     back = sides_to_inside(matrix[np.ix_(drop, drop)], coupling)
-    reduced = remaining + symmetric_product(coupling, back)
+    reduced = remaining + coupling.T @ back
     return 0.5 * (reduced + reduced.T), back
-
-
-def symmetric_product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return left^T right where it is symmetric but for rounding: three quarters of it are computed."""
-    half = left.shape[1] // 2
-    product = np.empty((left.shape[1],) * 2, dtype=np.result_type(left, right))
-    product[:half] = left[:, :half].T @ right
-    product[half:, half:] = left[:, half:].T @ right[:, half:]
-    product[half:, :half] = product[:half, half:].T
-    return product
 
 
 def sides_to_inside(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condense.column import Column, sides_to_inside, symmetric_product
+from fem.condense.column import Column, sides_to_inside
 from fem.condense.columns import FingerColumns, LiftedHalf, Pair, Restated
 from fem.condense.electrodes import equipotential
 
@@ -63,7 +63,7 @@ def joined(
     if electrode is not None:
         middle[phi, phi] = 1.0
     transfer = sides_to_inside(middle, coupling)  # T of equation (2)
-    matrix = symmetric_product(coupling, transfer)  # and equation (3)
+    matrix = _symmetric_product(coupling, transfer)  # and equation (3)
     for own, line in ((first, at.left), (second, at.right)):
         matrix[line, line] += own[line, line]
         matrix[line, at.ports] += own[line, at.ports]
@@ -78,6 +78,16 @@ def joined(
         ports=left.ports,
         inside=Pair(left=left, right=right, middle=transfer),
     )
+
+
+def _symmetric_product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return left^T right where it is symmetric but for rounding: three quarters of it are computed."""
+    half = left.shape[1] // 2
+    product = np.empty((left.shape[1],) * 2, dtype=np.result_type(left, right))
+    product[:half] = left[:, :half].T @ right
+    product[half:, half:] = left[:, half:].T @ right[:, half:]
+    product[half:, :half] = product[:half, half:].T
+    return product
 
 
 def repeated(

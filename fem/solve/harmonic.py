@@ -63,8 +63,9 @@ def driven_wave(
         If the finest discretisation does not reach the tolerance; its ``reached`` is the best answer.
     """
     check_driven(stator, transducers, frequency, tolerance)
-    options = {"frequency": frequency, "drive": drive, "tolerance": tolerance, "places": places}
-    return refined_wave(stator, transducers, **options, solved={})
+    return refined_wave(
+        stator, transducers, frequency=frequency, drive=drive, tolerance=tolerance, places=places, solved={}
+    )
 
 
 def refined_wave(
