@@ -126,7 +126,7 @@ def _defect(error: Exception) -> int:
 
 def _dispatch(words: list[str]) -> int:
     from studies.command.parser import parser, refused
-    from studies.refusal import SceneError
+    from studies.refusal import SceneError, refuse_if
 
     top = parser(words[0] if words else None)
     try:
@@ -137,8 +137,7 @@ def _dispatch(words: list[str]) -> int:
         top.print_help()
         return 0
     try:
-        if getattr(arguments, "out", None) == "":
-            raise SceneError("--out", "must be the name of a directory or file, got ''")
+        refuse_if(getattr(arguments, "out", None) == "", "--out", "must be the name of a directory or file, got ''")
         return arguments.function(arguments)
     except SceneError as error:
         raise refused(error, arguments) from None

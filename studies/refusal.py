@@ -1,6 +1,6 @@
 """Errors for a user who gets no answer: one sentence for each fault, with key, rule, value and unit."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from errno import ENOENT
@@ -63,6 +63,42 @@ class SceneError(ValueError):
         if not self.path.startswith(old):
             return self
         return SceneError(new + self.path.removeprefix(old), self.rule, self.location)
+
+
+def refuse_if(broken: Any, key: str, rule: str) -> None:
+    """Raise a SceneError about a key if a condition holds."""
+    if broken:
+        raise SceneError(key, rule)
+
+
+@refuses(SceneError)
+def refuse_unknown(name: str, known: Collection[str], option: str, rule: str = "") -> Iterator[Any]:
+    """Raise a SceneError for a name that is none of the known ones; ``rule`` is followed by the nearest of them."""
+    if name not in known:
+        yield option, (rule or f"{name!r} does not exist") + nearest(name, known)
+
+
+@refuses(SceneError)
+def refuse_outside(names: Iterable[str], known: Collection[str], option: str, where: str = "") -> Iterator[Any]:
+    """Raise a SceneError for the first of several names of an option that is none of the known ones."""
+    for name in names:
+        if name not in known:
+            yield option, f"must be of {', '.join(known)}{where}, got {name!r}"
+
+
+@refuses(SceneError)
+def refuse_repeated(keys: Iterable[str], option: str) -> Iterator[Any]:
+    """Raise a SceneError for the first key that an option is given twice."""
+    seen: set[str] = set()
+    for key in keys:
+        if key in seen:
+            yield f"{option} {key}", "is given twice"
+        seen.add(key)
+
+
+def misread(key: str, form: str, value: Any, hint: str = "") -> SceneError:
+    """Return the error of a value that has not the form which it must have."""
+    return SceneError(key, f"must be {form}, got {shown(value)}{hint}")
 
 
 @refuses(SceneError)

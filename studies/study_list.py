@@ -24,7 +24,7 @@ from studies.record.files import write_run
 from studies.record.plots import saved
 from studies.record.text import labelled
 from studies.record.values import Columns
-from studies.refusal import SceneError, nearest
+from studies.refusal import SceneError, refuse_if, refuse_unknown
 from studies.report.explanation import plan
 from studies.results.content import plain, provenance, write_json
 from studies.runs import run as run_chain
@@ -141,8 +141,7 @@ class StudyRecord:
         panels = {panel.name: panel for panel in self.panels}
         if name is None:
             return self.panels[0]
-        if name not in panels:
-            raise SceneError("panel", f"{name!r} does not exist{nearest(name, panels)}")
+        refuse_unknown(name, panels, "panel")
         return panels[name]
 
     @property
@@ -228,8 +227,7 @@ def _refuse_freedom(scene: Scene) -> None:
 def module(name: str):
     """Return the module of a study; refuse a name that no study has."""
     name = ALIASES.get(name, name)
-    if name not in STUDIES:
-        raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
+    refuse_unknown(name, STUDIES, "study")
     return import_module(f"studies.{STUDIES[name][0]}.{name}")
 
 
@@ -332,8 +330,7 @@ def run_study(
             rule = f", which takes --{', --'.join(known)}" if known else ", which takes no options"
             raise SceneError(f"--{option}", f"is not taken by the study {name}{rule}")
     if scene is not None:
-        if "scene" not in taken:
-            raise SceneError("study", f"{name} has its own scenes and takes none")
+        refuse_if("scene" not in taken, "study", f"{name} has its own scenes and takes none")
         options["scene"] = scene
     record = study_module.run(**(study_module.QUICK if quick else {}) | options)
     if isinstance(record, Record):

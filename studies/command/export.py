@@ -12,7 +12,7 @@ from studies.command.output import committed_pictures, results_folder, say
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.export.exported import Exported
 from studies.progress import Progress
-from studies.refusal import SceneError, refuse_unwritable, resembling
+from studies.refusal import SceneError, refuse_if, refuse_unwritable, resembling
 from studies.results import Origin, read_manifest, result_directory
 from studies.scene import Scene
 
@@ -105,17 +105,19 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
     formats = [name for name, (pattern, *_) in FORMATS.items() if re.fullmatch(pattern, suffix)]
     if not formats or (out.is_dir() and read_manifest(out)):
         return False
-    if file_format not in formats:
-        rule = f"names a file of the format {formats[0]}, not of {file_format}, got {str(out)!r}"
-        raise SceneError("--out", rule)
+    rule = f"names a file of the format {formats[0]}, not of {file_format}, got {str(out)!r}"
+    refuse_if(file_format not in formats, "--out", rule)
     shaped = file_format == "fmu" and scene.source is not None and scene.source.waveform is not None
-    if file_format == "c" or shaped or (file_format == "csv" and arguments.scan is None and scene.slider is not None):
-        more = "; --scan x gives one" if file_format == "csv" and scene.transducer else ""
-        raise SceneError("--out", f"must be a directory, as there are several files, got {str(out)!r}{more}")
+    several = file_format == "csv" and arguments.scan is None and scene.slider is not None
+    more = "; --scan x gives one" if file_format == "csv" and scene.transducer else ""
+    refuse_if(
+        file_format == "c" or shaped or several,
+        "--out",
+        f"must be a directory, as there are several files, got {str(out)!r}{more}",
+    )
     ports = sum(each.has_two_electrodes for each in scene.transducer)
-    if file_format == "touchstone" and 0 < ports and suffix != f".s{ports}p":
-        rule = f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"
-        raise SceneError("--out", rule)
+    rule = f"must end in .s{ports}p, as the scene has {ports} ports, or be a directory, got {str(out)!r}"
+    refuse_if(file_format == "touchstone" and 0 < ports and suffix != f".s{ports}p", "--out", rule)
     refuse_unwritable(out, "--out", new=True)
     return True
 
@@ -139,16 +141,16 @@ def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, toleranc
 def checked(arguments: argparse.Namespace) -> tuple[str, ...]:
     """Return the option names of the format; SceneError for a wrong format or an option of another one."""
     file_format = arguments.format
-    if file_format is None:
-        raise SceneError("--format", f"is missing; known: {', '.join(FORMATS)}")
+    refuse_if(file_format is None, "--format", f"is missing; known: {', '.join(FORMATS)}")
     if file_format not in FORMATS:
         rule = f"{file_format!r} is not one of {', '.join(FORMATS)}{resembling(file_format, FORMATS)}"
         raise SceneError("--format", rule)
     *_, own = FORMATS[file_format]
     every = {option for *_, options in FORMATS.values() for option in options}
     for option in sorted(every - set(own)):
-        if getattr(arguments, option) not in (None, []):
-            raise SceneError(f"--{option}", f"is not taken by the format {file_format}")
+        refuse_if(
+            getattr(arguments, option) not in (None, []), f"--{option}", f"is not taken by the format {file_format}"
+        )
     return own
 
 
@@ -163,6 +165,5 @@ def scene_of(word: str) -> str:
     if not Path(word).is_dir():
         return word
     scene = Path(word) / "scene.toml"
-    if not scene.is_file():
-        raise SceneError("export", f"{word!r} holds no run: scene.toml is missing")
+    refuse_if(not scene.is_file(), "export", f"{word!r} holds no run: scene.toml is missing")
     return str(scene)

@@ -9,7 +9,7 @@ from studies.command.options import add_shared
 from studies.command.output import committed_pictures, print_answer, results_of, say, warn, warn_of_scene
 from studies.command.scene_argument import changed_scene, read_tolerance
 from studies.progress import Progress
-from studies.refusal import SceneError, needed
+from studies.refusal import needed, refuse_if
 
 LOGGER = logging.getLogger(__name__)
 
@@ -75,10 +75,16 @@ def call(arguments: argparse.Namespace) -> int:
     if arguments.netcdf:
         needed("xarray", "--netcdf")
     for option in ("report", "field", "netcdf"):
-        if getattr(arguments, option) and arguments.json and arguments.out is None:
-            raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
-    if arguments.field and not scene.transducer:
-        raise SceneError("--field", "keeps the field of a driven stator, and this scene has no [[transducer]]")
+        refuse_if(
+            getattr(arguments, option) and arguments.json and arguments.out is None,
+            f"--{option}",
+            "needs a directory to go to: give --out, or leave --json out",
+        )
+    refuse_if(
+        arguments.field and not scene.transducer,
+        "--field",
+        "keeps the field of a driven stator, and this scene has no [[transducer]]",
+    )
     warned = warn_of_scene(scene)
     say(long_wait(scene, tolerance=tolerance))
     with ExitStack() as stack:

@@ -3,7 +3,7 @@
 import argparse
 
 from studies.command.output import say
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 from studies.scene import Scene, SceneFile
 from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
@@ -22,8 +22,11 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
     for setting in arguments.set:
         file = file.assigned(setting)
     if arguments.voltage is not None:
-        if not isinstance(file.table.get("drive"), dict):
-            raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
+        refuse_if(
+            not isinstance(file.table.get("drive"), dict),
+            "--voltage",
+            "needs a scene with a [drive]; this one has none",
+        )
         values = [toml_value(part.strip()) for part in arguments.voltage.split(",")]
         file = file.replaced("drive.voltage", values if len(values) > 1 else values[0])
     if arguments.call in ("sweep", "fit", "design"):

@@ -4,7 +4,7 @@ import argparse
 
 import fem
 from studies.command.output import print_answer
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 from studies.scene.override import toml_value
 from studies.scene.rule import choice
 from studies.scene.stator_keys import ORIENTATION, TEMPERATURE
@@ -37,8 +37,11 @@ def call(arguments: argparse.Namespace) -> int:
     """Print the half-space Rayleigh wave of a material and its cut; with --plot draw the crystal axes."""
     from studies.report.free_surface import half_space_answer, half_space_wave
 
-    if arguments.cut is not None and arguments.orientation is not None:
-        raise SceneError("--orientation", "must be absent where the cut stands behind the material")
+    refuse_if(
+        arguments.cut is not None and arguments.orientation is not None,
+        "--orientation",
+        "must be absent where the cut stands behind the material",
+    )
     orientation = arguments.cut or arguments.orientation or "Z"
     if "," in orientation:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
@@ -65,8 +68,7 @@ def _warm(arguments: argparse.Namespace, orientation) -> int:
     from studies.scene.numbers import Listed
 
     for name in ("layer", "plot"):
-        if getattr(arguments, name):
-            raise SceneError(f"--{name}", "must be absent with --temperature, which is of one solid")
+        refuse_if(getattr(arguments, name), f"--{name}", "must be absent with --temperature, which is of one solid")
     text = arguments.temperature
     wanted = text if ":" in text else [toml_value(each) for each in text.split(",")]
     temperatures = Listed(TEMPERATURE, ranged=True).read("--temperature", wanted)
@@ -80,8 +82,9 @@ def _layered(arguments: argparse.Namespace, orientation) -> int:
     from studies.report.layered_surface import layered_answer, layered_surface_wave
     from studies.scene.quantity import si_value
 
-    if arguments.plot is not None:
-        raise SceneError("--plot", "must be absent with --layer: it draws the crystal axes of one solid")
+    refuse_if(
+        arguments.plot is not None, "--plot", "must be absent with --layer: it draws the crystal axes of one solid"
+    )
     frequency = None
     if arguments.frequency is not None:
         frequency = si_value("--frequency", toml_value(arguments.frequency), "Hz")

@@ -23,7 +23,7 @@ from studies.model.model import Model
 from studies.record.files import write_run
 from studies.record.plots import curve, finished
 from studies.record.quantities import quantity
-from studies.refusal import SceneError, refuse_other
+from studies.refusal import refuse_if, refuse_other
 from studies.report.explanation import band_seconds
 from studies.runs import run
 from studies.scene import Scene
@@ -64,16 +64,15 @@ class Recording:
     def share(self) -> float:
         """Standard deviation of the noise over the largest value."""
         if self.noise is None:
-            if self.seed is not None:
-                raise SceneError("--seed", "needs --noise")
+            refuse_if(self.seed is not None, "--seed", "needs --noise")
             return 0.0
         text = str(self.noise).strip()
         percent = text.endswith("%")
         value = si_value("--noise", toml_value(text.rstrip("% ")), "") * (0.01 if percent else 1.0)
-        if not 0.0 <= value < 1.0:
-            raise SceneError("--noise", f"must be at least 0 and below 1, or a percentage, got {self.noise}")
-        if self.seed is None:
-            raise SceneError("--noise", "needs --seed N, so that the same noise can be had again")
+        refuse_if(
+            not 0.0 <= value < 1.0, "--noise", f"must be at least 0 and below 1, or a percentage, got {self.noise}"
+        )
+        refuse_if(self.seed is None, "--noise", "needs --seed N, so that the same noise can be had again")
         return value
 
     @property
@@ -99,8 +98,11 @@ class Recording:
             if value is not None
         }
         for option in encoder:
-            if scene.slider is None or scene.burst is None or self.scan is not None:
-                raise SceneError(f"--{option}", "is of an encoder: the scene needs a slider and a burst, and no --scan")
+            refuse_if(
+                scene.slider is None or scene.burst is None or self.scan is not None,
+                f"--{option}",
+                "is of an encoder: the scene needs a slider and a burst, and no --scan",
+            )
         return encoder
 
 
@@ -182,8 +184,11 @@ def virtual_scan(scene: Scene, recording: Recording, tolerance: float) -> tuple[
     """Return what a vibrometer would record per volt, u_z, and remarks."""
     kind, share = recording.scan or "x", recording.share
     refuse_other(kind, SCANS, "--scan")
-    if recording.band is not None and kind != "frequency":
-        raise SceneError("--band", f"is for --scan frequency and the format touchstone, not for --scan {kind}")
+    refuse_if(
+        recording.band is not None and kind != "frequency",
+        "--band",
+        f"is for --scan frequency and the format touchstone, not for --scan {kind}",
+    )
     model = passband.driven_model(scene)
     resolved = model.scene
     points = placed(resolved, _points(model, kind, recording.band))

@@ -11,7 +11,7 @@ from studies.export.exported import Exported
 from studies.export.mask import LAYERS, Mask, Polygon, Sizes, mask
 from studies.record.plots import finished
 from studies.record.quantities import quantity
-from studies.refusal import SceneError, needed
+from studies.refusal import needed, refuse_if
 from studies.scene import Scene
 
 PARTS = ("fingers", "busbars", "pads", "openings")  # that the answer counts
@@ -37,8 +37,11 @@ def gds(mask: Mask) -> bytes:
     """Return the mask as GDSII, unit 1 um: layers of ``LAYERS``, datatypes of `datatype`."""
     gdstk = needed("gdstk", "a mask")
     precision = min(GDS_PRECISION, mask.grid)
-    if max(mask.length, mask.width) / precision > MAX_COORDINATE:
-        raise SceneError("size.grid", f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here")
+    refuse_if(
+        max(mask.length, mask.width) / precision > MAX_COORDINATE,
+        "size.grid",
+        f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here",
+    )
     library = gdstk.Library("sawmotor", unit=1e-6, precision=precision)
     cell = library.new_cell("CHIP")
     for each in mask.polygons:

@@ -7,7 +7,7 @@ import numpy as np
 import contact
 from studies.export import reduced_motor as model
 from studies.export.reduced_motor import index
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, refuse_if
 from studies.scene import Scene
 
 RESPONSE_STEP = 2.5e-7  # s; half of the cycle at 2 MHz
@@ -121,11 +121,13 @@ class MotorState:
             If the motion is not finite.
         """
         motor = self.motor
-        if level < 0.0 and len(motor.drives) == 1:
-            raise SceneError("level", f"must be zero or positive: nothing drives the other way, got {level!r}")
+        refuse_if(
+            level < 0.0 and len(motor.drives) == 1,
+            "level",
+            f"must be zero or positive: nothing drives the other way, got {level!r}",
+        )
         preload = motor.preload if preload is None else preload
-        if not preload > 0.0:
-            raise SceneError("preload", f"must be positive, got {preload!r} N")
+        refuse_if(not preload > 0.0, "preload", f"must be positive, got {preload!r} N")
         inputs = float(level), force / motor.share, preload / motor.share, float(duration)
         if model.advance(motor.parameters, motor.tables, self.numbers, *inputs) != 0.0:
             raise RunError("the averaged motion is not finite: check level, force and preload")

@@ -19,7 +19,7 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.model.resolve import build
 from studies.progress import counted
 from studies.record.quantities import quantity
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, refuse_outside
 from studies.scene.keys import coordinate
 from studies.scene.override import walk
 from studies.solve.requested_quantities import ALSO, keywords
@@ -71,9 +71,7 @@ def answers_of_slider(predictor: MeasurementPredictor) -> tuple[str, ...]:
 def _together(predictor: MeasurementPredictor, outcomes: Sequence[str]) -> list[tuple[float, tuple[str, ...]]]:
     """Return pairs of an accuracy and the names of the answers that have it, which are computed together."""
     known = answers_of_slider(predictor)
-    for name in outcomes:
-        if name not in known:
-            raise SceneError("outcomes", f"must be of {', '.join(known)} for this slider, got {name!r}")
+    refuse_outside(outcomes, known, "outcomes", " for this slider")
     groups: dict[float, list[str]] = {}
     for name in outcomes:
         groups.setdefault(ACCURACY["velocity" if predictor.one_by_one else name], []).append(name)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import fem
 from studies.model.contact_moduli import pair_moduli
-from studies.model.scene_errors import as_run_errors
+from studies.model.scene_errors import as_run_errors, input_errors
 from studies.model.solid_of_material import named_solid
 from studies.record.quantities import quantity
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, refuse_if
 from studies.runs import run
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -95,8 +95,9 @@ def first_scene(
     name, cut, solid = _cut(material)
     with as_run_errors():
         wave = fem.rayleigh(solid, fem.surface_named("vacuum"))
-    if "phi" not in wave.fields:
-        raise SceneError("--material", f"must be piezoelectric, and {solid.name} is not in this orientation")
+    refuse_if(
+        "phi" not in wave.fields, "--material", f"must be piezoelectric, and {solid.name} is not in this orientation"
+    )
     wavelength, ratio = wave.velocity / frequency, abs(wave.surface_ratio)
     ceramic = cut == "Z"
     pairs = PAIRS_OF_CERAMICS if ceramic else PAIRS if fem.coupling(solid) > WEAK else PAIRS_OF_WEAK
@@ -162,10 +163,8 @@ def _cut(text: str) -> tuple:
             material, solid = named_solid(name if space else text)
         except (SceneError, fem.InputError):
             raise SceneError("--material", str(getattr(refusal, "rule", refusal))) from None
-    try:
+    with input_errors("--material"):
         rotated = fem.rotated(solid, ORIENTATION.read("--material", cut))
-    except fem.InputError as error:
-        raise SceneError("--material", error.rule) from None
     return material if isinstance(material, str) else name, cut, rotated
 
 
@@ -180,9 +179,8 @@ def _slider(name: str, solid, place: float, frequency: float, amplitude: float, 
         thrust = _read("--thrust", thrust, "N")
         preload = thrust / (SHARE_OF_FRICTION * FRICTION)
         balls = max(3, math.ceil(preload / per_ball))
-        if balls > MOST_BALLS:
-            rule = f"asks for {balls} balls that approach by {approach * 1e9:.2g} nm each; a slider of silicon pillars"
-            raise SceneError("--thrust", f"{rule} carries more: sawmotor scenes --copy silicon-slider")
+        rule = f"asks for {balls} balls that approach by {approach * 1e9:.2g} nm each; a slider of silicon pillars"
+        refuse_if(balls > MOST_BALLS, "--thrust", f"{rule} carries more: sawmotor scenes --copy silicon-slider")
     # bounce at rest: dP/dz = 1.5 P/z
     stiffness = 1.5 * preload / approach
     lightest = stiffness / (2.0 * math.pi * LIGHT * frequency) ** 2

@@ -34,7 +34,7 @@ from studies.lab.measurement import FIELD, Measurement
 from studies.lab.measurement_csv import measured_scan
 from studies.model.model import Model
 from studies.progress import reported_to
-from studies.refusal import RunError, SceneError, all_answers
+from studies.refusal import RunError, SceneError, all_answers, refuse_if
 from studies.scene import Scene
 from studies.scene.keys import LEVELS
 from studies.solve.scan_prediction import placed, refuse_other_range
@@ -99,8 +99,11 @@ def fit(
         if next_measurements is None:
             next_measurements = not problem.predictor.one_by_one
         degrees = problem.points - len(free)
-        if degrees < (1 if estimated else 0):
-            raise SceneError("parameters", f"asks for {len(free)} numbers from {problem.points} measured values")
+        refuse_if(
+            degrees < (1 if estimated else 0),
+            "parameters",
+            f"asks for {len(free)} numbers from {problem.points} measured values",
+        )
         minima = problem.minima()
         for _ in range(MAX_ATTEMPTS):
             try:
@@ -294,13 +297,13 @@ def _weighted(measurements: list[Measurement]) -> tuple[list[Measurement], bool]
     known = [each.deviations is not None for each in measurements]
     if all(known):
         return measurements, False
-    if any(known) or len({each.quantity for each in measurements}) > 1:
-        raise SceneError(
-            "measurements", "must state standard deviations in every file, or in none and all of one quantity"
-        )
+    refuse_if(
+        any(known) or len({each.quantity for each in measurements}) > 1,
+        "measurements",
+        "must state standard deviations in every file, or in none and all of one quantity",
+    )
     size = float(np.sqrt(np.mean(np.square(np.concatenate([each.values for each in measurements])))))
-    if size == 0.0:
-        raise SceneError("measurements", "holds nothing but zeros, and no standard deviations")
+    refuse_if(size == 0.0, "measurements", "holds nothing but zeros, and no standard deviations")
     return [replace(each, deviations=(0.01 * size,) * len(each.values)) for each in measurements], True
 
 

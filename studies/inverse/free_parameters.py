@@ -19,7 +19,7 @@ import numpy as np
 from studies.lab.measurement import Measurement
 from studies.lab.measurement_csv import measured_network, read_measured
 from studies.record.prefixes import scaled_unit
-from studies.refusal import SceneError, all_answers, nearest, shown, suggestion
+from studies.refusal import SceneError, all_answers, misread, nearest, refuse_if, suggestion
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.keys import LEVELS, rule_at, unit_of
@@ -155,8 +155,11 @@ def read_parameter(text: str | Parameter, option: str = "parameters", *, design:
     """
     parameter = text if isinstance(text, Parameter) else _parsed(text, option, design=design)
     low, high = parameter.low, parameter.high
-    if parameter.vary and not -math.inf < low < high < math.inf:
-        raise SceneError(f"{option} {parameter.key}", f"must have LOW below HIGH, got {low:g} and {high:g}")
+    refuse_if(
+        parameter.vary and not -math.inf < low < high < math.inf,
+        f"{option} {parameter.key}",
+        f"must have LOW below HIGH, got {low:g} and {high:g}",
+    )
     return parameter
 
 
@@ -164,18 +167,16 @@ def _parsed(text: str, option: str, *, design: bool) -> Parameter:
     low: float
     high: float
     if not isinstance(text, str):
-        raise SceneError(option, f"must be KEY=LOW:HIGH or a Parameter, got {shown(text)}")
+        raise misread(option, "KEY=LOW:HIGH or a Parameter", text)
     key, span = parts_of(option, text, "KEY=LOW:HIGH")
     ends = [end.strip() for end in span.split(":")]
     if len(ends) != 2:
-        raise SceneError(option, f"must be KEY=LOW:HIGH, got {shown(text)}")
-    if key in LEVELS and not design:
-        raise SceneError(f"{option} {key}", "follows from each measured point and cannot be free")
-    if key == SYSTEMATIC:
-        raise SceneError(f"{option} {key}", "belongs to a measurement, as in FILE.csv systematic=0.02")
+        raise misread(option, "KEY=LOW:HIGH", text)
+    refuse_if(key in LEVELS and not design, f"{option} {key}", "follows from each measured point and cannot be free")
+    refuse_if(key == SYSTEMATIC, f"{option} {key}", "belongs to a measurement, as in FILE.csv systematic=0.02")
     if design and "." in key and isinstance(rule_at(key), Count):
         if not all(end.isdigit() for end in ends):
-            raise SceneError(f"{option} {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
+            raise misread(f"{option} {key}", "LOW:HIGH of whole numbers", span)
         low, high = (int(end) for end in ends)
     else:
         low, high = (_number(option, key, end, known=() if design else FREE) for end in ends)
@@ -223,10 +224,11 @@ def ranges(parameters: Sequence | Parameter | dict) -> list:
     >>> ranges({"slider.preload": ("1 mN", "5 mN"), "slider.mass": (1e-5, 1e-3)})
     ['slider.preload=1 mN:5 mN', 'slider.mass=1e-05:0.001']
     """
-    if hasattr(parameters, "valuesdict"):
-        raise SceneError(
-            "variables", "must be KEY=LOW:HIGH or a dict of ranges; lmfit's parameters belong to studies.fit"
-        )
+    refuse_if(
+        hasattr(parameters, "valuesdict"),
+        "variables",
+        "must be KEY=LOW:HIGH or a dict of ranges; lmfit's parameters belong to studies.fit",
+    )
     if not isinstance(parameters, dict):
         return [parameters] if isinstance(parameters, (str, Parameter)) else list(parameters)
     return [
@@ -253,8 +255,7 @@ def read_measurement(path: str | Path | Measurement, settings: tuple[str, ...] =
     """
     if isinstance(path, Measurement):
         return path
-    if "=" in str(path):
-        raise SceneError("measurements", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
+    refuse_if("=" in str(path), "measurements", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
     pairs = [parts_of("measurements", text, "FILE.csv KEY=VALUE ...") for text in settings]
     ports = [value for key, value in pairs if key == PORT]
     fixed = dict(_setting(key, value) for key, value in pairs if key != PORT)
@@ -284,5 +285,5 @@ def _number(option: str, key: str, text: str, known: Iterable[str] = OWN) -> flo
     rule = (OWN.get(key) or rule_at(key)).number
     value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) else None
     if isinstance(value, bool) or not isinstance(value, float):
-        raise SceneError(f"{option} {key}", f"must be a number of a scene, such as a length, got {shown(text)}")
+        raise misread(f"{option} {key}", "a number of a scene, such as a length", text)
     return value

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from studies.inverse.free_parameters import Parameter, read_parameter
 from studies.record.quantities import quantity
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError, misread, nearest, refuse_if
 from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
@@ -106,9 +106,8 @@ def read_goals(texts: list[str], variables: tuple[Parameter, ...]) -> tuple[Goal
             raise SceneError(f"minimise {name}", f"must be of {', '.join(least)}")
         elif text in least:
             raise SceneError(f"goals {text}", "can only be minimised")
-    if not 1 <= len(goals) == len(set(texts)) == len(texts) <= 2:
-        rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(texts) or 'none'}"
-        raise SceneError("goals", rule)
+    rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(texts) or 'none'}"
+    refuse_if(not 1 <= len(goals) == len(set(texts)) == len(texts) <= 2, "goals", rule)
     return tuple(goals)
 
 
@@ -129,7 +128,7 @@ def read_constraint(text: str | Constraint) -> Constraint:
         return text
     match = re.fullmatch(r"\s*([\w.]+)\s*(<=|>=)\s*(.+?)\s*", text)
     if match is None:
-        raise SceneError("constraints", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")
+        raise misread("constraints", "NAME <= VALUE or NAME >= VALUE", text)
     name, sign, value = match.groups()
     bound: float | str | tuple
     if name in BOUNDED:
@@ -142,5 +141,5 @@ def read_constraint(text: str | Constraint) -> Constraint:
     else:
         raise SceneError(f"constraints {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}")
     if isinstance(bound, bool) or not isinstance(bound, (int, float)) or not math.isfinite(bound):
-        raise SceneError(f"constraints {name}", f"must be compared with a number, got {shown(value)}")
+        raise misread(f"constraints {name}", "compared with a number", value)
     return Constraint(text=" ".join(text.split()), column=column, upper=sign == "<=", bound=float(bound))

@@ -24,7 +24,7 @@ from studies.inverse.goals import LEAST, Constraint, Goal, read_constraint, read
 from studies.inverse.search import UNKNOWN, Search
 from studies.model.resolve import build
 from studies.progress import reported_to
-from studies.refusal import RunError, SceneError, all_answers
+from studies.refusal import RunError, SceneError, all_answers, refuse_if
 from studies.scene import Scene
 from studies.scene.keys import coordinate
 from studies.scene.override import replaced
@@ -79,12 +79,10 @@ def design(
         read = all_answers([*readers, *(partial(read_constraint, each) for each in constraints)])
         varied, bounds = tuple(read[: len(readers)]), tuple(read[len(readers) :])
         aims = read_goals(names, varied)
-        if not varied:
-            raise SceneError("variables", "is required: KEY=LOW:HIGH")
+        refuse_if(not varied, "variables", "is required: KEY=LOW:HIGH")
         budget = options.budget(len(varied))
         min_budget = 4 * len(varied) + 8
-        if budget < min_budget:
-            raise SceneError("evaluations", f"must be at least {min_budget}, got {budget}")
+        refuse_if(budget < min_budget, "evaluations", f"must be at least {min_budget}, got {budget}")
         also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
         plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
         _refuse_absent({*plan.question.keys, *plan.question.outcomes}, aims, bounds)

@@ -33,7 +33,7 @@ from studies.model.wave_to_contact import Contact
 from studies.progress import Countdown
 from studies.record.quantities import quantity
 from studies.record.values import as_array
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.scene import Scene
 from studies.scene.override import value_at
 from studies.solve.loaded_wave import wave_velocity
@@ -185,11 +185,11 @@ class MeasurementPredictor(Predictor):
             return levels / driven.amplitude
         if not self.prescribed_wave:
             return levels
-        if AMPLITUDE_PER_VOLT not in numbers:
-            raise SceneError(
-                f"measurements {measurement.name}",
-                "holds voltages, and a [wave] has none: state amplitude_per_volt=LENGTH after the file, or free it",
-            )
+        refuse_if(
+            AMPLITUDE_PER_VOLT not in numbers,
+            f"measurements {measurement.name}",
+            "holds voltages, and a [wave] has none: state amplitude_per_volt=LENGTH after the file, or free it",
+        )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
     def velocities(self, states: list[tuple[Contact, float]]) -> np.ndarray:

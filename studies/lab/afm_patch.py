@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 import contact
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10, "A": 1e-10}
 TEXTS = (".txt", ".csv", ".asc", ".dat")
@@ -150,18 +150,23 @@ def read_patch(path: str | Path, step: float | None = None, *, key: str = "slide
     except OSError as error:
         raise SceneError(key, f"cannot be read: {error.strerror or error}") from None
     heights = np.asarray(heights, dtype=float)
-    if heights.ndim != 2 or min(heights.shape) < SMALLEST:
-        raise SceneError(key, f"must hold at least {SMALLEST} x {SMALLEST} heights, got the shape {heights.shape}")
+    refuse_if(
+        heights.ndim != 2 or min(heights.shape) < SMALLEST,
+        key,
+        f"must hold at least {SMALLEST} x {SMALLEST} heights, got the shape {heights.shape}",
+    )
     pixel = _pixel(path.name, own_step, step, key)
     missing = int(np.count_nonzero(~np.isfinite(heights)))
-    if missing > MISSING * heights.size:
-        raise SceneError(key, f"{missing} of {heights.size} pixels of {path.name} have no value, more than 10 %")
+    refuse_if(
+        missing > MISSING * heights.size,
+        key,
+        f"{missing} of {heights.size} pixels of {path.name} have no value, more than 10 %",
+    )
     if missing:
         remarks = (*remarks, f"{missing} of {heights.size} pixels have no value; no asperity is sought beside them")
     heights = levelled(np.where(np.isfinite(heights), heights, np.nan), pixel)
     patch = AfmPatch(name=path.name, heights=heights, step=pixel, remarks=remarks)
-    if not patch.rms > 0.0:
-        raise SceneError(key, f"{path.name} is flat: its levelled heights do not differ")
+    refuse_if(not patch.rms > 0.0, key, f"{path.name} is flat: its levelled heights do not differ")
     return patch
 
 
@@ -192,8 +197,7 @@ def _of_gwyddion(path: Path, key: str) -> Reading:
     except UNREADABLE:
         raise SceneError(key, f"{path.name} is not a file of Gwyddion, or it is cut off") from None
     fields = {name: each for name, each in content.items() if isinstance(each, GwyDataField) and name.endswith("/data")}
-    if not fields:
-        raise SceneError(key, f"{path.name} holds no channel")
+    refuse_if(not fields, key, f"{path.name} holds no channel")
     units = []
     for name, each in sorted(fields.items()):
         across, up = (LENGTHS.get(_unit(getattr(each, axis))) for axis in ("si_unit_xy", "si_unit_z"))
@@ -245,8 +249,7 @@ def _of_text(path: Path, key: str) -> Reading:
 
 def _of_surface_topography(path: Path, key: str) -> Reading:
     """Return what the package SurfaceTopography reads; its masked pixels have no value."""
-    if not path.exists():
-        raise SceneError(key, f"cannot be read: no file {path.name}")
+    refuse_if(not path.exists(), key, f"cannot be read: no file {path.name}")
     try:
         import SurfaceTopography
         from SurfaceTopography.Exceptions import CannotDetectFileFormat

@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from studies.lab.analyser_heads import UNITS, Head, head_of, unit_of
-from studies.lab.csv_columns import PHASES, above_zero, file_error, finite_number, no_number, other_number
+from studies.lab.csv_columns import PHASES, above_zero, finite_number, no_number, other_number
+from studies.lab.input_file import InputFile
 from studies.lab.s_parameters import NetworkData, gains
 from studies.lab.waves import scattering
-from studies.refusal import SceneError, reading
+from studies.refusal import reading
 
 COMMENTS = ("#", "!", "%", "//", ";")
 SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
@@ -46,7 +47,7 @@ def network_of_text(path: Path, option: str) -> NetworkData:
     table = analyser_table(file_lines(path, option))
     if table is None:
         rule = "is neither a Touchstone file nor a table with a frequency and |Z| with its phase, R and X, or S11"
-        raise file_error(path, option, rule)
+        raise InputFile(path, option).error(rule)
     reading = _Reading(table, path, option)
     remarks: list[str] = []
     frequency = reading.column("frequency", "", remarks)
@@ -54,10 +55,11 @@ def network_of_text(path: Path, option: str) -> NetworkData:
         raise reading.error("must have one column of frequencies")
     kind, values = reading.parameters(remarks)
     order = np.argsort(frequency, kind="stable")
-    if np.any(np.diff(frequency[order]) <= 0.0) or (
-        np.any(np.diff(frequency) <= 0.0) and not np.all(np.diff(frequency) < 0.0)
-    ):
-        raise reading.error("must have frequencies that rise or fall from line to line")
+    reading.refuse_if(
+        np.any(np.diff(frequency[order]) <= 0.0)
+        or (np.any(np.diff(frequency) <= 0.0) and not np.all(np.diff(frequency) < 0.0)),
+        "must have frequencies that rise or fall from line to line",
+    )
     if frequency[0] > frequency[-1]:
         remarks.append("its frequencies fall: they are reversed")
     at, values = frequency[order], values[order]
@@ -135,45 +137,47 @@ def _rows(lines: list[str], start: int, separator: str, heads: list) -> tuple[li
     return rows, heads
 
 
-class _Reading:
+class _Reading(InputFile):
     """The numbers of a table, with refusals that name its lines and heads."""
 
     def __init__(self, table: AnalyserTable, path: Path, option: str):
-        self.table, self.path, self.option = table, path, option
-        if not table.rows:
-            raise self.error("must hold at least one line of numbers below its heads")
+        super().__init__(path, option)
+        self.table = table
+        self.refuse_if(not table.rows, "must hold at least one line of numbers below its heads")
         cells = [cell for _, row in table.rows for cell in row]
         self.decimal_comma = table.separator != "," and any("," in cell for cell in cells)
-        if self.decimal_comma and any("." in cell and "," in cell for cell in cells):
-            raise self.error("mixes decimal points and commas in one number")
+        self.refuse_if(
+            self.decimal_comma and any("." in cell and "," in cell for cell in cells),
+            "mixes decimal points and commas in one number",
+        )
         if table.separator == ",":
             self.decimal_comma = any(re.fullmatch(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?\s*", cell) for cell in cells)
-
-    def error(self, rule: str) -> SceneError:
-        """Return the refusal of the file."""
-        return file_error(self.path, self.option, rule)
 
     def column(self, kind: str, part: str, remarks: list[str]) -> np.ndarray | None:
         """Return the column of a part of a kind in SI units, or None if there is none."""
         matches = [k for k, each in enumerate(self.table.heads) if each and (each.kind, each.part) == (kind, part)]
         if not matches:
             return None
-        if len(matches) > 1:
-            names = ", ".join(repr(self.table.heads[k].text) for k in matches)  # type: ignore[union-attr]
-            raise self.error(f"must hold one column of each quantity, got {names}")
+        names = ", ".join(repr(self.table.heads[k].text) for k in matches)  # type: ignore[union-attr]
+        self.refuse_if(len(matches) > 1, f"must hold one column of each quantity, got {names}")
         head = self.table.heads[matches[0]]
         assert head is not None
         values = head.sign * np.array([self._number(row, matches[0], head) for row in self.table.rows])
         if part == "phase":
-            if not head.unit and np.max(np.abs(values)) < RADIANS:
-                raise self.error(f"must state the unit of {head.text!r}, such as {head.text} (deg)")
+            self.refuse_if(
+                not head.unit and np.max(np.abs(values)) < RADIANS,
+                f"must state the unit of {head.text!r}, such as {head.text} (deg)",
+            )
             remarks += [] if head.unit else [f"{head.text!r} has no unit: taken in degrees"]
             return values * PHASES[head.unit or "deg"]
-        if kind == "frequency" and not head.unit:
-            raise self.error(f"must state the unit of {head.text!r}, such as {head.text} (Hz)")
+        self.refuse_if(
+            kind == "frequency" and not head.unit, f"must state the unit of {head.text!r}, such as {head.text} (Hz)"
+        )
         if kind == "s":
-            if part == "magnitude" and not head.unit and np.min(values) < 0.0:
-                raise self.error(f"must state the unit of {head.text!r}, such as {head.text} ({DECIBEL})")
+            self.refuse_if(
+                part == "magnitude" and not head.unit and np.min(values) < 0.0,
+                f"must state the unit of {head.text!r}, such as {head.text} ({DECIBEL})",
+            )
             return 10.0 ** (values / 20.0) if head.unit == "dB" else values
         if not head.unit:
             remarks.append(f"{head.text!r} has no unit: taken in {'ohm' if kind == 'z' else 'S'}")
@@ -193,8 +197,7 @@ class _Reading:
                 size, angle = self.column(kind, "magnitude", remarks), self.column(*phase, remarks)
                 assert size is not None
                 assert angle is not None
-                if np.min(size) < 0.0:
-                    raise self.error("must have magnitudes that are zero or positive")
+                self.refuse_if(np.min(size) < 0.0, "must have magnitudes that are zero or positive")
                 return kind, size * np.exp(1j * angle)
         names = ", ".join(repr(each.text) for each in self.table.heads if each)
         raise self.error(f"must have |Z| with its phase, R with X, G with B, or S11 with its phase, got {names}")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.lab.input_file import InputFile
 from studies.refusal import SceneError, reading, shown
 
 # factors to SI units, by the unit in a head
@@ -19,11 +20,6 @@ ACCELERATIONS = {"m_per_s2": 1.0, "mm_per_s2": 1e-3, "km_per_s2": 1e3, "g": 9.80
 VOLTAGES = {"V": 1.0, "mV": 1e-3, "kV": 1e3}
 PHASES = {"rad": 1.0, "deg": np.pi / 180.0}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-
-
-def file_error(path: Path, option: str, rule: str) -> SceneError:
-    """Return the error that a file, named by an option of the command, breaks a rule."""
-    return SceneError(option, f"{str(path)!r} {rule}")
 
 
 def csv_text(columns: dict[str, np.ndarray], remarks: tuple[str, ...] = ()) -> str:
@@ -42,7 +38,7 @@ def csv_text(columns: dict[str, np.ndarray], remarks: tuple[str, ...] = ()) -> s
 
 
 @dataclass(frozen=True, kw_only=True)
-class CsvColumns:
+class CsvColumns(InputFile):
     """The columns of a CSV file as text, with the option of the command that named it.
 
     Columns that are not read may have any unit.
@@ -71,8 +67,7 @@ class CsvColumns:
         rows = [
             [cell.strip() for cell in row] for row in csv.reader((line for _, line in numbered), delimiter=separator)
         ]
-        if len(rows) < 2:
-            raise file_error(path, option, "must hold a line of names and at least one point")
+        InputFile(path, option).refuse_if(len(rows) < 2, "must hold a line of names and at least one point")
         # a quoted cell may span lines: the numbers are then those of other rows, and none is said
         numbers = [number for number, _ in numbered] if len(rows) == len(numbered) else [0] * len(rows)
         return cls(path=path, option=option, names=rows[0], rows=rows[1:], lines=numbers[1:])
@@ -91,9 +86,8 @@ class CsvColumns:
         matches = [name for name in own if name.removeprefix(noun).removeprefix("_") in units]
         if not own:
             return None
-        if len(matches) != 1:
-            rule = f"must have one column {noun}_UNIT with a unit of {', '.join(units)}, got {', '.join(own)}"
-            raise self.error(rule)
+        rule = f"must have one column {noun}_UNIT with a unit of {', '.join(units)}, got {', '.join(own)}"
+        self.refuse_if(len(matches) != 1, rule)
         at, unit = self.names.index(matches[0]), matches[0].removeprefix(noun).removeprefix("_")
         return np.array([self._number(k, at) for k in range(len(self.rows))]) * units[unit], unit
 
@@ -105,9 +99,8 @@ class CsvColumns:
     def deviation(self, nouns: tuple[str, ...], units: dict[str, float]) -> tuple[float, ...] | None:
         """Return the first of the columns ``nouns`` that exists, in SI units, or None; it must be positive."""
         bare = next((name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None)
-        if bare is not None:
-            heads = " or ".join(f"{nouns[0]}_{unit}" for unit in units)
-            raise self.error(f"must name the unit of the column {bare}, as in {heads}")
+        heads = " or ".join(f"{nouns[0]}_{unit}" for unit in units)
+        self.refuse_if(bare is not None, f"must name the unit of the column {bare}, as in {heads}")
         noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
         if noun is None:
             return None
@@ -138,10 +131,6 @@ class CsvColumns:
     def lacking(self, wanted: str, hint: str = "") -> SceneError:
         """Return the error that the file has not the columns that are wanted."""
         return self.error(f"must have the columns {wanted}; got {', '.join(self.names)}{hint}")
-
-    def error(self, rule: str) -> SceneError:
-        """Return the error that this file breaks a rule."""
-        return file_error(self.path, self.option, rule)
 
     def line(self, row: int) -> str:
         """Return the words for a row that begin the refusal of one of its values."""
@@ -218,4 +207,4 @@ def file_text(path: Path, option: str) -> str:
         with reading(path, option):
             return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise file_error(path, option, "is no CSV file in UTF-8") from None
+        raise InputFile(path, option).error("is no CSV file in UTF-8") from None

@@ -56,8 +56,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         if fallen is not None:
             rule = f"time must rise from line to line, got {time[fallen]:g} s after {time[fallen - 1]:g} s"
             raise table.error(f"{table.line(fallen)}{rule}")
-        if time[-1] <= 0.0:  # before 0: ahead of the trigger
-            raise table.error(f"must hold times after 0, got {time[-1]:g} s as the last one")
+        table.refuse_if(time[-1] <= 0.0, f"must hold times after 0, got {time[-1]:g} s as the last one")
     if velocity is not None and time is not None:
         quantity, values = "burst", velocity
         if len(set(levels)) > 1:

@@ -23,8 +23,7 @@ def read_network(path: Path, option: str) -> NetworkData:
     if not TOUCHSTONE.fullmatch(path.suffix):
         return network_of_text(path, option)
     file = read_touchstone(path, option)
-    if not file.frequency:
-        raise file.error(f"must hold S-parameters of {file.ports} ports, got none")
+    file.refuse_if(not file.frequency, f"must hold S-parameters of {file.ports} ports, got none")
     return network_of(file)
 
 
@@ -32,8 +31,7 @@ def network_of(file: TouchstoneFile) -> NetworkData:
     """Return the S-parameters of a Touchstone file with the real part of its first reference, and remarks."""
     at, values, references = np.array(file.frequency), file.matrices(), file.impedance()
     remarks = ["noise parameters are left out"] if file.has_noise else []
-    if np.any(np.diff(at) <= 0.0) or at[0] < 0.0:
-        raise file.error("must have rising frequencies above 0 Hz")
+    file.refuse_if(np.any(np.diff(at) <= 0.0) or at[0] < 0.0, "must have rising frequencies above 0 Hz")
     if at[0] == 0.0:
         kept = above_zero(at, file.error)
         at, values, references = at[kept], values[kept], references[kept]
@@ -43,12 +41,15 @@ def network_of(file: TouchstoneFile) -> NetworkData:
     if not np.all(measured):
         missing = ", ".join(f"{file.kind.upper()}{i + 1}{j + 1}" for i, j in np.argwhere(~measured))
         equal = np.all(references == target)
-        if file.kind != "s" or not equal or not np.any(measured):
-            raise file.error(f"holds zeros only in {missing}: not measured, and no S-parameters follow from the rest")
+        file.refuse_if(
+            file.kind != "s" or not equal or not np.any(measured),
+            f"holds zeros only in {missing}: not measured, and no S-parameters follow from the rest",
+        )
         remarks.append(f"{missing} of zeros only: taken as not measured")
     if file.kind != "s" and file.version == 1:
-        if np.any(references.imag != 0.0):
-            raise file.error("must have a real reference, to which version 1 normalises its parameters")
+        file.refuse_if(
+            np.any(references.imag != 0.0), "must have a real reference, to which version 1 normalises its parameters"
+        )
         values = in_ohm(file.kind, values, references.real)
     if file.kind == "s" and np.any(references != target):
         wave = file.wave or ("traveling" if file.impedances else "power")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from studies.lab.waves import scattering
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 
 PASSIVE = 1e-9  # largest singular value of S, less 1, from which on it is remarked: rounding lies below
 
@@ -59,9 +59,8 @@ class NetworkData:
     def within(self, low: float, high: float, option: str = "--band") -> "NetworkData":
         """Return the data at its frequencies from ``low`` to ``high`` in Hz; SceneError if there are none."""
         kept = (self.frequency >= low * (1 - 1e-12)) & (self.frequency <= high * (1 + 1e-12))
-        if not np.any(kept):
-            own = f"{self.frequency[0] / 1e6:.6g} to {self.frequency[-1] / 1e6:.6g} MHz"
-            raise SceneError(option, f"must meet the frequencies of {self.name!r}, {own}")
+        own = f"{self.frequency[0] / 1e6:.6g} to {self.frequency[-1] / 1e6:.6g} MHz"
+        refuse_if(not np.any(kept), option, f"must meet the frequencies of {self.name!r}, {own}")
         if np.all(kept):
             return self
         remark = f"{np.count_nonzero(kept)} of its {len(kept)} frequencies lie within --band"
@@ -69,13 +68,17 @@ class NetworkData:
 
     def one_port(self, number: int, option: str = "--port") -> "NetworkData":
         """Return the reflection at a port, counted from 1, with the others at the reference impedance."""
-        if not 1 <= number <= self.ports:
-            raise SceneError(option, f"must be one of the {self.ports} ports of {self.name!r}, got {number}")
+        refuse_if(
+            not 1 <= number <= self.ports,
+            option,
+            f"must be one of the {self.ports} ports of {self.name!r}, got {number}",
+        )
         at = number - 1
-        if not self.elements[at, at]:
-            raise SceneError(
-                option, f"must be a measured port of {self.name!r}, and S{number}{number} was not measured"
-            )
+        refuse_if(
+            not self.elements[at, at],
+            option,
+            f"must be a measured port of {self.name!r}, and S{number}{number} was not measured",
+        )
         others = "" if self.ports == 1 else f", the others at {self.reference:g} ohm"
         chosen = self.scattering[:, at : at + 1, at : at + 1]
         return replace(
@@ -87,9 +90,8 @@ class NetworkData:
         """Return the data with another real reference impedance in ohm."""
         if reference == self.reference:
             return self
-        if not self.complete:
-            rule = f"{self.name!r} has the reference {self.reference:g} ohm and elements that were not measured"
-            raise SceneError(option, f"must be {self.reference:g}: {rule}")
+        rule = f"{self.name!r} has the reference {self.reference:g} ohm and elements that were not measured"
+        refuse_if(not self.complete, option, f"must be {self.reference:g}: {rule}")
         ports = np.full(self.scattering.shape[:2], self.reference)
         remark = f"its reference of {self.reference:g} ohm is changed to {reference:g} ohm"
         return replace(

@@ -33,7 +33,7 @@ from studies.lab.csv_columns import (
     csv_text,
     written,
 )
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 
 COMPONENTS = ("u_x", "u_y", "u_z")
 # units by motion; each is the derivative by time of the one before, i omega times its complex amplitude
@@ -112,9 +112,12 @@ class Scan:
             rule = f"{self.name!r} has no spectral line at the drive's {frequency:.9g} Hz; the nearest are at {got} Hz"
             raise SceneError(option, rule)
         at = self.frequency == line
-        if len(set(zip(self.x[at].tolist(), self.y[at].tolist(), strict=True))) < np.count_nonzero(at):
-            rule = f"{self.name!r} holds several values for one position at {line:.9g} Hz"
-            raise SceneError(option, f"{rule}: are its frequencies rounded?")
+        rule = f"{self.name!r} holds several values for one position at {line:.9g} Hz"
+        refuse_if(
+            len(set(zip(self.x[at].tolist(), self.y[at].tolist(), strict=True))) < np.count_nonzero(at),
+            option,
+            f"{rule}: are its frequencies rounded?",
+        )
         taken = f"of {len(lines)} spectral lines that at {line:.9g} Hz is taken"
         return replace(
             self, x=self.x[at], y=self.y[at], values=self.values[at], frequency=self.frequency[at],
@@ -159,19 +162,22 @@ def _varies(values: np.ndarray) -> bool:
 def scan_of_columns(columns: CsvColumns) -> Scan:
     """Return the scan from columns with `motions`; raise SceneError for a missing column or a wrong unit."""
     noun, *others = motions(columns.names)
-    if others:
-        raise columns.error(f"must hold one motion, such as u_z, got {', '.join([noun, *others])}")
+    columns.refuse_if(others, f"must hold one motion, such as u_z, got {', '.join([noun, *others])}")
     motion, component = LETTERS[noun[0]], "u" + noun[1:]
     base = MOTIONS[motion]
     units = base | {f"{unit}_per_V": factor for unit, factor in base.items()}
     x, y = (columns.column(name, POSITIONS) for name in "xy")
     frequency = columns.column("frequency", FREQUENCIES)
-    if x is None and y is None and frequency is None:
-        raise columns.error(f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(columns.names)}")
+    columns.refuse_if(
+        x is None and y is None and frequency is None,
+        f"must have a column x_UNIT, y_UNIT or frequency_UNIT, got {', '.join(columns.names)}",
+    )
     values, unit = _values(columns, noun, units)
     deviation = columns.column(f"{noun}_standard_deviation", units)
-    if deviation is not None and deviation[1].endswith("_per_V") != unit.endswith("_per_V"):
-        raise columns.error(f"must state {noun} and its standard deviation both per volt, or none of them")
+    columns.refuse_if(
+        deviation is not None and deviation[1].endswith("_per_V") != unit.endswith("_per_V"),
+        f"must state {noun} and its standard deviation both per volt, or none of them",
+    )
     columns.refuse_signs(f"{noun}_standard_deviation", units, zero=False)
     voltage = columns.column("voltage", VOLTAGES)
     if voltage is not None and np.ptp(voltage[0]) > 0.0:
@@ -196,15 +202,14 @@ def _values(columns: CsvColumns, noun: str, units) -> tuple[np.ndarray, str]:
     """Return the motion as complex amplitudes or magnitudes, and its unit."""
     real, imaginary = (columns.column(f"{noun}_{part}", units) for part in ("real", "imag"))
     magnitude, phase = columns.column(f"{noun}_magnitude", units), columns.column(f"{noun}_phase", PHASES)
-    if (real is None) != (imaginary is None):
-        missing = "imag" if imaginary is None else "real"
-        raise columns.error(f"must have a column {noun}_{missing}_UNIT beside the other part")
+    missing = "imag" if imaginary is None else "real"
+    columns.refuse_if(
+        (real is None) != (imaginary is None), f"must have a column {noun}_{missing}_UNIT beside the other part"
+    )
     if real is not None and imaginary is not None:
-        if magnitude is not None:
-            raise columns.error(f"must hold {noun} once, as complex parts or as a magnitude")
-        if real[1] != imaginary[1]:
-            units_got = f"{written(real[1])} and {written(imaginary[1])}"
-            raise columns.error(f"must have one unit for {noun}, got {units_got}")
+        columns.refuse_if(magnitude is not None, f"must hold {noun} once, as complex parts or as a magnitude")
+        units_got = f"{written(real[1])} and {written(imaginary[1])}"
+        columns.refuse_if(real[1] != imaginary[1], f"must have one unit for {noun}, got {units_got}")
         return real[0] + 1j * imaginary[0], real[1]
     if magnitude is None:
         wanted = f"{noun}_real_UNIT with {noun}_imag_UNIT, or {noun}_magnitude_UNIT"

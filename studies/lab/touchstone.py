@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.csv_columns import file_error, finite_numbers
+from studies.lab.csv_columns import finite_numbers
+from studies.lab.input_file import InputFile
 from studies.lab.waves import WAVES
 from studies.refusal import SceneError, reading, shown
 
@@ -28,7 +29,7 @@ PORT_IMPEDANCE = re.compile(r"!\s*port\s+impedance(.*)", re.IGNORECASE)
 
 
 @dataclass(kw_only=True)
-class TouchstoneFile:
+class TouchstoneFile(InputFile):
     """The contents of a Touchstone file, which its reading fills."""
 
     path: Path
@@ -48,10 +49,6 @@ class TouchstoneFile:
     impedances: list[list[float]] = field(default_factory=list)  # of comments, of each frequency
     continues: bool = False  # whether the comment before was of port impedances
     has_noise: bool = False
-
-    def error(self, rule: str, line: int | None = None) -> SceneError:
-        """Return the refusal of the file, or of one of its lines."""
-        return file_error(self.path, self.option, rule if line is None else f"line {line}: {rule}")
 
     @property
     def per_frequency(self) -> int:
@@ -80,14 +77,17 @@ class TouchstoneFile:
         """Return the references of the ports in ohm, complex, shape (n, ports)."""
         count = len(self.frequency)
         if not self.impedances:
-            if len(self.references) not in (1, self.ports):
-                raise self.error(f"must state one reference, or one of each of {self.ports} ports")
+            self.refuse_if(
+                len(self.references) not in (1, self.ports),
+                f"must state one reference, or one of each of {self.ports} ports",
+            )
             return np.array(np.broadcast_to(self.references, (count, self.ports)), complex)
         values = [np.reshape(each, (-1, 2)) @ np.array([1, 1j]) for each in self.impedances if len(each) % 2 == 0]
         rows = [np.diag(np.reshape(each, (self.ports, -1))) if len(each) == self.ports**2 else each for each in values]
-        if len(rows) not in (1, count) or any(len(each) != self.ports for each in rows):
-            rule = f"must state a port impedance of {self.ports} complex numbers for each of {count} frequencies"
-            raise self.error(f"{rule}, got {len(rows)}")
+        rule = f"must state a port impedance of {self.ports} complex numbers for each of {count} frequencies"
+        self.refuse_if(
+            len(rows) not in (1, count) or any(len(each) != self.ports for each in rows), f"{rule}, got {len(rows)}"
+        )
         return np.array(np.broadcast_to(rows, (count, self.ports)))
 
 
@@ -120,14 +120,15 @@ def read_touchstone(path: Path, option: str) -> TouchstoneFile:
         elif content := text.partition("!")[0].strip():
             data.append((number, content))
             file.continues = False
-    if not has_option:
-        raise file.error("must have an option line, such as '# MHz S RI R 50'")
+    file.refuse_if(not has_option, "must have an option line, such as '# MHz S RI R 50'")
     if file.version == 1:
         file.order = "21_12"
     elif file.ports == 2 and file.matrix == "full" and not file.order:
         raise file.error("must state [Two-Port Data Order] 12_21 or 21_12, as version 2 requires of two ports")
-    if file.kind in "gh" and file.ports != 2:
-        raise file.error(f"must have two ports for parameters {file.kind.upper()}, got {file.ports}")
+    file.refuse_if(
+        file.kind in "gh" and file.ports != 2,
+        f"must have two ports for parameters {file.kind.upper()}, got {file.ports}",
+    )
     _data(file, data)
     return file
 
@@ -181,8 +182,11 @@ def _option_line(file: TouchstoneFile, number: int, text: str) -> None:
             while words and (value := _impedance(words[0])) is not None:
                 values.append(value)
                 words.pop(0)
-            if not values or any(each.real <= 0.0 for each in values):
-                raise file.error("must state a reference with a positive real part after R", number)
+            file.refuse_if(
+                not values or any(each.real <= 0.0 for each in values),
+                "must state a reference with a positive real part after R",
+                number,
+            )
             file.references = values
         else:
             expected = "a unit (Hz, kHz, MHz, GHz), a parameter (S, Y, Z, G, H), a format (MA, DB, RI) or R and ohms"
@@ -203,8 +207,11 @@ def _keyword(file: TouchstoneFile, number: int, text: str, pending) -> None:
     if name == "version":
         file.version = 2
     elif name == "number of ports":
-        if not value.isdigit() or (file.ports and int(value) != file.ports):
-            raise file.error(f"must state {file.ports or 'the number of'} ports, got {shown(value)}", number)
+        file.refuse_if(
+            not value.isdigit() or (file.ports and int(value) != file.ports),
+            f"must state {file.ports or 'the number of'} ports, got {shown(value)}",
+            number,
+        )
         file.ports = int(value)
     elif name == "number of frequencies" and value.isdigit():
         file.count = int(value)
@@ -216,12 +223,16 @@ def _keyword(file: TouchstoneFile, number: int, text: str, pending) -> None:
         words = value.split()
         while len(words) < file.ports:
             number, more = next(pending, (number, "[End]"))
-            if more.startswith("["):
-                raise file.error(f"must state the references of {file.ports} ports, got {len(words)}", number)
+            file.refuse_if(
+                more.startswith("["), f"must state the references of {file.ports} ports, got {len(words)}", number
+            )
             words += more.partition("!")[0].split()
         values = [_impedance(word) for word in words]
-        if any(each is None or each.real <= 0.0 for each in values):
-            raise file.error(f"must state references with positive real parts, got {shown(' '.join(words))}", number)
+        file.refuse_if(
+            any(each is None or each.real <= 0.0 for each in values),
+            f"must state references with positive real parts, got {shown(' '.join(words))}",
+            number,
+        )
         file.references = [each for each in values if each is not None]
     elif name == "begin information":
         while not next(pending, (0, "[end information]"))[1].lower().startswith("[end information]"):
@@ -230,15 +241,17 @@ def _keyword(file: TouchstoneFile, number: int, text: str, pending) -> None:
         file.has_noise = True
     elif name == "mixed-mode order":
         raise file.error("holds mixed-mode parameters: those of single ports are needed", number)
-    if file.matrix not in ("full", "lower", "upper") or file.order not in ("", "12_21", "21_12"):
-        raise file.error(f"must state Full, Lower or Upper, or an order 12_21 or 21_12, got {shown(value)}", number)
+    file.refuse_if(
+        file.matrix not in ("full", "lower", "upper") or file.order not in ("", "12_21", "21_12"),
+        f"must state Full, Lower or Upper, or an order 12_21 or 21_12, got {shown(value)}",
+        number,
+    )
 
 
 def _data(file: TouchstoneFile, lines: list[tuple[int, str]]) -> None:
     """Read frequencies and parameters; noise data behind those of version 1 end them."""
     record: list[float] = []
-    if not file.ports:
-        raise file.error("must state [Number of Ports], as it has the ending .ts")
+    file.refuse_if(not file.ports, "must state [Number of Ports], as it has the ending .ts")
     for number, text in lines:
         values = finite_numbers(text.split(), text, partial(file.error, line=number))
         behind = file.frequency and not record and values[0] * file.unit <= file.frequency[-1]
@@ -250,9 +263,12 @@ def _data(file: TouchstoneFile, lines: list[tuple[int, str]]) -> None:
             file.frequency.append(record[0] * file.unit)
             file.numbers.append(record[1 : file.per_frequency + 1])
             record = record[file.per_frequency + 1 :]
-            if record and file.version == 1:
-                rule = f"must hold a frequency and {file.per_frequency} numbers of {file.ports} ports"
-                raise file.error(f"{rule}, got {len(record)} more: is the ending of the file right?", number)
+            rule = f"must hold a frequency and {file.per_frequency} numbers of {file.ports} ports"
+            file.refuse_if(
+                record and file.version == 1,
+                f"{rule}, got {len(record)} more: is the ending of the file right?",
+                number,
+            )
     if record or (file.count is not None and len(file.frequency) != file.count):
         stated = "" if file.count is None else f" of {file.count}"
         held = f"{len(record)} of {file.per_frequency + 1} numbers"

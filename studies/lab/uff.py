@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.lab.csv_columns import file_error
+from studies.lab.input_file import InputFile
 from studies.lab.uff_function import FUNCTION, Function, function
 from studies.lab.uff_lines import UffLines, body, is_delimiter, numbers
 from studies.refusal import shown
@@ -28,9 +28,11 @@ PER_METRE = {1: 1.0, 2: 3.280839895, 3: 1.0, 4: 3.280839895, 5: 1e3, 6: 1e2, 7: 
 
 
 @dataclass(frozen=True, kw_only=True)
-class UniversalFile:
+class UniversalFile(InputFile):
     """What a Universal File contains that a scan needs."""
 
+    path: Path
+    option: str
     kinds: tuple[int, ...]  # of all datasets
     functions: tuple[Function, ...]
     nodes: dict[int, tuple[float, float, float]]  # coordinates by label, in the file's unit of length
@@ -53,10 +55,9 @@ def read_uff(path: Path, option: str) -> UniversalFile:
     while (text := reading.line()) is not None:
         if not text.strip():
             continue
-        if not is_delimiter(text):
-            raise file_error(
-                path, option, f"is no Universal File: line {reading.number} must hold -1, got {shown(text)}"
-            )
+        InputFile(path, option).refuse_if(
+            not is_delimiter(text), f"is no Universal File: line {reading.number} must hold -1, got {shown(text)}"
+        )
         first, head = reading.number, reading.line()
         if head is None:
             break
@@ -73,22 +74,27 @@ def read_uff(path: Path, option: str) -> UniversalFile:
             nodes |= _nodes(reading, lines, kind)
         elif kind == UNITS:
             own = _metres(reading, lines)
-            if metres is not None and own != metres:
-                raise reading.error("a second dataset 164 states other units than the first", lines[0][0])
+            reading.refuse_if(
+                metres is not None and own != metres,
+                "a second dataset 164 states other units than the first",
+                lines[0][0],
+            )
             metres = own
-    return UniversalFile(kinds=tuple(kinds), functions=tuple(functions), nodes=nodes, metres=metres)
+    return UniversalFile(
+        path=path, option=option, kinds=tuple(kinds), functions=tuple(functions), nodes=nodes, metres=metres
+    )
 
 
 def _nodes(reading: UffLines, lines: list[tuple[int, str]], kind: int) -> dict[int, tuple[float, float, float]]:
     values = numbers(reading, lines)
-    if len(values) % 7:
-        rule = (
-            f"the nodes of dataset {kind} must hold 4 whole numbers and 3 coordinates each, got {len(values)} numbers"
-        )
-        raise reading.error(f"{rule} in all", lines[0][0] if lines else None)
+    rule = f"the nodes of dataset {kind} must hold 4 whole numbers and 3 coordinates each, got {len(values)} numbers"
+    reading.refuse_if(len(values) % 7, f"{rule} in all", lines[0][0] if lines else None)
     rows = np.reshape(values, (-1, 7))
-    if len(set(rows[:, 1].tolist())) > 1:
-        raise reading.error("the nodes must lie in one coordinate system, got several", lines[0][0])
+    reading.refuse_if(
+        len(set(rows[:, 1].tolist())) > 1,
+        "the nodes must lie in one coordinate system, got several",
+        lines[0][0] if lines else None,
+    )
     return {int(row[0]): (float(row[4]), float(row[5]), float(row[6])) for row in rows}
 
 
@@ -96,8 +102,11 @@ def _metres(reading: UffLines, lines: list[tuple[int, str]]) -> float:
     """Return the unit of length in m of a dataset 164: the inverse of its factor, which must fit its code."""
     head = lines[0][1].split() if lines else []
     factors = numbers(reading, lines[1:])
-    if not head or not head[0].isdigit() or not factors or factors[0] <= 0.0:
-        raise reading.error("dataset 164 must hold a units code and positive factors", lines[0][0] if lines else None)
+    reading.refuse_if(
+        not head or not head[0].isdigit() or not factors or factors[0] <= 0.0,
+        "dataset 164 must hold a units code and positive factors",
+        lines[0][0] if lines else None,
+    )
     code, factor = int(head[0]), factors[0]
     if code in PER_METRE and abs(factor / PER_METRE[code] - 1.0) > 1e-3:
         rule = f"dataset 164 contradicts itself: units code {code} has {PER_METRE[code]:g} units of length to a metre"

@@ -59,17 +59,18 @@ def function(reading: UffLines, first: int, binary: str | None) -> Function:
     columns = (0 if even else 1) + (2 if is_complex else 1)
     if binary is None:
         values = np.array(numbers(reading, body(reading, first, FUNCTION)))
-        if len(values) != count * columns:
-            rule = f"the dataset 58 that begins in line {first} must hold {count * columns} numbers, got {len(values)}"
-            raise reading.error(f"{rule}: is it cut off?")
+        rule = f"the dataset 58 that begins in line {first} must hold {count * columns} numbers, got {len(values)}"
+        reading.refuse_if(len(values) != count * columns, f"{rule}: is it cut off?")
     else:
         values = _binary_values(reading, first, binary, count, columns, size, even)
     table = values.reshape(count, columns)
     x = start + step * np.arange(count) if even else table[:, 0]
     ordinates = table if even else table[:, 1:]
     values = ordinates[:, 0] + 1j * ordinates[:, 1] if is_complex else ordinates[:, 0]
-    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(values))):
-        raise reading.error(f"the dataset 58 that begins in line {first} must hold finite numbers only")
+    reading.refuse_if(
+        not (np.all(np.isfinite(x)) and np.all(np.isfinite(values))),
+        f"the dataset 58 that begins in line {first} must hold finite numbers only",
+    )
     return Function(
         line=first, identification=tuple(text.strip() for _, text in head[:5]), kind=kind, node=node,
         direction=direction, abscissa=abscissa, ordinate=ordinate, denominator=denominator,
@@ -102,13 +103,13 @@ def _form(reading: UffLines, number: int, text: str) -> tuple[int, int, bool, fl
     except (ValueError, IndexError):
         rule = "must hold data type, number of points and spacing (record 7 of dataset 58)"
         raise reading.error(f"{rule}, got {shown(text.strip())}: is a line of the head missing?", number) from None
-    if value_type not in VALUE_TYPES or count < 1 or spacing not in (0, 1):
-        rule = (
-            "must hold a data type of 2, 4, 5, 6, a number of points and a spacing of 0 or 1 (record 7 of dataset 58)"
-        )
-        raise reading.error(f"{rule}, got {shown(text.strip())}", number)
-    if spacing and step == 0.0 and count > 1:
-        raise reading.error("an even abscissa must have an increment, got 0", number)
+    rule = "must hold a data type of 2, 4, 5, 6, a number of points and a spacing of 0 or 1 (record 7 of dataset 58)"
+    reading.refuse_if(
+        value_type not in VALUE_TYPES or count < 1 or spacing not in (0, 1),
+        f"{rule}, got {shown(text.strip())}",
+        number,
+    )
+    reading.refuse_if(spacing and step == 0.0 and count > 1, "an even abscissa must have an increment, got 0", number)
     return value_type, count, bool(spacing), start, step
 
 
@@ -120,9 +121,10 @@ def _axis(reading: UffLines, number: int, text: str) -> Axis:
     else:
         cells = text.split()
         kind, unit = (cells[0], cells[-1] if len(cells) > 5 else "") if cells else ("", "")
-    if not re.fullmatch(r"\d+", kind):
-        rule = "must hold a data type, label and unit of an axis (records 8 to 11 of dataset 58)"
-        raise reading.error(f"{rule}, got {shown(text.strip())}: is a line of the head missing?", number)
+    rule = "must hold a data type, label and unit of an axis (records 8 to 11 of dataset 58)"
+    reading.refuse_if(
+        not re.fullmatch(r"\d+", kind), f"{rule}, got {shown(text.strip())}: is a line of the head missing?", number
+    )
     return Axis(kind=int(kind), unit="" if unit.upper() == "NONE" else unit)
 
 
@@ -135,9 +137,12 @@ def _binary_values(
     of a real function on an even abscissa.  The abscissa of doubles may be single, as record 12 defines it.
     """
     fields = binary.split()
-    if len(fields) >= 3 and (fields[0] not in "12" or fields[1] != "2" or fields[2] != str(HEAD_LINES)):
-        rule = f"the dataset 58b that begins in line {first} must have byte order 1 or 2, IEEE numbers (2) and"
-        raise reading.error(f"{rule} {HEAD_LINES} lines of text, got {' '.join(fields[:3])}", first + 1)
+    rule = f"the dataset 58b that begins in line {first} must have byte order 1 or 2, IEEE numbers (2) and"
+    reading.refuse_if(
+        len(fields) >= 3 and (fields[0] not in "12" or fields[1] != "2" or fields[2] != str(HEAD_LINES)),
+        f"{rule} {HEAD_LINES} lines of text, got {' '.join(fields[:3])}",
+        first + 1,
+    )
     order = ">" if fields and fields[0] == "2" else "<"
     forms = [np.dtype(f"{order}f{size}")] * columns
     layouts = [forms, [np.dtype(f"{order}f4"), *forms[1:]]] if size == 8 and not even else [forms]
@@ -153,8 +158,10 @@ def _binary_values(
         return np.stack([table[name].astype(float) for name in table.dtype.names or ()], axis=1).ravel()
     closing = CLOSING.search(reading.content, reading.at)
     held = (closing.start() if closing else len(reading.content)) - reading.at
-    if closing is None and held in [count * sum(each.itemsize for each in layout) for layout in layouts]:
-        raise reading.error(f"the closing -1 of the dataset 58b that begins in line {first} is missing")
+    reading.refuse_if(
+        closing is None and held in [count * sum(each.itemsize for each in layout) for layout in layouts],
+        f"the closing -1 of the dataset 58b that begins in line {first} is missing",
+    )
     needs = " or ".join(str(count * sum(each.itemsize for each in layout)) for layout in layouts)
     rule = f"the dataset 58b that begins in line {first} must hold {needs} bytes of values before its closing -1"
     raise reading.error(f"{rule}, got {held}: is it cut off, or were its line ends converted?")

@@ -4,19 +4,21 @@ import re
 from functools import partial
 from pathlib import Path
 
-from studies.lab.csv_columns import file_error, finite_numbers
+from studies.lab.csv_columns import finite_numbers
+from studies.lab.input_file import InputFile
 from studies.refusal import SceneError, reading
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d{1,3})?")
 
 
-class UffLines:
+class UffLines(InputFile):
     """A file that is being read: its bytes, the position, and refusals that name the line."""
 
     def __init__(self, path: Path, option: str):
         with reading(path, option):
             self.content = path.read_bytes()
-        self.path, self.option, self.at, self.number = path, option, 0, 0
+        super().__init__(path, option)
+        self.at, self.number = 0, 0
 
     def line(self) -> str | None:
         """Return the next line, or None at the end."""
@@ -29,7 +31,7 @@ class UffLines:
 
     def error(self, rule: str, line: int | None = None) -> SceneError:
         """Return the refusal of a line, by default of the one that was read last."""
-        return file_error(self.path, self.option, f"line {self.number if line is None else line}: {rule}")
+        return super().error(rule, self.number if line is None else line)
 
 
 def is_delimiter(text: str) -> bool:

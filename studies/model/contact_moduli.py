@@ -12,6 +12,7 @@ the tangential stiffness 8 a G* of R. D. Mindlin, J. Appl. Mech. 16 (1949) 259.
 import numpy as np
 
 import fem
+from studies.model.scene_errors import input_errors
 from studies.refusal import SceneError
 
 ISOTROPY = 1e-6  # relative; a catalogue's digits keep the symmetry far better
@@ -26,10 +27,8 @@ def pair_moduli(ball: str, solid) -> tuple[float, float]:
     >>> [round(modulus / 1e9, 1) for modulus in pair_moduli("steel", fem.material("PZT-8"))]
     [65.8, 13.7]
     """
-    try:
+    with input_errors("slider.ball"):
         sphere = fem.material(ball)
-    except fem.InputError as error:
-        raise SceneError("slider.ball", error.rule) from None
     if not _is_isotropic(sphere.stiffness):
         raise SceneError("slider.ball", f'must be an isotropic solid such as "steel", got {ball!r}')
     below, above = fem.point_load(solid.stiffness), fem.point_load(sphere.stiffness)

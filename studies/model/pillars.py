@@ -28,7 +28,7 @@ import fem
 from fem.parameters import refuses
 from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
 from studies.model.model import Model
-from studies.model.scene_errors import slider_keys
+from studies.model.scene_errors import input_errors, slider_keys
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Wave
@@ -49,10 +49,8 @@ def resolved(slider: Slider) -> Slider:
     if block.height_scatter > 0.0 and block.seed is None:
         own["seed"] = SEED
     if block.height is not None and None in (block.youngs_modulus, block.poisson_ratio):
-        try:
+        with input_errors("slider.ball"):
             c = fem.material(slider.ball or SILICON).stiffness
-        except fem.InputError as error:
-            raise SceneError("slider.ball", error.rule) from None
         lame, shear = float(c[0, 1]), float(c[3, 3])
         modulus, ratio = shear * (3 * lame + 2 * shear) / (lame + shear), lame / (2 * (lame + shear))
         own["youngs_modulus"] = block.youngs_modulus or modulus
@@ -104,8 +102,7 @@ def _of_file(block) -> tuple[np.ndarray, ...]:
     """Return x, y, heights and diameters of the pillars in the CSV file of a block, m."""
     table = CsvColumns.read(block.file, "slider.pillars.file")
     table.refuse_uneven()
-    if len(table.rows) > MAX_PILLARS:
-        raise table.error(f"must hold at most {MAX_PILLARS} pillars, got {len(table.rows)}")
+    table.refuse_if(len(table.rows) > MAX_PILLARS, f"must hold at most {MAX_PILLARS} pillars, got {len(table.rows)}")
     x, y, height, own = (table.column(noun, LENGTHS) for noun in ("x", "y", "height", "diameter"))
     if x is None or y is None or height is None:
         raise table.error(f"must have the columns x_m, y_m, height_m, got {', '.join(table.names)}")

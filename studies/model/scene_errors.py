@@ -24,6 +24,15 @@ def as_run_errors(where: str = "") -> Iterator[None]:
 
 
 @contextmanager
+def input_errors(key: str = "") -> Iterator[None]:
+    """Turn an `InputError` of ``fem`` or ``contact`` into a `SceneError` with the same rule, about ``key`` if given."""
+    try:
+        yield
+    except (fem.InputError, contact.InputError) as error:
+        raise SceneError(key or error.key, error.rule) from None
+
+
+@contextmanager
 def stator_keys(path: str, names=(), pieces=()) -> Iterator[None]:
     """Turn an `fem.InputError` into a `SceneError` about the scene's key; otherwise as `as_run_errors`.
 

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
-from studies.refusal import SceneError, nearest
+from studies.refusal import SceneError, nearest, refuse_if, refuse_unknown
 
 MAX_BURST = 0.05  # longest burst, s
 
@@ -190,12 +190,10 @@ def controller(name: str, settings: dict[str, float]) -> Callable[[Reading], Com
         if settings:
             raise SceneError("--loop", f"{next(iter(settings))} is no number of the loop, and {name} takes none")
         return _user_controller(name)
-    if name not in CONTROLLERS:
-        raise SceneError("--controller", f"{name!r} does not exist{nearest(name, [*CONTROLLERS, 'FILE.py:FUNCTION'])}")
+    refuse_unknown(name, [*CONTROLLERS, "FILE.py:FUNCTION"], "--controller")
     known = [each.name for each in fields(CONTROLLERS[name])]
     for key in settings:
-        if key not in known:
-            raise SceneError("--loop", f"{key} is no number of the loop or of {name}{nearest(key, known)}")
+        refuse_unknown(key, known, "--loop", f"{key} is no number of the loop or of {name}")
     return CONTROLLERS[name](**{key: int(each) if key == "readings" else each for key, each in settings.items()})
 
 
@@ -203,8 +201,7 @@ def _user_controller(name: str) -> Callable[[Reading], Command]:
     """Return a user's function as a controller."""
     file, _, function = name.rpartition(":")
     path = Path(file)
-    if not path.is_file():
-        raise SceneError("--controller", f"{file!r} is no file")
+    refuse_if(not path.is_file(), "--controller", f"{file!r} is no file")
     try:
         content = runpy.run_path(file, run_name=f"sawmotor_controller_{path.stem}")
     except Exception as error:
@@ -223,9 +220,12 @@ def _user_controller(name: str) -> Callable[[Reading], Command]:
             raise SceneError("--controller", f"{name} failed at {reading.time:g} s: {reason}") from None
         level, duration = answer if isinstance(answer, tuple) else (answer, reading.period)
         are_numbers = all(isinstance(each, (int, float)) for each in (level, duration))
-        if not (are_numbers and math.isfinite(level) and duration >= 0.0):
-            rule = "must return a finite level, or a level and a duration in s"
-            raise SceneError("--controller", f"{name} {rule}, got {answer!r}")
+        rule = "must return a finite level, or a level and a duration in s"
+        refuse_if(
+            not (are_numbers and math.isfinite(level) and duration >= 0.0),
+            "--controller",
+            f"{name} {rule}, got {answer!r}",
+        )
         return Command(level=float(level), duration=min(float(duration), MAX_BURST), phase="own")
 
     return command

@@ -25,7 +25,7 @@ from studies.record.plots import finished, logarithmic, own
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
 from studies.record.values import Columns
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, refuse_if
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
@@ -180,8 +180,7 @@ def _default_axes(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     table = replaced(scene.to_table(), level, [max(scene.levels)])
     columns = sweep(table, {}, also=("limits",), tolerance=1e-2).columns()
     factors = columns.threshold_factor[0], columns.release_factor[0]
-    if None in factors:
-        raise SceneError("over", "must be used twice: this scene has no threshold or release to derive axes from")
+    refuse_if(None in factors, "over", "must be used twice: this scene has no threshold or release to derive axes from")
     low, high = (max(scene.levels) * factor for factor in factors)
     return {
         level: np.geomspace(0.4 * low, 6.0 * high, counts[0]),

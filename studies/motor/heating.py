@@ -21,7 +21,7 @@ from studies.record import Record
 from studies.record.plots import COLOURS, curve, family, finished, lines
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, refuse_if
 from studies.runs import run as run_chain
 from studies.scene import Scene
 from studies.solve import passband
@@ -59,8 +59,7 @@ def run(scene: Scene, *, times: tuple[float, ...] | None = None, tolerance: floa
         rule = "needs a conductivity" if known else "must be a length: a half-space never becomes steady"
         raise SceneError("stator.material" if known else "stator.thickness", rule)
     if warm is None:
-        if not max(cold.levels) > 0.0:
-            raise SceneError(cold.level_key, "must have a level above 0: nothing is heated")
+        refuse_if(not max(cold.levels) > 0.0, cold.level_key, "must have a level above 0: nothing is heated")
         rule = "must be given, or stator.cooling.ends_heat_stator: a lossless stator with cooled ends stays cold"
         raise SceneError("stator.mechanical_quality", rule)
     if times is None:

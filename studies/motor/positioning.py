@@ -36,7 +36,7 @@ from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
 from studies.motor.short_bursts import short_bursts, step_scatter, steps_in_words
 from studies.record.plots import COLOURS, curve, finished, symmetric_logarithmic
 from studies.record.quantities import quantity
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
@@ -167,8 +167,7 @@ def _read_target(target: str | float, scene: Scene) -> float:
     """Return the displacement of a target in m; a SceneError for one that the slider cannot be moved to."""
     displacement = toml_value(target) if isinstance(target, str) else target
     distance = Quantity("m", negative=True).read("--target", displacement)
-    if distance == 0.0:
-        raise SceneError("--target", "must not be 0: that is the position of the slider")
+    refuse_if(distance == 0.0, "--target", "must not be 0: that is the position of the slider")
     refuse_beyond(scene, distance)
     return distance
 

@@ -22,7 +22,7 @@ from studies.record.point import Point
 from studies.record.quantities import quantity
 from studies.record.text import answer, notebook_table
 from studies.record.values import Columns, Values, as_array
-from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, needed, refuse_unknown
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
 from studies.scene import Scene
@@ -232,8 +232,7 @@ class Record:
             quantity.velocity_m_per_s, quantity.relative_error,
         )  # fmt: skip
         known |= {each.column for each in usual}
-        if key not in known:
-            raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
+        refuse_unknown(key, sorted(known), key, "is no number of the points")
         return as_array(point.get(key) for point in self.points)
 
     def to_dataframe(self) -> "pd.DataFrame":

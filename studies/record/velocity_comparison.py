@@ -8,7 +8,7 @@ import numpy as np
 from fem.parameters import refuses
 from studies.lab.measurement import Measurement
 from studies.record.quantities import quantity
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 
 if TYPE_CHECKING:
     from studies.scene import Scene
@@ -79,8 +79,7 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         If there is no level with both a measured and a predicted velocity.
     """
     answered = np.array([each is not None for each in predicted])
-    if not answered.any():
-        raise SceneError(OPTION, "has nothing to be compared with: the motor has no velocity at its levels")
+    refuse_if(not answered.any(), OPTION, "has nothing to be compared with: the motor has no velocity at its levels")
     expected = np.array([each or 0.0 for each in predicted])
     velocity = np.array(measured.values)
     unsigned = bool(np.all(velocity >= 0) and np.all(expected <= 0) and np.any(expected < 0))

@@ -13,7 +13,7 @@ from studies.record import Record
 from studies.record.plots import COLOURS, PALETTE, finished, saved
 from studies.record.quantities import Quantity, quantities, quantity
 from studies.record.text import labelled, table
-from studies.refusal import SceneError, refuse_ending, writing
+from studies.refusal import refuse_ending, refuse_if, writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -136,8 +136,7 @@ class Comparison:
         SceneError
             If the runs have no slider.
         """
-        if not self.level:
-            raise SceneError("compare", "draws velocities, and these runs have no slider")
+        refuse_if(not self.level, "compare", "draws velocities, and these runs have no slider")
         if ax is None:
             from matplotlib import pyplot
 
@@ -176,13 +175,11 @@ def compare(*runs: Record | str | Path) -> Comparison:
     >>> pair.scenes
     [('slider.friction_coefficient', [0.08, 0.16])]
     """
-    if len(runs) < 2:
-        raise SceneError("compare", f"needs at least two runs, got {len(runs)}")
+    refuse_if(len(runs) < 2, "compare", f"needs at least two runs, got {len(runs)}")
     records = tuple(each if isinstance(each, Record) else Record.load(each) for each in runs)
     levels = list(dict.fromkeys(record.level if record.points else "" for record in records))
-    if len(levels) > 1:
-        kinds = " and ".join(quantity(each).head if each else "no slider" for each in levels)
-        raise SceneError("compare", f"needs runs of one kind, got runs over {kinds}")
+    kinds = " and ".join(quantity(each).head if each else "no slider" for each in levels)
+    refuse_if(len(levels) > 1, "compare", f"needs runs of one kind, got runs over {kinds}")
     return Comparison(names=_names(runs), records=records)
 
 

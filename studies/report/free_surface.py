@@ -9,13 +9,13 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
-from studies.model.scene_errors import as_run_errors
+from studies.model.scene_errors import as_run_errors, input_errors
 from studies.model.solid_of_material import named_solid
 from studies.record.plots import COLOURS, arrow, saved
 from studies.record.quantities import Quantity, quantity
 from studies.record.text import labelled, table
 from studies.record.values import Columns
-from studies.refusal import SceneError, refuse_ending, writing
+from studies.refusal import refuse_ending, writing
 from studies.results.content import plain
 from studies.scene.stator_keys import ORIENTATION
 
@@ -47,11 +47,9 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         crystal axes.
     """
     orientation = ORIENTATION.read("--orientation", orientation)
-    try:
+    with input_errors():
         solid = fem.rotated(named_solid(material)[1], orientation)
         surface = surface_named(surface)
-    except fem.InputError as error:
-        raise SceneError(error.key, error.rule) from None
     with as_run_errors():
         try:
             wave = fem.rayleigh(solid, surface)

@@ -9,7 +9,7 @@ from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.record.values import Columns
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.report.free_surface import DEPTHS
 from studies.results.content import plain
 from studies.scene.quantity import si_value
@@ -96,9 +96,8 @@ def layered_surface_wave(
         raise SceneError(key, error.rule) from None
     thicknesses = wave.stack.depth[:, 0] / (2.0 * math.pi)
     for text, each in zip(layers, thicknesses, strict=True):
-        if each > MAX_WAVELENGTHS:
-            rule = f"{text!r} is {each:.3g} wavelengths thick: it is the substrate; make it MATERIAL"
-            raise SceneError("--layer", rule)
+        rule = f"{text!r} is {each:.3g} wavelengths thick: it is the substrate; make it MATERIAL"
+        refuse_if(each > MAX_WAVELENGTHS, "--layer", rule)
     planes = {"surface": 0} | {str(above): above for above in range(1, len(stack) + 1)}
     shorted, coupling = {}, {}
     if surface in ("vacuum", "free") and wave.impedance.electric:

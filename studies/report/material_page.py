@@ -12,7 +12,7 @@ from studies.model.solid_of_material import named_solid
 from studies.record.quantities import quantity
 from studies.record.text import labelled
 from studies.record.values import Columns
-from studies.refusal import SceneError, shown, writing
+from studies.refusal import misread, writing
 from studies.results.content import plain
 
 # usual cuts by crystal class; others have Z alone
@@ -116,7 +116,7 @@ def copied(name: str, file: str) -> Path:
     with stator_keys("material"):
         text = fem.catalogue_text(name)
     if path.suffix != ".toml":
-        raise SceneError("--copy", f"must be a file whose name ends with .toml, got {shown(file)}")
+        raise misread("--copy", "a file whose name ends with .toml", file)
     with writing(file, "--copy"), path.open("x", encoding="utf-8") as opened:
         opened.write(text)
     return path

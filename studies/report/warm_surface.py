@@ -8,11 +8,10 @@ velocities that are exact to 1e-12, over steps in which the constants' third ord
 from collections.abc import Sequence
 
 import fem
-from studies.model.scene_errors import as_run_errors
+from studies.model.scene_errors import as_run_errors, input_errors
 from studies.model.solid_of_material import solid_at, thermal_table
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
-from studies.refusal import SceneError
 from studies.results.content import plain
 from studies.scene.stator_keys import MATERIAL, ORIENTATION
 
@@ -41,7 +40,7 @@ def warm_half_space(material: str, temperatures: Sequence[float], *, orientation
     orientation = ORIENTATION.read("--orientation", orientation)
     read = MATERIAL.read("material", material)
     own = thermal_table(read)
-    try:
+    with input_errors():
         surface = fem.surface_named(surface)
 
         def solid(temperature: float) -> fem.Solid:
@@ -55,8 +54,6 @@ def warm_half_space(material: str, temperatures: Sequence[float], *, orientation
 
         with as_run_errors():
             rows = [_row(each, solid(each), velocity, length) for each in temperatures]
-    except fem.InputError as error:
-        raise SceneError(error.key, error.rule) from None
     about = own["temperature"]
     answer = {
         "material": {"name": own["name"], "orientation": solid(temperatures[0]).frame, "source": own.get("source", "")},

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NoReturn, Self, get_args
 
 from fem import parameters
 from fem.parameters import Checks, Number, Parameters, rules_of
-from studies.refusal import SceneError, nearest, shown, suggestion
+from studies.refusal import SceneError, misread, nearest, suggestion
 from studies.scene.numbers import Quantity, stated_schema
 from studies.scene.rule import Count, Either, Field, Rule, as_table, choice, read_each, signs
 from studies.scene.synonyms import key_for
@@ -241,7 +241,7 @@ class Blocks(Rule):
 
     def read(self, path, value):
         if not self.takes(value):
-            raise SceneError(path, f"must be a list of blocks, written [[{path}]], got {shown(value)}")
+            raise misread(path, f"a list of blocks, written [[{path}]]", value)
         return read_each([Within(*self.kinds)] * len(value), path, value)
 
     @property

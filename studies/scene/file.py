@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
-from studies.refusal import SceneError, nearest, shown, writing
+from studies.refusal import SceneError, nearest, refuse_unknown, shown, writing
 from studies.scene.lines import key_lines, line_of
 from studies.scene.override import replaced, setting_of, walk
 from studies.scene.syntax import explained
@@ -120,8 +120,7 @@ def copied(name: str, file: Path) -> list[Path]:
         If no shipped scene has the name, if a file exists with another content, or if one cannot be written.
     """
     shipped = shipped_scenes()
-    if name not in shipped:
-        raise SceneError("--copy", f"no shipped scene is named {shown(name)}{nearest(name, shipped)}")
+    refuse_unknown(name, shipped, "--copy", f"no shipped scene is named {shown(name)}")
     text = shipped[name].read_text(encoding="utf-8")
     uri = (SHIPPED / SCHEMA).resolve().as_uri()
     text = text.replace(f"#:schema {SCHEMA}\n", f"#:schema {uri}\n", 1)

@@ -1,6 +1,6 @@
 """The rule and unit of any key of a scene by its dotted path, and the tolerances of a scene's numbers."""
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError, misread, nearest
 from studies.scene.block import Blocks, Within, keys_of
 from studies.scene.override import value_at
 from studies.scene.rule import Count, Named, Rule
@@ -82,12 +82,12 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
             if getattr(scene, key.split(".")[0]) is None:
                 raise SceneError(path, "must be the key of a level that this scene has")
             if not isinstance(text, str) or not text.rstrip().endswith("%"):
-                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(text)}")
+                raise misread(path, "a percentage, common to all levels", text)
             numbers.append(Tolerance(key, 1.0, half_width(path, text, 1.0, "")))
             continue
         value, unit = value_at(table, key), unit_of(rule)
         if isinstance(rule.number, Count) or unit is None or not isinstance(value, (int, float)):
-            raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
+            raise misread(path, "the key of a number that this scene has", value)
         size = half_width(path, text, value, unit)
         for end in (value - size, value + size):
             rule.read(f"{path}, an end of whose interval, {end:g},", end)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fem.parameters import Number
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, misread, shown
 from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.ranges import read_range
 from studies.scene.rule import Rule, choice, entries_of, read_each
@@ -201,7 +201,7 @@ class Listed(Rule):
                 and isinstance(value, str)
                 and re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", value)
             ):
-                raise SceneError(path, f"must be START:STOP:N or a list, got {shown(value)}") from None
+                raise misread(path, "START:STOP:N or a list", value) from None
             raise
 
     expected = property(lambda self: self._several(self.each.expected))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from datetime import date, time
 from typing import Any
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError, misread, refuse_repeated, refuse_unknown, shown
 
 
 def toml_value(text: str):
@@ -33,7 +33,7 @@ def setting_of(text: str) -> tuple[str, object]:
     key, value = parts_of("--set", text, form)
     keys = [part.strip() for part in key.split(".")]
     if not all(keys):
-        raise SceneError("--set", f"must be {form}, got {shown(text)}")
+        raise misread("--set", form, text)
     return ".".join(keys), toml_value(value)
 
 
@@ -67,8 +67,7 @@ def merged(holder, changes):
         return changes
     names = [each["name"] for each in holder]
     for name in changes:
-        if name not in names:
-            raise SceneError("transducer", f"has none of the name {shown(name)}{nearest(name, names)}")
+        refuse_unknown(name, names, "transducer", f"has none of the name {shown(name)}")
     return [merged(each, changes.get(each["name"], {})) for each in holder]
 
 
@@ -102,16 +101,15 @@ def parts_of(option: str, text: str, form: str) -> tuple[str, str]:
     """
     key, sign, value = (part.strip() for part in text.partition("="))
     if not sign or not key:
-        raise SceneError(option, f"must be {form}, got {shown(text)}")
+        raise misread(option, form, text)
     return key, value
 
 
 def read_axes(settings: list[str]) -> dict[str, str]:
     """Return the axes of ``--over KEY=VALUES``, values by key."""
-    axes = {}
+    axes: dict[str, str] = {}
     for setting in settings:
         key, text = parts_of("--over", setting, "KEY=START:STOP:N or KEY=LIST")
-        if key in axes:
-            raise SceneError(f"--over {key}", "is given twice")
+        refuse_repeated([*axes, key], "--over")
         axes[key] = text
     return axes

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from fem import parameters
-from studies.refusal import SceneError, all_answers, resembling, shown
+from studies.refusal import SceneError, all_answers, misread, resembling
 
 
 class Rule:
@@ -48,7 +48,7 @@ class Rule:
 
     def refusal(self, path, value) -> SceneError:
         hint = resembling(value, self.words) if isinstance(value, str) and len(self.words) > 1 else ""
-        return SceneError(path, f"must be {self.expected}, got {shown(value)}{hint}")
+        return misread(path, self.expected, value, hint)
 
     def __or__(self, other):
         return Either((*getattr(self, "rules", (self,)), *getattr(other, "rules", (other,))))
@@ -173,7 +173,7 @@ class Named(Rule):
 def as_table(path: str, value) -> dict:
     """Return a table of keys and values; a SceneError for anything else."""
     if not isinstance(value, dict):
-        raise SceneError(path, f"must be a block of keys, got {shown(value)}")
+        raise misread(path, "a block of keys", value)
     return value
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import NamedTuple
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, misread, shown
 from studies.scene.override import replaced, walk
 from studies.scene.quantity import NUMBER, si_value
 from studies.scene.ranges import is_number
@@ -47,7 +47,7 @@ class Uncertain(Rule):
                 rule = "must be a key of a scene, such as slider.preload, or method or samples"
                 raise SceneError(f"{path}.{key}", rule)
             elif isinstance(each, bool) or not isinstance(each, (int, float, str)):
-                raise SceneError(f"{path}.{key}", f'must be such as "+- 0.02" or "+- 5 %", got {shown(each)}')
+                raise misread(f"{path}.{key}", 'such as "+- 0.02" or "+- 5 %"', each)
         if not any("." in key for key, _ in pairs):
             raise SceneError(path, "must hold a tolerance, such as slider.friction_coefficient = 0.02")
         return tuple(pairs)

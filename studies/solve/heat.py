@@ -17,11 +17,11 @@ import numpy as np
 
 import fem
 from studies.model.fem_objects import relative_frequency
+from studies.model.scene_errors import input_errors
 from studies.model.solid_of_material import crystal, frequency_coefficient, knows_temperature, thermal_table
 from studies.record import Record
 from studies.record.blocks import HeatBlock
 from studies.record.waveform import modulation
-from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Drive
 from studies.scene.stator_keys import Cooling, Stator
@@ -61,14 +61,12 @@ def plate(stator: Stator, *, air: float = 1.0) -> fem.HeatedPlate | None:
         return None
     capacity, bottom = constants["heat_capacity"], None if cooling.bottom == "air" else cooling.bottom
     density = crystal(stator.material).density
-    try:
+    with input_errors("stator.cooling.air"):
         return fem.HeatedPlate(
             length=stator.length, width=stator.width, thickness=stator.thickness,
             conductivity=constants["conductivity"], volumetric_heat=None if capacity is None else density * capacity,
             film=air * cooling.air, bottom=math.inf if isinstance(bottom, str) else bottom,
         )  # fmt: skip
-    except fem.InputError as error:
-        raise SceneError("stator.cooling.air", error.rule) from None
 
 
 def powers(record: Record) -> HeatBlock:

@@ -12,7 +12,7 @@ import numpy as np
 import fem
 from studies.model.model import Model
 from studies.model.resolve import build
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 from studies.scene import Scene
 from studies.scene.ranges import read_range
 
@@ -58,8 +58,11 @@ def band_frequencies(model: Model, band: Any = None, count: int | None = None) -
     if not isinstance(band, str):
         return np.asarray(band, dtype=float)
     values = read_range("--band", band, "Hz", bare=1e6)
-    if not (0 < values[0] < values[-1] and 2 <= len(values) <= MAX_COUNT):
-        raise SceneError("--band", f"must rise from START above 0 to STOP in 2 to {MAX_COUNT} values, got {band!r}")
+    refuse_if(
+        not (0 < values[0] < values[-1] and 2 <= len(values) <= MAX_COUNT),
+        "--band",
+        f"must rise from START above 0 to STOP in 2 to {MAX_COUNT} values, got {band!r}",
+    )
     return np.array(values)
 
 

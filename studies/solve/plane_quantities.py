@@ -10,7 +10,7 @@ import contact
 from contact import plane
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
-from studies.refusal import SceneError
+from studies.refusal import refuse_outside
 from studies.scene.plane_keys import AXLE
 from studies.solve.plane_answer import PlaneMotor
 from studies.solve.plane_ripple import differs, ripple_of
@@ -21,9 +21,7 @@ OF_PLANE = ("ripple", "thrust", "torque", "pressure")  # keywords that have an a
 
 def refuse_in_plane(also: Iterable[str]) -> None:
     """Raise a SceneError for a keyword that has no answer in the plane."""
-    for word in also:
-        if word not in OF_PLANE:
-            raise SceneError("also", f"must be of {', '.join(OF_PLANE)} for a slider in the plane, got {word!r}")
+    refuse_outside(also, OF_PLANE, "also", " for a slider in the plane")
 
 
 def plane_quantities(also: Iterable[str], tolerance: float, driven: Contact, answer: PointAnswer) -> Point:

@@ -1,6 +1,6 @@
 """Quantities of a sweep point other than the velocity: amplitudes, power, thresholds, thrust, efficiency."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 import contact
-from fem.parameters import refuses
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
-from studies.refusal import SceneError
+from studies.refusal import refuse_outside
 from studies.solve.crest_pressure import contact_load
 from studies.solve.electrical import source_power
 from studies.solve.point_answer import PointAnswer
@@ -178,12 +177,9 @@ def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple
     return power_out, power_out / power_in if power_in > 0.0 else 0.0
 
 
-@refuses(SceneError)
-def refuse_of_pillars(also: Iterable[str]) -> Iterator[Any]:
+def refuse_of_pillars(also: Iterable[str]) -> None:
     """Raise a SceneError for a keyword of ``ALSO`` that has no answer for a slider on pillars."""
-    for word in also:
-        if word not in OF_PILLARS:
-            yield "also", f"must be of {', '.join(OF_PILLARS)} for a slider on pillars, got {word!r}"
+    refuse_outside(also, OF_PILLARS, "also", " for a slider on pillars")
 
 
 def start_up_time(

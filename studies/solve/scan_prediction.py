@@ -12,7 +12,7 @@ from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
 from studies.model.model import Model
 from studies.record.quantities import quantity
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.scattering import scattering_matrix
@@ -37,8 +37,11 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
     SceneError
         If the scene drives no stator, a position lies beside it, or the scan was taken at another frequency.
     """
-    if scene.stator is None or not scene.transducer:
-        raise SceneError(option, f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator")
+    refuse_if(
+        scene.stator is None or not scene.transducer,
+        option,
+        f"{scan.name!r} is a vibrometer's scan: it needs a scene with a driven stator",
+    )
     x, y = scene.positions[0]
     scan = scan.at_line(scene.frequency, option)
     complete = replace(scan, x=np.where(np.isnan(scan.x), x, scan.x), y=np.where(np.isnan(scan.y), y, scan.y))
@@ -51,9 +54,8 @@ def placed(scene: Scene, scan: Scan, option: str = "--measured") -> Scan:
             raise SceneError(option, "; ".join((f"{rule}, got {found}", *scan.remarks)))
     if complete.frequency is not None and complete.kind != "frequency":
         taken = complete.frequency[0]
-        if abs(taken / scene.frequency - 1.0) > scan.resolution:
-            rule = f"{scan.name!r} was taken at {taken:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
-            raise SceneError(option, f"{rule}: set drive.frequency")
+        rule = f"{scan.name!r} was taken at {taken:.7g} Hz, and the scene drives {scene.frequency:.7g} Hz"
+        refuse_if(abs(taken / scene.frequency - 1.0) > scan.resolution, option, f"{rule}: set drive.frequency")
     return complete.as_displacement(scene.frequency)
 
 

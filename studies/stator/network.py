@@ -21,7 +21,7 @@ from studies.model.model import Model
 from studies.record.plots import COLOURS, curve, finished, legend_below, lines, titled, upper_half
 from studies.record.quantities import quantity
 from studies.record.values import Columns
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.report.explanation import band_seconds
 from studies.scene import Scene
 from studies.solve import passband
@@ -259,19 +259,17 @@ def _circuit_panel(name: str, at, admittance, models) -> Panel:
 
 def _measured(file: Path, model: Model, reference: float, port: str | int | None) -> NetworkData:
     """Return the data of a file for the scene's transducers, with their reference, which meets the passband."""
-    if not file.is_file():
-        raise SceneError("--measured", f"must be a network analyser's file, and {str(file)!r} is none")
+    refuse_if(not file.is_file(), "--measured", f"must be a network analyser's file, and {str(file)!r} is none")
     ports = sum(each.has_two_electrodes for each in model.scene.transducer)
     data = read_network(file, "--measured")
     if port is not None:
-        if not str(port).isdigit():
-            raise SceneError("--port", f"must be a number of a port, got {port!r}")
-        if ports != 1:
-            raise SceneError("--port", f"takes one port for one transducer, and the scene has {ports}")
+        refuse_if(not str(port).isdigit(), "--port", f"must be a number of a port, got {port!r}")
+        refuse_if(ports != 1, "--port", f"takes one port for one transducer, and the scene has {ports}")
         data = data.one_port(int(port))
-    if data.ports != ports:
-        hint = ": --port N takes one of them" if ports == 1 else ""
-        raise SceneError("--measured", f"must be a file of {ports} ports, and {file.name!r} has {data.ports}{hint}")
+    hint = ": --port N takes one of them" if ports == 1 else ""
+    refuse_if(
+        data.ports != ports, "--measured", f"must be a file of {ports} ports, and {file.name!r} has {data.ports}{hint}"
+    )
     data = data.with_reference(reference)
     refuse_other_range(model, data, "--measured")
     return data

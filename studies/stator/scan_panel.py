@@ -6,7 +6,7 @@ from studies.lab.measurement_csv import read_measured
 from studies.lab.scan import Scan
 from studies.model.model import Model
 from studies.record.scan_comparison import scan_comparison
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.scene import Scene
 from studies.solve.measured_run import scan_block
 from studies.solve.scan_prediction import placed, scan_and_error
@@ -25,8 +25,11 @@ def scan_file(scene: Scene, path: str, over: str) -> Scan:
     if measured is None:
         raise SceneError("--measured", f"must be a vibrometer's scan for this study, got {path!r}")
     scan = placed(scene, measured)
-    if (scan.kind == "frequency") != (over == "frequency"):
-        raise SceneError("--measured", f"must be a scan over {over} for this study, got one over {scan.kind}")
+    refuse_if(
+        (scan.kind == "frequency") != (over == "frequency"),
+        "--measured",
+        f"must be a scan over {over} for this study, got one over {scan.kind}",
+    )
     return scan
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studies.lab.csv_columns import CsvColumns
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, misread, refuse_if, shown
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
@@ -62,10 +62,11 @@ def point_axis(source) -> Axis:
     elif hasattr(source, "columns"):
         source = {key: source[key].tolist() for key in source.columns}
     else:
-        raise SceneError("over", f"must be a dict of a key's values, a Path or a data frame, got {shown(source)}")
+        raise misread("over", "a dict of a key's values, a Path or a data frame", source)
     axes = [axis(key, values if not isinstance(values, str) else [values]) for key, values in source.items()]
-    if not axes or len({len(each) for each in axes}) != 1:
-        raise SceneError("points", "must hold a value for every key in every line")
+    refuse_if(
+        not axes or len({len(each) for each in axes}) != 1, "points", "must hold a value for every key in every line"
+    )
     return Axis(tuple(source), tuple(each.columns[0] for each in axes))
 
 
@@ -83,15 +84,17 @@ def _ranged(key, rule, text):
         raise SceneError(f"over {key}", f"takes words: give a list with commas, got {shown(text)}")
     steps = read_range(f"over {key}", text, unit)
     if isinstance(rule.number, Count):
-        if any(abs(step - round(step)) > 1e-9 for step in steps):
-            raise SceneError(f"over {key}", f"must fall on whole numbers, got {shown(text)}")
+        refuse_if(
+            any(abs(step - round(step)) > 1e-9 for step in steps),
+            f"over {key}",
+            f"must fall on whole numbers, got {shown(text)}",
+        )
         steps = [round(step) for step in steps]
     return Axis((key,), (steps,))
 
 
 def _listed(key, rule, values):
-    if not 1 <= len(values) <= MAX_COUNT:
-        raise SceneError(f"over {key}", f"must hold 1 to {MAX_COUNT} values, got {len(values)}")
+    refuse_if(not 1 <= len(values) <= MAX_COUNT, f"over {key}", f"must hold 1 to {MAX_COUNT} values, got {len(values)}")
     return Axis((key,), ([_entry(rule, value) for value in values],))
 
 
@@ -113,8 +116,7 @@ def _entry(rule, value):
 
 def _read(path: Path) -> dict[str, list]:
     table = CsvColumns.read(path, "points")
-    if len(set(table.names)) < len(table.names):
-        raise table.error("names a key twice")
+    table.refuse_if(len(set(table.names)) < len(table.names), "names a key twice")
     table.refuse_uneven()
     columns = zip(*table.rows, strict=True)
     return {key: list(map(toml_value, column)) for key, column in zip(table.names, columns, strict=True)}

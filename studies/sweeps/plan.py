@@ -17,7 +17,7 @@ import numpy as np
 
 from studies.model.changed_scenes import ChangedScenes
 from studies.model.model import POSITION_KEYS, changes_stator
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if, refuse_outside, refuse_repeated
 from studies.scene.keys import rule_at
 from studies.solve.requested_quantities import ALSO, AMPLITUDES, ELECTRICAL, FREE, motions_in_plane, refuse_of_pillars
 from studies.sweeps.axes import Axis, axis, level_key, point_axis
@@ -151,9 +151,7 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     SceneError
         For a fault of all points.
     """
-    for word in also:
-        if word not in ALSO:
-            raise SceneError("also", f"must be of {', '.join(ALSO)}, got {word!r}")
+    refuse_outside(also, ALSO, "also")
     if "pillars" in table.get("slider", {}):
         refuse_of_pillars(also)
     elif also and not {"freedom", "axis"}.isdisjoint(table.get("slider", {})):
@@ -162,16 +160,13 @@ def designed(table: dict, over, *, tolerance, also=()) -> Design:
     for part in over if isinstance(over, list) else [over or {}]:
         axes += [axis(key, values) for key, values in part.items()] if isinstance(part, dict) else [point_axis(part)]
     keys = [key for each in axes for key in each.keys]
-    for key in keys:
-        if keys.count(key) > 1:
-            raise SceneError(f"over {key}", "is given twice")
+    refuse_repeated(keys, "over")
     level = level_key(table)
     if level is not None and level not in keys:
         block, name = level.split(".")
         axes.append(axis(level, list(rule_at(level).read(level, table.get(block, {}).get(name)))))
     design = Design(question=_question(table, tuple(axes), tolerance, tuple(also)), axes=tuple(axes))
-    if len(design) > MAX_POINTS:
-        raise SceneError("over", f"must make at most {MAX_POINTS} points, got {len(design)}")
+    refuse_if(len(design) > MAX_POINTS, "over", f"must make at most {MAX_POINTS} points, got {len(design)}")
     return design
 
 

@@ -24,7 +24,7 @@ from filelock import FileLock, Timeout
 
 from studies.record.status import Status
 from studies.record.values import Columns
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, refuse_if
 from studies.results.content import provenance
 from studies.sweeps.plan import Design
 
@@ -116,9 +116,8 @@ class Store:
         for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
             stored = json.loads(text)
             names = [name for name in stored | identity if stored.get(name) != identity.get(name)]
-            if names:
-                what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
-                raise SceneError("out", f"{str(self.folder)!r} holds another sweep: {what}; name another directory")
+            what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
+            refuse_if(names, "out", f"{str(self.folder)!r} holds another sweep: {what}; name another directory")
         question = design.question
         about: dict[str, Any] = {
             "identity": identity, "scene": question.table, "keys": question.keys, "tolerance": question.tolerance,
@@ -147,10 +146,12 @@ class Store:
 def _lock(folder: Path) -> FileLock:
     """Return the acquired lock of a folder, which ends with its process at the latest."""
     try:
-        if folder.exists() and not folder.is_dir():
-            raise SceneError("out", f"{str(folder)!r} is a file; name another directory")
-        if folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists():
-            raise SceneError("out", f"{str(folder)!r} holds something that is no sweep; name another directory")
+        refuse_if(folder.exists() and not folder.is_dir(), "out", f"{str(folder)!r} is a file; name another directory")
+        refuse_if(
+            folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists(),
+            "out",
+            f"{str(folder)!r} holds something that is no sweep; name another directory",
+        )
         folder.mkdir(parents=True, exist_ok=True)
         lock = FileLock(folder / LOCK, timeout=0)
         lock.acquire()

@@ -14,7 +14,7 @@ import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 
-from studies.refusal import RunError, SceneError, shown
+from studies.refusal import RunError, SceneError, misread, refuse_if
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # a BLAS has one where these are 1
 
@@ -100,7 +100,7 @@ class OnDask(Workers):
 
     def __init__(self, address: str):
         if not re.fullmatch(r"(\w+://)?(\[[0-9a-fA-F:]+\]|[^\s/:]+):\d{1,5}", address):
-            raise SceneError("scheduler", f"must be such as tcp://127.0.0.1:8786, got {shown(address)}")
+            raise misread("scheduler", "such as tcp://127.0.0.1:8786", address)
         try:
             from distributed import Client
             from distributed.scheduler import KilledWorker
@@ -140,8 +140,11 @@ def workers(number: int | str) -> Workers:
     """Return the workers of a sweep: a number of processes, or those of the Dask scheduler at an address."""
     if isinstance(number, str):
         return OnDask(number)
-    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
-        raise SceneError("workers", f"must be a number from 1 to 1000, got {number!r}")
+    refuse_if(
+        isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000,
+        "workers",
+        f"must be a number from 1 to 1000, got {number!r}",
+    )
     return Workers() if number == 1 else Processes(number)
 
 

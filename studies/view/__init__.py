@@ -17,7 +17,7 @@ import numpy as np
 import fem
 from studies.record import Record, plots
 from studies.record.point import Point
-from studies.refusal import RunError, SceneError, writing
+from studies.refusal import RunError, SceneError, refuse_if, writing
 from studies.report.beam_map import draw_surface_map, pixels
 from studies.report.page import picture_page
 from studies.view import field_data, movie, wave_page
@@ -120,8 +120,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, note) -> dict[str,
 def _beam_writers(record: Record, wanted: Wanted) -> dict[str, Callable]:
     """Return functions that draw the beam of a run from above, by option, and the function that opens a window."""
     scene = record.scene
-    if not scene.transducer:
-        raise SceneError("--show", "beam needs a driven stator: this run has none")
+    refuse_if(not scene.transducer, "--show", "beam needs a driven stator: this run has none")
     LOGGER.info("solving the stator")
     try:
         motion = recomputed_motion(record)

@@ -23,7 +23,7 @@ from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.record.quantities import Quantity, quantity
 from studies.record.values import Columns
-from studies.refusal import SceneError
+from studies.refusal import SceneError, refuse_if
 from studies.report.page import picture_page
 from studies.solve.solved_stator import contact_of_run
 from studies.solve.surface_motion import surface_motion
@@ -94,8 +94,7 @@ def steady_history(record: Record, *, level: float | None):
     if scene.slider is None:
         raise SceneError("", "there is no contact to show: the scene of this run has no slider")
     level = max(scene.levels) if level is None else level
-    if level == 0:
-        raise SceneError("--voltage", "must be above 0: at 0 nothing moves")
+    refuse_if(level == 0, "--voltage", "must be above 0: at 0 nothing moves")
     if scene.wave is None and record.surface_motion is None:
         LOGGER.info("solving the stator")
         motion = recomputed_motion(record)

@@ -14,7 +14,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from studies.model.model import model_of
 from studies.record.surface_map import surface_map
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 from studies.view.field_quantities import MOTIONS, QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
@@ -147,9 +147,8 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
 
     ``envelope``: colour by the amplitude, for pictures in which a wavelength is only a few pixels.
     """
-    if name not in MOTIONS:
-        rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
-        raise SceneError("--quantity", f"{rule}: --show field has it in the section")
+    rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
+    refuse_if(name not in MOTIONS, "--quantity", f"{rule}: --show field has it in the section")
     paired = envelope and run.crossed is None
     x, y, motion = surface_map(run.beam, run.scene.stator, PAIRED if paired else PER_WAVELENGTH)
     moved = np.moveaxis(motion, 0, -1)

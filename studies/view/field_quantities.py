@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 
 from studies.record import quantities as table
-from studies.refusal import SceneError, nearest
+from studies.refusal import refuse_if, refuse_unknown
 
 # Colours of the marks in overlays.py that are not black, grey or white.
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")
@@ -88,8 +88,7 @@ class Shade:
 
 def quantity(name: str) -> Quantity:
     """Return a quantity by its name."""
-    if name not in QUANTITIES:
-        raise SceneError("--quantity", f"{name!r} does not exist{nearest(name, QUANTITIES)}")
+    refuse_unknown(name, QUANTITIES, "--quantity")
     return QUANTITIES[name]
 
 
@@ -105,9 +104,12 @@ def shade(run, name: str) -> Shade:
     field = run.with_energies if drawn.harmonic == 2 else run.field
     mean, amplitude = drawn.parts(field)
     outside = ~run.near_transducer(field.x)
-    if not np.any(amplitude):
-        material = run.scene.stator.orientation
-        raise SceneError("--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}")
+    material = run.scene.stator.orientation
+    refuse_if(
+        not np.any(amplitude),
+        "--quantity",
+        f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}",
+    )
     outside |= not outside.any()  # all points, if fingers cover the whole stator
     size = abs(amplitude[outside]) + (abs(mean[outside]) if drawn.harmonic == 2 else 0.0)
     return shade_of(drawn, size, free=run.free)

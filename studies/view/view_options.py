@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fem.parameters import refuses
-from studies.refusal import SceneError, refuse_ending, refuse_other, refuse_unwritable, shown
+from studies.refusal import SceneError, misread, refuse_ending, refuse_other, refuse_unwritable
 
 OFFERED = {
     "field": ("screenshot", "movie", "html", "data"),
@@ -101,7 +101,7 @@ def _read(text: str | None, option: str, read: Callable, fits: Callable, rule: s
     except ValueError:
         value = None
     if value is None or not fits(value):
-        raise SceneError(option, f"must be {rule}, got {shown(text)}")
+        raise misread(option, rule, text)
     return value
 
 

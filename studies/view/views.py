@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from studies.record.quantities import quantity
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 from studies.view import overlays
 from studies.view.run_field import RunField
 
@@ -58,13 +58,15 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
             farthest = max(abs(run.in_section(each) - focus) for each in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
-    if not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9):
-        rule = f"must lie on the stator, 0:{run.length * MM:g} mm"
-        raise SceneError("--span", f"{rule}, got {span[0] * MM:g}:{span[1] * MM:g} mm")
+    rule = f"must lie on the stator, 0:{run.length * MM:g} mm"
+    refuse_if(
+        not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9),
+        "--span",
+        f"{rule}, got {span[0] * MM:g}:{span[1] * MM:g} mm",
+    )
     min_length = MIN_SPAN * run.wavelength
-    if span[1] - span[0] < min_length:
-        rule = f"must be at least {min_length * MM:.3g} mm long, a twentieth of a wavelength"
-        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * MM:.3g} mm")
+    rule = f"must be at least {min_length * MM:.3g} mm long, a twentieth of a wavelength"
+    refuse_if(span[1] - span[0] < min_length, "--span", f"{rule}, got {(span[1] - span[0]) * MM:.3g} mm")
     return span
 
 

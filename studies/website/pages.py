@@ -9,7 +9,7 @@ from typing import Any
 
 import nbformat
 
-from studies.refusal import RunError, SceneError, nearest, needed
+from studies.refusal import RunError, needed, refuse_unknown
 from studies.scene import shipped_scenes
 from studies.website.notebook import executed, notebook_of_document, notebook_of_example, notebook_of_scene
 
@@ -38,8 +38,7 @@ def page_names() -> list[str]:
 def page_notebook(name: str) -> Any:
     """Return the notebook of a page, not executed; a `studies.refusal.SceneError` names the pages if there is none."""
     section, _, rest = name.partition("/")
-    if name not in page_names():
-        raise SceneError("", f"there is no page {name!r}{nearest(name, page_names())}")
+    refuse_unknown(name, page_names(), "", f"there is no page {name!r}")
     if name == "tutorial":
         return notebook_of_document((resources.files("studies") / "README.md").read_text(encoding="utf-8"))
     if name == "gallery":
