@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import parameter_check
-from contact.exceptions import InputError
+from contact.parameter_check import refuse_if
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,12 +31,19 @@ class Envelope:
             values = np.array(getattr(self, name), float)
             values.setflags(write=False)
             object.__setattr__(self, name, values)
-        if self.time.ndim != 1 or self.time.size < 1 or not np.all(np.diff(self.time) > 0.0):
-            raise InputError("envelope.time", "must be a rising list of at least one instant in s")
+        refuse_if(
+            self.time.ndim != 1 or self.time.size < 1 or not np.all(np.diff(self.time) > 0.0),
+            "envelope.time",
+            "must be a rising list of at least one instant in s",
+        )
         for name in ("amplitude", "phase"):
             values = getattr(self, name)
-            if values.shape != self.time.shape or not np.all(np.isfinite(values)):
-                raise InputError(f"envelope.{name}", "must be finite and as long as envelope.time", values)
+            refuse_if(
+                values.shape != self.time.shape or not np.all(np.isfinite(values)),
+                f"envelope.{name}",
+                "must be finite and as long as envelope.time",
+                values,
+            )
         parameter_check.non_negative("envelope.amplitude", float(self.amplitude.min()), "")
 
     def at(self, time: np.ndarray) -> np.ndarray:

@@ -15,6 +15,12 @@ import numpy as np
 from contact.exceptions import InputError
 
 
+def refuse_if(broken: Any, name: str, rule: str, value: object = None, unit: str = "") -> None:
+    """Raise an InputError about a parameter if a condition holds."""
+    if broken:
+        raise InputError(name, rule, value, unit)
+
+
 def positive(name: str, value: float, unit: str) -> float:
     """Return `value` as a float if it is positive and finite, else raise."""
     return _checked(name, value, unit, "positive and finite", lambda v: 0.0 < v < math.inf)

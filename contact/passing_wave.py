@@ -9,6 +9,7 @@ import numpy as np
 from contact import parameter_check
 from contact.exceptions import ConvergenceError, InputError
 from contact.orbit import Orbit, Orbits, as_orbits, drive_direction
+from contact.parameter_check import refuse_if
 from contact.slider import Slider
 
 HARMONICS = "harmonics"  # value of `loading` that includes the overtones of the wave
@@ -69,11 +70,16 @@ class PassingWave:
         object.__setattr__(self, "compliance", parameter_check.non_negative("wave.compliance", self.compliance, "1/Pa"))
         object.__setattr__(self, "orbit", 1j * self.ratio)
         if self.compliance > 0.0:
-            if self.strip_width is None:
-                raise InputError("wave.strip_width", "is required with wave.compliance: Gamma acts per width")
+            refuse_if(
+                self.strip_width is None, "wave.strip_width", "is required with wave.compliance: Gamma acts per width"
+            )
             object.__setattr__(self, "strip_width", parameter_check.positive("wave.strip_width", self.strip_width, "m"))
-        if self.loading not in (None, False, True, HARMONICS):
-            raise InputError("wave.loading", f'must be true, false or "{HARMONICS}"', self.loading)
+        refuse_if(
+            self.loading not in (None, False, True, HARMONICS),
+            "wave.loading",
+            f'must be true, false or "{HARMONICS}"',
+            self.loading,
+        )
 
     @property
     def omega(self) -> float:
@@ -108,8 +114,11 @@ class PassingWave:
     def loaded_by(self, preload: float) -> bool:
         """Return True if a slider under a preload in N acts back on the wave."""
         loading = self.loading_number(preload) > LOADED if self.loading is None else self.loading
-        if loading and self.compliance == 0.0:
-            raise InputError("wave.compliance", "(Gamma, 1/Pa) is required where the slider loads the wave")
+        refuse_if(
+            loading and self.compliance == 0.0,
+            "wave.compliance",
+            "(Gamma, 1/Pa) is required where the slider loads the wave",
+        )
         return bool(loading) and self.amplitude > 0.0
 
     @property
@@ -156,8 +165,11 @@ def coupling(slider: Slider, orbits) -> tuple[str, ...]:
 
     ``orbits``: `Orbit`, a sequence of them, or a `PassingWave`.
     """
-    if slider.freedom != "x":
-        raise InputError("slider.freedom", 'must be "x" for this question; contact.plane answers those of the plane')
+    refuse_if(
+        slider.freedom != "x",
+        "slider.freedom",
+        'must be "x" for this question; contact.plane answers those of the plane',
+    )
     why: tuple[str, ...] = ("the slider tilts",) if slider.tilt != "held" else ()
     why += ("its backing is soft",) if slider.backing == "soft" else ()
     passes = isinstance(orbits, PassingWave)
@@ -169,8 +181,7 @@ def coupling(slider: Slider, orbits) -> tuple[str, ...]:
 
 def refuse_infinite_mass(slider: Slider) -> None:
     """Raise an InputError for a slider that has no motion in time."""
-    if slider.mass == math.inf:
-        raise InputError("slider.mass", "must be finite for a motion in time", slider.mass, "kg")
+    refuse_if(slider.mass == math.inf, "slider.mass", "must be finite for a motion in time", slider.mass, "kg")
 
 
 def prescribed(slider: Slider, orbits, *, in_time: bool = False, each: bool = False) -> tuple[Slider, Orbits]:

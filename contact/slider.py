@@ -23,6 +23,7 @@ from contact.law.falling import FallingFriction
 from contact.law.protocol import Law, slip_limit
 from contact.law.table import TabulatedForce
 from contact.law.user import Contact, UserForce, UserLaw, tried, user_law
+from contact.parameter_check import refuse_if
 from contact.roots import bracketed
 from contact.rules import SliderRules
 
@@ -183,9 +184,8 @@ class Slider(SliderRules):
             self._set("friction", UserLaw.of(self.law))
             self._set("law", "elastic")
         if self.shape is None or isinstance(self.shape, DerivedName):
-            if not isinstance(self.normal_stiffness, Derived | DerivedArray | None):
-                rule = 'is required with slider.normal_stiffness, in N/m^1.5 of a "sphere" and N/m of a "punch"'
-                raise InputError("slider.shape", rule)
+            rule = 'is required with slider.normal_stiffness, in N/m^1.5 of a "sphere" and N/m of a "punch"'
+            refuse_if(not isinstance(self.normal_stiffness, Derived | DerivedArray | None), "slider.shape", rule)
             self._set("shape", DerivedName("sphere"))
         if self.mass != math.inf:
             self._set("mass", parameter_check.positive("slider.mass", self.mass, "kg"))
@@ -195,8 +195,7 @@ class Slider(SliderRules):
                 self._set(name, parameter_check.non_negative(f"slider.{name}", getattr(self, name), unit))
         for name, allowed in {"law": LAWS, "shape": normal.SHAPES, "tilt": TILTS, "backing": BACKINGS}.items():
             parameter_check.choice(f"slider.{name}", getattr(self, name), allowed)
-        if not isinstance(self.reciprocal, bool):
-            raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
+        refuse_if(not isinstance(self.reciprocal, bool), "slider.reciprocal", "must be true or false", self.reciprocal)
         self._refuse("slider")
         self._set_contacts()
         self._hold_body()
@@ -220,15 +219,18 @@ class Slider(SliderRules):
         for name, unit in ({"axis": "m"} | ({"load": "N"} if self.freedom != "x" else {})).items():
             value = getattr(self, name)
             pair = (0.0, 0.0) if np.ndim(value) == 0 and value == 0.0 else value
-            if np.shape(pair) != (2,):
-                raise InputError(f"slider.{name}", f"must be a vector of two numbers in {unit}", value)
+            refuse_if(np.shape(pair) != (2,), f"slider.{name}", f"must be a vector of two numbers in {unit}", value)
             self._set(name, tuple(parameter_check.finite(f"slider.{name}", each, unit) for each in pair))
 
     def _set_contacts(self):
         """Check the contacts' values and make them floats or arrays; derive the stiffnesses from radius and moduli."""
         placed = np.size(self.x) if np.ndim(self.x) else None
-        if np.ndim(self.heights) != 1 and placed is None:
-            raise InputError("slider.heights", "must be a list of heights in m", self.heights)
+        refuse_if(
+            np.ndim(self.heights) != 1 and placed is None,
+            "slider.heights",
+            "must be a list of heights in m",
+            self.heights,
+        )
         if isinstance(self.normal_stiffness, Derived | DerivedArray):
             self._set("normal_stiffness", None)
             self._set("tangential_stiffness", None)
@@ -256,11 +258,13 @@ class Slider(SliderRules):
 
     def refuse_other_laws(self, where: str = "") -> None:
         """Raise an InputError unless the law is Coulomb's with the elastic spring alone."""
-        if self.law != "elastic" or self.reciprocal or self.stick_band > 0.0 or self.friction is not None:
-            rule = 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
-            raise InputError("slider.law", f"{rule}{where}")
-        if self.adhesion is not None:
-            raise InputError("slider.adhesion", f"must be absent{where}")
+        rule = 'must be "elastic", not reciprocal, with Coulomb\'s friction and no stick band'
+        refuse_if(
+            self.law != "elastic" or self.reciprocal or self.stick_band > 0.0 or self.friction is not None,
+            "slider.law",
+            f"{rule}{where}",
+        )
+        refuse_if(self.adhesion is not None, "slider.adhesion", f"must be absent{where}")
 
     def _hold_body(self):
         """Raise unless the contacts can hold the body, its tilt and a preload beside their centre."""
@@ -271,8 +275,7 @@ class Slider(SliderRules):
         if self.freedom in ("xy yaw", "axle"):
             about = self.axis if self.freedom == "axle" else (np.mean(self.x), np.mean(self.y))
             arms = np.hypot(np.subtract(self.x, about[0]), np.subtract(self.y, about[1]))
-            if not np.any(arms > 0.0):
-                raise InputError("slider.axis", "needs two contacts apart: one ball has no yaw stiffness")
+            refuse_if(not np.any(arms > 0.0), "slider.axis", "needs two contacts apart: one ball has no yaw stiffness")
         if self.tilt == "held":
             return
         if self.tilt == "free" and self.freedom != "x" and _on_a_line(self.x, self.y):
@@ -280,8 +283,11 @@ class Slider(SliderRules):
             which = number.get(self.count, "balls on a line do")
             raise InputError("slider.tilt", f'must change: {which} not fix the tilt: hold it with slider.tilt = "held"')
         for name in ("x",) if self.tilt == "pitch" else ("x", "y"):
-            if np.ptp(getattr(self, name)) == 0.0:
-                raise InputError("slider.tilt", f'must be "held" where all contacts have the same {name}')
+            refuse_if(
+                np.ptp(getattr(self, name)) == 0.0,
+                "slider.tilt",
+                f'must be "held" where all contacts have the same {name}',
+            )
         self.preload_point(0.0)
 
     def _check_friction(self):
@@ -289,8 +295,7 @@ class Slider(SliderRules):
         if not isinstance(self.friction, FallingFriction | UserLaw):
             raise InputError("slider.friction", "must be a FallingFriction or a UserLaw", self.friction)
         only = f"with {self.special_friction}"
-        if not self.even:
-            raise InputError("slider.radius", f"must be equal for all contacts {only}, and the weights 1")
+        refuse_if(not self.even, "slider.radius", f"must be equal for all contacts {only}, and the weights 1")
         if self.effective_modulus is None:
             raise InputError("slider.effective_modulus", f"is required {only}")
         if isinstance(self.friction, FallingFriction):
@@ -309,11 +314,17 @@ class Slider(SliderRules):
             raise InputError(
                 "slider.normal_law", f'must begin as the shape does, "{self.shape}"', self.normal_law.shape
             )
-        if np.ptp(self.normal_stiffness) > 0.0:
-            raise InputError("slider.radius", "must be equal for all contacts with a normal law of one's own")
-        if isinstance(self.friction, FallingFriction) and self.friction.high_pressure is not None:
-            rule = "must be left out with a normal law of one's own: it takes the pressure of a smooth contact"
-            raise InputError("slider.friction.high_pressure", rule)
+        refuse_if(
+            np.ptp(self.normal_stiffness) > 0.0,
+            "slider.radius",
+            "must be equal for all contacts with a normal law of one's own",
+        )
+        rule = "must be left out with a normal law of one's own: it takes the pressure of a smooth contact"
+        refuse_if(
+            isinstance(self.friction, FallingFriction) and self.friction.high_pressure is not None,
+            "slider.friction.high_pressure",
+            rule,
+        )
 
     def _check_adhesion(self):
         """Raise unless all balls have one radius and one height."""
@@ -321,10 +332,12 @@ class Slider(SliderRules):
             raise InputError("slider.adhesion", "must be an Adhesion", self.adhesion)
         if self.radius is None:
             raise InputError("slider.radius", "is required with slider.adhesion")
-        if np.ptp(self.radius) > 0.0 or np.ptp(self.normal_stiffness) > 0.0:
-            raise InputError("slider.radius", "must be equal for all contacts with slider.adhesion")
-        if not self.level:
-            raise InputError("slider.heights", "must all be 0 with slider.adhesion, and the curvature too")
+        refuse_if(
+            np.ptp(self.radius) > 0.0 or np.ptp(self.normal_stiffness) > 0.0,
+            "slider.radius",
+            "must be equal for all contacts with slider.adhesion",
+        )
+        refuse_if(not self.level, "slider.heights", "must all be 0 with slider.adhesion, and the curvature too")
 
     @property
     def contact_shape(self) -> int:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from contact import parameter_check
-from contact.exceptions import InputError
 from contact.orbit import Orbits
+from contact.parameter_check import refuse_if
 
 BLOCK = 32  # nodes that are evaluated together
 LEAST_NODES = 8
@@ -47,8 +47,7 @@ class Track:
 
     def __post_init__(self):
         low, high = self.limits
-        if not low < 0.0 < high:
-            raise InputError("track.limits", "must lie on both sides of 0", self.limits)
+        refuse_if(not low < 0.0 < high, "track.limits", "must lie on both sides of 0", self.limits)
         parameter_check.positive("track.spacing", self.spacing, "m")
 
     def scaled(self, factor: complex) -> "Track":

@@ -14,7 +14,7 @@ from fem.mesh.mesh_piece import FLOATING, GROUNDED, MAX_UNKNOWNS, SAME, MeshPiec
 from fem.mesh.placement import Placement, is_step
 from fem.mesh.section_mesh import ELECTRODE
 from fem.mesh.shape_functions import CORNERS
-from fem.parameters import refuses
+from fem.parameters import refuse_if, refuses
 
 # Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level (fem.condense.mesh).
 LEAST_PER_QUAD = 3 * 4**2
@@ -33,28 +33,27 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     _check_names(transducers)
     beside = stator.solids[::-1][max(stator.plane - 1, 0) : stator.plane + 1]
     metal = next((each.name for each in beside if each.conducting), None)
-    if transducers and stator.layers and metal:
-        rule = f"must not touch a metal layer, which shorts the fingers: {metal} is beside them"
-        raise InputError("transducer.plane", rule, stator.plane or "surface")
+    rule = f"must not touch a metal layer, which shorts the fingers: {metal} is beside them"
+    refuse_if(transducers and stator.layers and metal, "transducer.plane", rule, stator.plane or "surface")
     for transducer in transducers:
-        if transducer.angle:
-            raise InputError(
-                "transducer",
-                f"must have the angle 0 in a section along x, got {transducer.angle:g} "
-                "rad: an answer from one section of all transducers does not exist for rotated ones",
-                owner=transducer.name,
-            )
+        refuse_if(
+            transducer.angle,
+            "transducer",
+            f"must have the angle 0 in a section along x, got {transducer.angle:g} "
+            "rad: an answer from one section of all transducers does not exist for rotated ones",
+            owner=transducer.name,
+        )
     placed = sorted(transducers, key=lambda transducer: transducer.center)
     for transducer in placed:
         _check_along(transducer.name, *transducer.extent, stator.length)
     for first, second in pairwise(placed):
-        if first.extent[1] >= second.extent[0]:
-            raise InputError(
-                "transducer.center",
-                f"must keep the fingers of {second.name!r} off those of {first.name!r}: the former begin at "
-                f"{second.extent[0] * 1e3:.6g} mm, the latter end at {first.extent[1] * 1e3:.6g} mm",
-                owner=second.name,
-            )
+        refuse_if(
+            first.extent[1] >= second.extent[0],
+            "transducer.center",
+            f"must keep the fingers of {second.name!r} off those of {first.name!r}: the former begin at "
+            f"{second.extent[0] * 1e3:.6g} mm, the latter end at {first.extent[1] * 1e3:.6g} mm",
+            owner=second.name,
+        )
     _check_pieces(stator, transducers)
 
 
@@ -70,20 +69,20 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
     for each in transducers:
         (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
         _check_along(each.name, left, right, stator.length, axis="x = ")
-        if max(-low, high) > width / 2 * (1 + 1e-12):
-            raise InputError(
-                "transducer.center",
-                f"must keep the fingers on the stator, y from -{width * 500:g} to {width * 500:g} mm, got fingers from "
-                f"y = {low * 1e3:.6g} to {high * 1e3:.6g} mm",
-                owner=each.name,
-            )
+        refuse_if(
+            max(-low, high) > width / 2 * (1 + 1e-12),
+            "transducer.center",
+            f"must keep the fingers on the stator, y from -{width * 500:g} to {width * 500:g} mm, got fingers from "
+            f"y = {low * 1e3:.6g} to {high * 1e3:.6g} mm",
+            owner=each.name,
+        )
     for one, other in combinations(transducers, 2):
-        if separation(one, other)[0] <= 0:
-            raise InputError(
-                "transducer.center",
-                f"must keep the fingers of {other.name!r} off those of {one.name!r}: they overlap on the surface",
-                owner=other.name,
-            )
+        refuse_if(
+            separation(one, other)[0] <= 0,
+            "transducer.center",
+            f"must keep the fingers of {other.name!r} off those of {one.name!r}: they overlap on the surface",
+            owner=other.name,
+        )
 
 
 def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:

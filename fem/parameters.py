@@ -52,6 +52,12 @@ class InputError(ValueError):
         return f"{key} {self.rule}"
 
 
+def refuse_if(broken: Any, key: str, rule: str, value: object = None, unit: str = "", owner: str = "") -> None:
+    """Raise an InputError about a key if a condition holds."""
+    if broken:
+        raise InputError(key, rule, value, unit, owner)
+
+
 def refuses(
     error: Callable[..., Exception],
 ) -> Callable[[Callable[Arguments, Iterator[Any]]], Callable[Arguments, None]]:

@@ -12,7 +12,6 @@ import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import InputError
-from contact.orbit import Orbit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,13 +75,6 @@ class SurfaceWaves:
         """Return the motion turned by an angle in rad, positive from x to y."""
         turn = np.array([[math.cos(angle), math.sin(angle), 0], [-math.sin(angle), math.cos(angle), 0], [0, 0, 1]])
         return replace(self, amplitudes=self.amplitudes @ turn)
-
-    @classmethod
-    def of_orbits(cls, orbits: Orbit | tuple[Orbit, ...]) -> "SurfaceWaves":
-        """Return the motion of orbits, one for each contact."""
-        listed = (orbits,) if isinstance(orbits, Orbit) else tuple(orbits)
-        rows = [[each.tangential, getattr(each, "lateral", 0.0), each.normal] for each in listed]
-        return cls(frequencies=np.array([listed[0].frequency]), amplitudes=np.array([rows]))
 
 
 class Field(Protocol):

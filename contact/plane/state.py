@@ -128,13 +128,3 @@ class PlaneState(HasAnswer):
     def slip_power(self) -> float:
         """Mean power lost by slip, W."""
         return self.powers.slip
-
-    @property
-    def law_power(self) -> float:
-        """Mean power lost by the law without potential, W."""
-        return self.powers.law
-
-    @property
-    def rpm(self) -> float:
-        """Yaw rate in revolutions per minute."""
-        return self.yaw_rate * 30.0 / np.pi

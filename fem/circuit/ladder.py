@@ -11,7 +11,7 @@ from typing import Annotated
 
 import numpy as np
 
-from fem.parameters import InputError, Number, Parameters, Words
+from fem.parameters import Number, Parameters, Words, refuse_if
 
 EQUAL = 1e-9  # relative difference of stored energies that is rounding
 
@@ -107,10 +107,8 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
     shunt_L 1.73e-06
     series_L 1.092e-06
     """
-    if not source.real > 0:
-        raise InputError("match", "needs a source with a resistance", source, "ohm")
-    if not admittance.real > 0:
-        raise InputError("match", f"needs a load that takes power, got an admittance of {admittance:g} S")
+    refuse_if(not source.real > 0, "match", "needs a source with a resistance", source, "ohm")
+    refuse_if(not admittance.real > 0, "match", f"needs a load that takes power, got an admittance of {admittance:g} S")
     omega, sections = 2 * np.pi * frequency, []
     # The input impedance of section and load must be the conjugate of the source's impedance.
     for susceptance in _imaginary_parts(admittance.real, source.real):  # shunt at the load, then series

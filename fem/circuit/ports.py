@@ -17,7 +17,7 @@ import numpy as np
 from fem.circuit.ladder import Ladder, carried
 from fem.condense.electrodes import terminated
 from fem.geometry import Transducer
-from fem.parameters import ComplexNumber, InputError, refuses
+from fem.parameters import ComplexNumber, InputError, refuse_if, refuses
 from fem.sources import SourceRules
 
 # Load and source are matched in turn; each round multiplies the error by the power gain there and back, below 1.
@@ -263,8 +263,7 @@ def matched_load(
     source = along / across
     for _ in range(MATCHING_ROUNDS):
         own = output_admittance(receiver, dict.fromkeys(drive.sources, source))
-        if not own.real > 0:
-            raise InputError("matched_load", f"needs a transducer that shows a resistance, got {own:g} S")
+        refuse_if(not own.real > 0, "matched_load", f"needs a transducer that shows a resistance, got {own:g} S")
         load = 1 / own.conjugate()
         if not source_matched:
             break

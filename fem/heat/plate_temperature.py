@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from fem.discretize.spectral import lagrange_values, line_nodes, reference_matrices
 from fem.exceptions import InputError
 from fem.heat.plate import HeatedPlate
+from fem.parameters import refuse_if
 
 ORDER = 12
 MAX_DECAY_LENGTHS = 2.0  # of one element; e^2 within an element leaves 1e-10 at order 12
@@ -132,8 +133,11 @@ class TemperatureProfile:
         Steady without a time.
         """
         positions = np.atleast_1d(np.asarray(x, dtype=float))
-        if positions.min() < 0.0 or positions.max() > self.plate.length * (1 + 1e-12):
-            raise InputError("x", f"must lie within the plate, 0 to {self.plate.length:g} m")
+        refuse_if(
+            positions.min() < 0.0 or positions.max() > self.plate.length * (1 + 1e-12),
+            "x",
+            f"must lie within the plate, 0 to {self.plate.length:g} m",
+        )
         rises = self._steady_at(positions.ravel())
         if not np.isinf(time):
             rises = rises - self._shapes(positions.ravel()) @ (self._content * np.exp(-time / self.time_constants))
@@ -174,9 +178,12 @@ def temperature_profile(plate: HeatedPlate, sources: Sequence[HeatSource]) -> Te
         For a source that does not lie within the plate, or has a density without a positive integral.
     """
     for each in sources:
-        if not 0.0 <= each.start < each.stop <= plate.length * (1 + 1e-12):
-            ends = f"{each.start:g} to {each.stop:g} m"
-            raise InputError("source", f"must lie within the plate, 0 to {plate.length:g} m, got {ends}")
+        ends = f"{each.start:g} to {each.stop:g} m"
+        refuse_if(
+            not 0.0 <= each.start < each.stop <= plate.length * (1 + 1e-12),
+            "source",
+            f"must lie within the plate, 0 to {plate.length:g} m, got {ends}",
+        )
     breakpoints = _breakpoints(plate, sources)
     loads = sum((_load(each, breakpoints) for each in sources), np.zeros((len(breakpoints) - 1, ORDER + 1)))
     return TemperatureProfile(
@@ -235,6 +242,5 @@ def _load(source: HeatSource, breakpoints: np.ndarray) -> np.ndarray:
         density = 1.0 if source.density is None else np.asarray(source.density(start + (stop - start) * local))
         load[k] = (stop - start) * (share * density) @ lagrange_values(ORDER, local)
         total += (stop - start) * float((share * density).sum())
-    if not total > 0.0:
-        raise InputError("source.density", "must have a positive integral")
+    refuse_if(not total > 0.0, "source.density", "must have a positive integral")
     return load * (source.power / total)

@@ -12,7 +12,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.parameters import InputError, Parameters, Words
+from fem.parameters import Parameters, Words, refuse_if
 
 FORMS = ("stress-charge", "strain-charge")
 ORDER = "11 22 33 23 13 12"  # of the six components of stress and strain
@@ -49,8 +49,9 @@ def in_order(table: ArrayLike, order: str) -> np.ndarray:
     [1.0, 2.0, 3.0, 23.0, 13.0, 12.0]
     """
     names = ["".join(sorted(each)) for each in order.split()]
-    if sorted(names) != sorted(ORDER.split()):
-        raise InputError("order", f'must name each of {ORDER} once, such as "{ORDERS[1]}"', order)
+    refuse_if(
+        sorted(names) != sorted(ORDER.split()), "order", f'must name each of {ORDER} once, such as "{ORDERS[1]}"', order
+    )
     picked = [names.index(each) for each in ORDER.split()]
     table = np.array(table, dtype=float)
     return table[np.ix_(picked, picked)] if len(table) == 6 else table[:, picked]
@@ -113,6 +114,5 @@ def at_constant_strain(stiffness: np.ndarray, coupling: np.ndarray, permittivity
 
 
 def _regular(key: str, table: np.ndarray) -> np.ndarray:
-    if not np.linalg.cond(table) < 1e12:
-        raise InputError(key, "must be a table that has an inverse")
+    refuse_if(not np.linalg.cond(table) < 1e12, key, "must be a table that has an inverse")
     return table

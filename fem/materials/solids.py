@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem.parameters import InputError, Number, Parameters
+from fem.parameters import InputError, Number, Parameters, refuse_if
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
 _ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
@@ -217,11 +217,13 @@ def _positive_definite(key: str, table: np.ndarray, unit: str) -> np.ndarray:
     """Symmetric part of a table that is symmetric but for rounding, and positive definite."""
     skew = np.abs(table - table.T)
     i, j = (int(k) for k in np.unravel_index(np.argmax(skew), skew.shape))
-    if skew[i, j] > _ASYMMETRY * np.abs(table).max():
-        entries = f"entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1})"
-        raise InputError(key, f"must be symmetric; {entries} are {table[i, j]:g} and {table[j, i]:g} {unit}")
+    entries = f"entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1})"
+    refuse_if(
+        skew[i, j] > _ASYMMETRY * np.abs(table).max(),
+        key,
+        f"must be symmetric; {entries} are {table[i, j]:g} and {table[j, i]:g} {unit}",
+    )
     table = (table + table.T) / 2
     smallest = float(np.linalg.eigvalsh(table)[0])
-    if not smallest > 0:
-        raise InputError(key, f"must be positive definite; its smallest eigenvalue is {smallest:.3g} {unit}")
+    refuse_if(not smallest > 0, key, f"must be positive definite; its smallest eigenvalue is {smallest:.3g} {unit}")
     return table

@@ -21,7 +21,7 @@ from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.mesh.placement import is_step
-from fem.parameters import refuses
+from fem.parameters import refuse_if, refuses
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.reduce.reduced_model import ReducedModel
 from fem.results.driven_answer import SurfaceWave, surface_wave
@@ -175,8 +175,11 @@ def frequency_band(
     ConvergenceError
         If the tolerance is not met; its ``reached`` is the band with the error that it has.
     """
-    if not 0 < lowest < highest < np.inf:
-        raise InputError("band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz")
+    refuse_if(
+        not 0 < lowest < highest < np.inf,
+        "band",
+        f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz",
+    )
     check_driven(stator, transducers, highest, tolerance)
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     _refuse_narrow_gaps(stator, transducers)
@@ -217,13 +220,13 @@ def frequency_band(
 def _refuse_narrow_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError for a transducer with less than half a gap of bare surface on one side."""
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
-        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
-            raise InputError(
-                "transducer",
-                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
-                f"{min(gaps):g} m",
-                owner=transducer.name,
-            )
+        refuse_if(
+            min(gaps) < (1 - 1e-9) * transducer.half_gap,
+            "transducer",
+            f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
+            f"{min(gaps):g} m",
+            owner=transducer.name,
+        )
 
 
 def _unreduced_attempt(problem: BandProblem, level_tolerance: float) -> tuple[Band, float]:

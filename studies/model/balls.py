@@ -1,12 +1,16 @@
 """From a scene to balls or flat punches, each with its own place; see `contacts_of`."""
 
 import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
 
 import contact
 from studies.model.contact_moduli import direction_dependence
 from studies.model.model import Model
 from studies.model.scene_errors import slider_keys
 from studies.scene import Scene
+from studies.scene.drive import Wave
 from studies.scene.friction import Friction, LawText
 from studies.scene.slider_keys import Slider
 
@@ -27,6 +31,30 @@ def slider_of(slider: Slider):
             normal_law=slider.normal_law and contact.UserForce(slider.normal_law.name, slider.normal_law.source),
             adhesion=_adhesion(slider),
         )  # fmt: skip
+
+
+def prescribed_motion(slider: Slider, wave: Wave) -> tuple:
+    """Return the orbits at the balls of a prescribed wave for a normal amplitude of 1 m."""
+    return prescribed_orbits(wave) * (slider.computed_contacts if slider.planar else 1)
+
+
+def prescribed_orbits(wave: Wave) -> tuple:
+    """Return the orbit of a prescribed wave for a normal amplitude of 1 m."""
+    return _unit_orbits(wave.frequency, wave.tangential_ratio)
+
+
+@lru_cache(1000)  # of a sweep's points many have the same
+def _unit_orbits(frequency: float, tangential_ratio: float) -> tuple:
+    return (contact.Orbit(frequency=frequency, normal=1.0, tangential=-1j * tangential_ratio),)
+
+
+def stator_motion(slider: Slider, stator, solved, motion: Callable[[], Any]) -> tuple:
+    """Return the orbits at the balls for 1 V, their misfit of 0, and the amplitudes under the slider's centre.
+
+    In the plane the amplitudes are those under the first ball: a rotor has none at its centre.
+    """
+    place = slider.contact_positions[0] if slider.planar else slider.center
+    return solved.orbits(slider.contact_positions), 0.0, solved.at[place].amplitudes
 
 
 def _adhesion(slider: Slider):

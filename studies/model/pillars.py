@@ -16,7 +16,7 @@ A prescribed [wave], whose surface points move towards +x at its crests, runs to
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -29,6 +29,7 @@ from fem.parameters import refuses
 from studies.lab.csv_columns import DISPLACEMENTS, POSITIONS, CsvColumns
 from studies.model.model import Model
 from studies.model.scene_errors import input_errors, slider_keys
+from studies.model.slider_wave import mean_amplitudes, stator_wave
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.drive import Wave
@@ -220,7 +221,17 @@ def strip_width(slider: Slider) -> float:
     return float(np.ptp(geometry.y)) + geometry.across
 
 
-def prescribed_wave(wave: Wave, slider: Slider):
+def stator_motion(slider: Slider, stator, solved, motion: Callable[[], Any]) -> tuple:
+    """Return the `contact.PassingWave` that is fitted to a stator's motion for 1 V, its misfit, and its amplitudes."""
+    x = layout(slider).x
+    passing, misfit = stator_wave(
+        stator, motion(), center=slider.center, extent=float(np.ptp(x)), width=strip_width(slider),
+        loading=slider.loading,
+    )  # fmt: skip
+    return passing, misfit, mean_amplitudes(x, passing)
+
+
+def prescribed_motion(slider: Slider, wave: Wave) -> contact.PassingWave:
     """Return the `contact.PassingWave` of a [wave] of amplitude 1 m, which runs towards -x."""
     return contact.PassingWave(
         frequency=wave.frequency, wavelength=wave.wavelength or 1.0, ratio=wave.tangential_ratio, backward=1.0,

@@ -5,34 +5,33 @@ wavelength on either side of its centre.  The motion is that of the surface mode
 strip.  The compliance Gamma and the ratio u_x/u_z are those of the half-space.
 """
 
+from typing import Any
+
 import numpy as np
 
 import contact
 import fem
-from studies.model.model import Model
-from studies.model.pillars import layout, prescribed_wave, strip_width
 from studies.refusal import SceneError
 
 FITTED = 49  # points along x of the fit
 ACROSS = 5  # Gauss points over the width of the strip
 
 
-def passing_wave(model: Model, motion):
-    """Return the `contact.PassingWave` under a slider for a level of 1, and its misfit; ``motion()``: of the stator."""
-    scene = model.scene
-    return (prescribed_wave(scene.wave, scene.slider), 0.0) if scene.wave is not None else stator_wave(model, motion())
-
-
-def stator_wave(model: Model, motion):
+def stator_wave(
+    stator: fem.Stator, motion: Any, *, center: tuple[float, float], extent: float, width: float,
+    loading: bool | str | None,
+) -> tuple[contact.PassingWave, float]:  # fmt: skip
     """Return the `contact.PassingWave` for 1 V under a slider, and the rms misfit of the fit.
 
-    ``motion`` is a `studies.solve.surface_motion.SurfaceMotion`. The misfit is relative to the larger of both waves.
+    ``motion`` is a `studies.solve.surface_motion.SurfaceMotion`; ``center`` (x, y) in m that of the slider, ``extent``
+    in m that of its contacts along x, ``width`` in m that of the strip below them; ``loading`` that of the wave.  The
+    misfit is relative to the larger of both waves.
     """
-    slider, wave, beam, stator = model.scene.slider, motion.wave, motion.beam, model.plain
+    wave, beam = motion.wave, motion.beam
     orbit = complex(fem.bound_wave(stator, motion.wave.frequency).displacement[0])
-    wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
-    reach = max(wavelength, float(np.ptp(layout(slider).x)) / 2)
-    centre, middle = slider.center
+    wavelength = wave.phase_velocity / wave.frequency
+    reach = max(wavelength, extent / 2)
+    centre, middle = center
     along = np.clip(centre + np.linspace(-reach, reach, FITTED), 0.0, wave.length)
     if beam is None and any(map(wave.covered, along)):
         rule = "must leave the pillars, and a wavelength either side of their centre, on the bare uniform stator"
@@ -53,17 +52,17 @@ def stator_wave(model: Model, motion):
     passing = contact.PassingWave(
         frequency=wave.frequency, wavelength=wavelength, ratio=orbit / 1j, forward=complex(forward),
         backward=complex(backward), compliance=fem.bound_compliance(stator, wave.frequency),
-        strip_width=width, loading=slider.loading,
+        strip_width=width, loading=loading,
     )  # fmt: skip
     return passing, misfit / passing.amplitude
 
 
-def mean_amplitudes(slider, wave) -> tuple[float, float]:
-    """Return the rms over the pillars of |u_z| and |u_x| in m of a `contact.PassingWave`, without the slider.
+def mean_amplitudes(x: np.ndarray, wave: contact.PassingWave) -> tuple[float, float]:
+    """Return the rms of |u_z| and |u_x| in m of a wave over contacts at ``x`` in m, without the slider.
 
     The amplitude at the slider's centre would depend on whether a standing wave has a node there.
     """
-    turn = np.exp(-1j * wave.wavenumber * layout(slider).x)
+    turn = np.exp(-1j * wave.wavenumber * x)
     forward, backward = wave.forward * turn, wave.backward / turn
     normal, tangential = forward + backward, wave.orbit * forward + np.conj(wave.orbit) * backward
     rms_normal, rms_tangential = np.sqrt(np.mean(np.abs([normal, tangential]) ** 2, axis=1)).tolist()

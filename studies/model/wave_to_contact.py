@@ -20,18 +20,7 @@ from studies.record import Record
 from studies.record.point import Point
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.drive import Wave
 from studies.scene.slider_keys import Slider
-
-
-def prescribed_orbits(wave: Wave) -> tuple:
-    """Return the orbit of a prescribed wave for a normal amplitude of 1 m."""
-    return _unit_orbits(wave.frequency, wave.tangential_ratio)
-
-
-@lru_cache(1000)  # of a sweep's points many have the same
-def _unit_orbits(frequency: float, tangential_ratio: float) -> tuple:
-    return (contact.Orbit(frequency=frequency, normal=1.0, tangential=-1j * tangential_ratio),)
 
 
 def scaled(orbits, level: float):
@@ -51,19 +40,6 @@ def contact_slider(slider: Slider):
         key = "freedom" if slider.axis is None else "axis"
         slider.refuse(key, "must be absent here: this answer is that of a slider that moves along x alone")
     return contacts_of(slider).slider_of(slider)
-
-
-def _surface(model: Model, orbits: Callable[[], tuple], motion: Callable[[], Any] | Any) -> tuple:
-    """Return the motion of the surface under a slider for a level of 1, and its misfit; see `Contact`.
-
-    ``orbits()`` returns it as orbits at the contacts; the waves below pillars come from the scene, or are fitted to the
-    stator's ``motion()``.
-    """
-    if not model.scene.on_pillars:
-        return orbits()
-    from studies.model.slider_wave import passing_wave  # as above
-
-    return passing_wave(model, motion)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,13 +67,12 @@ class Contact:
     @classmethod
     def prescribed(cls, model: Model, record: Record | None = None) -> Self:
         """Return the contact of a resolved scene with a prescribed wave."""
-        wave = model.scene.wave
-        orbits, _ = _surface(model, lambda: (prescribed_orbits(wave), 0.0), None)
-        surface = None
+        wave, slider, surface = model.scene.wave, model.scene.slider, None
         if model.scene.planar:
             from studies.model.plane import prescribed_surface
 
-            surface, orbits = prescribed_surface(wave), orbits * model.scene.slider.computed_contacts
+            surface = prescribed_surface(wave)
+        orbits = contacts_of(slider).prescribed_motion(slider, wave)
         return cls(model=model, orbits=orbits, amplitudes=(1.0, wave.tangential_ratio), record=record, surface=surface)
 
     @classmethod
@@ -107,17 +82,9 @@ class Contact:
         ``motion()`` returns that of the surface; it is called where the waves under a slider are fitted to it.
         """
         positions, slider = model.scene.positions, model.scene.slider
-        first = solved.at[positions[0]]
-
-        def at_contacts():
-            return (() if slider is None else solved.orbits(slider.contact_positions)), 0.0
-
-        orbits, misfit = _surface(model, at_contacts, motion)
-        amplitudes = abs(first.normal), abs(first.tangential)
-        if isinstance(orbits, contact.PassingWave):
-            from studies.model.slider_wave import mean_amplitudes  # as above
-
-            amplitudes = mean_amplitudes(slider, orbits)
+        orbits, misfit, amplitudes = (), 0.0, solved.at[positions[0]].amplitudes
+        if slider is not None:
+            orbits, misfit, amplitudes = contacts_of(slider).stator_motion(slider, model.plain, solved, motion)
         return cls(
             model=model, orbits=orbits, solved=solved, misfit=misfit, amplitudes=amplitudes,
             stator_error=max(solved.at[position].relative_error for position in positions),

@@ -1,8 +1,9 @@
 """The slider and the wave of the seed paper's simulation."""
 
 import contact
+from studies.model.balls import prescribed_orbits
 from studies.model.resolve import resolved
-from studies.model.wave_to_contact import contact_slider, prescribed_orbits, scaled
+from studies.model.wave_to_contact import contact_slider, scaled
 from studies.scene import Scene
 
 TOLERANCE = 1e-3  # relative tolerance of steady velocities

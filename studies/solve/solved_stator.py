@@ -24,6 +24,11 @@ class LocalMotion(NamedTuple):
     nearby: NearbyMotion | None = None  # about the position; None where it was not evaluated, or lies at an end
     lateral: complex = 0.0  # u_y, m per V
 
+    @property
+    def amplitudes(self) -> tuple[float, float]:
+        """|u_z| and |u_x|, m per V."""
+        return abs(self.normal), abs(self.tangential)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedStator:

@@ -13,7 +13,8 @@ import pytest
 import contact
 import fem
 from studies import Scene, sweep
-from studies.model.wave_to_contact import contact_slider, prescribed_orbits
+from studies.model.balls import prescribed_orbits
+from studies.model.wave_to_contact import contact_slider
 from studies.record.files import write_run
 from studies.solve.solved_stator import SolvedStator, contact_of_run
 from studies.solve.surface_motion import SurfaceMotion

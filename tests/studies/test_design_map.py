@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from contact import steady, threshold_factor
+from studies.model.balls import prescribed_orbits
 from studies.model.resolve import resolved
-from studies.model.wave_to_contact import contact_slider, prescribed_orbits, scaled
+from studies.model.wave_to_contact import contact_slider, scaled
 from studies.motor import design_map
 from studies.record.plots import new_figure
 from studies.refusal import SceneError

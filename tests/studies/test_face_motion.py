@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import contact
 from studies import Scene, run
-from studies.model.pillars import prescribed_wave
+from studies.model.pillars import prescribed_motion
 from studies.model.wave_to_contact import contact_slider
 from studies.solve.face_motion import face_point
 from studies.solve.solved_stator import contact_of_run
@@ -46,7 +46,7 @@ def pillars():
 def motion(record):
     """The slider and the forces of its pillars at 20 nm."""
     slider, given = contact_slider(record.scene.slider), record.scene
-    wave = prescribed_wave(given.wave, given.slider).scaled(20e-9)
+    wave = prescribed_motion(given.slider, given.wave).scaled(20e-9)
     return slider, contact.steady(slider, wave, tolerance=1e-3).loaded.forces
 
 

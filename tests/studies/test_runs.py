@@ -10,8 +10,9 @@ import pytest
 import contact
 from studies import Scene, Wave, runs
 from studies.__main__ import main
+from studies.model.balls import prescribed_orbits
 from studies.model.model import Model
-from studies.model.wave_to_contact import Contact, prescribed_orbits
+from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.record.text import answer
 from studies.refusal import RunError
