@@ -28,7 +28,8 @@ _PUBLIC = {
     "mesh.section_mesh": "MeshError read_mesh SectionMesh",
     "mesh.mesh_piece": "MeshPiece",
     "geometry": (
-        "Bond covers fingers_off_stator Layer one_electrode outer_gaps plane_rule repeated_names Stator Transducer"
+        "Bond cell_signs covers fingers_off_stator Layer one_electrode outer_gaps plane_rule repeated_names Stator "
+        "Transducer"
     ),
     "layout": "check_beside_pieces check_layout check_plan check_turned LENGTH_UNITS TURNED turned_rules",
     "analytic.wave_compliance": ("bound_compliance film_shift spring_shift travelling_compliance wave_compliance"),

@@ -6,6 +6,9 @@ two gaps make a period.  Split fingers ("++--") are four to a period.  Any other
 one sign per finger: "+" and "-" are the two electrodes, "0" is a finger that is omitted (withdrawal weighting), and "o"
 is an open strip, whose potential is such that it carries no net charge.  Fingers "o" alone are an open reflector,
 fingers "+" alone a shorted one.
+
+Two cells of single-phase unidirectional transducers (`CELLS`) have three fingers to a period, of which a wider one
+reflects; a chirp changes the local period along the transducer.  Such fingers are neither equal nor equally spaced.
 """
 
 from collections.abc import Iterable, Iterator
@@ -25,6 +28,16 @@ Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
+# Cells of unidirectional transducers: signs, and middle and width of each finger over the period at a metallisation of
+# 1/2, from the left end of the cell.  The sources are in the middle of the second finger; the reflections are in the
+# middle of the third one, 3/8 of a period to the right.
+# DART: T. Kodama, H. Kawabata, Y. Yasuhara, H. Sato, Proc. IEEE Ultrasonics Symp. 1986, 59.  EWC: C. S. Hartmann and
+# B. P. Abbott, Proc. IEEE Ultrasonics Symp. 1989, 79.
+CELLS = {
+    "DART": ("-+-", ((1 / 8, 1 / 8), (3 / 8, 1 / 8), (6 / 8, 3 / 8))),
+    "EWC": ("-+-", ((5 / 32, 1 / 8), (13 / 32, 1 / 8), (25 / 32, 1 / 4))),
+}
+MAX_CHIRP = 1.0  # the local period at one end is then three times that at the other
 # Finger edges of a mesh and of a transducer are equal if they differ by less than this fraction of the pitch.
 SAME_FINGER = 1e-3
 # Largest outer gap of a transducer, as a fraction of the bare surface up to its neighbour: both gaps together fit.
@@ -196,6 +209,12 @@ class Transducer(Parameters):
         One of "+-0o" per finger; by default "+-" (split: "++--") is repeated.
     split : bool
         True for four fingers per period instead of two.
+    cell : str
+        "plain", or one of `CELLS`: three fingers per period, of a single-phase unidirectional transducer.
+    mirrored : bool
+        True reflects the cells in x.
+    chirp : float
+        Change of the local period from the left end to the right one over ``period``, which is its mean.
     center_y : float
         y of the centre of the fingers, measured from the stator's middle line, in m.  It affects only the beam, not the
         solution of the section.
@@ -214,14 +233,22 @@ class Transducer(Parameters):
     termination: Annotated[str | complex, Words(("open", "short")) | ComplexNumber("ohm")] = "open"
     pattern: Annotated[str | None, Signs("+-0o")] = None
     split: bool = False
+    cell: Annotated[str, Words(("plain", *CELLS))] = "plain"
+    mirrored: bool = False
+    chirp: Annotated[float, Number(negative=True, least=-MAX_CHIRP, most=MAX_CHIRP)] = 0.0
     center_y: Annotated[float, Number("m", negative=True)] = 0.0
     angle: Annotated[float, Number("rad", negative=True)] = 0.0
 
     def check_pattern(self) -> Iterator[tuple[str, str]]:
         """Require a pattern of one sign for each finger, which leaves at least one."""
-        count, pattern = self.finger_pairs * (4 if self.split else 2), self.pattern
+        per_period, pattern = len(cell_signs(self.cell, self.split, self.mirrored)), self.pattern
+        count = self.finger_pairs * per_period
+        if self.split and self.cell != "plain":
+            yield "split", f"must be absent with the cell {self.cell}, whose fingers are its own"
+        if self.mirrored and self.cell == "plain":
+            yield "mirrored", f"must be absent with the cell plain: it is for {' and '.join(CELLS)}"
         if pattern is not None and len(pattern) != count:
-            each = "four" if self.split else "two"
+            each = {2: "two", 3: "three", 4: "four"}[per_period]
             rule = f"must have {count} signs, {each} for each of the {self.finger_pairs} finger_pairs"
             yield "pattern", f"{rule}, got {len(pattern)}: {shown(pattern)}"
         if pattern is not None and set(pattern) == {"0"}:
@@ -230,26 +257,43 @@ class Transducer(Parameters):
     @property
     def signs(self) -> str:
         """One of "+-0o" per finger, from left to right."""
-        return self.pattern or ("++--" if self.split else "+-") * self.finger_pairs
+        return self.pattern or cell_signs(self.cell, self.split, self.mirrored) * self.finger_pairs
+
+    @property
+    def per_period(self) -> int:
+        """Number of fingers in a period."""
+        return len(cell_signs(self.cell, self.split, self.mirrored))
+
+    @property
+    def even(self) -> bool:
+        """True if all fingers are equal and equally spaced."""
+        return self.cell == "plain" and self.chirp == 0.0
 
     @property
     def pitch(self) -> float:
-        """Distance between the centres of neighbouring fingers in m."""
-        return self.period / (4 if self.split else 2)
+        """Distance between the centres of neighbouring fingers in m; its mean unless they are `even`."""
+        return self.period / self.per_period
 
     @property
     def finger_width(self) -> float:
-        """Width of a finger in m."""
-        return self.metallisation * self.pitch
+        """Width of a finger in m; the smallest one unless they are `even`."""
+        return self.metallisation * self.pitch if self.even else float(np.ptp(self.fingers, axis=1).min())
 
     @property
     def half_gap(self) -> float:
-        """Half of the gap between two fingers in m."""
-        return (1 - self.metallisation) * self.pitch / 2
+        """Half of the gap between two fingers in m; the smallest one unless they are `even`."""
+        return (1 - self.metallisation) * self.pitch / 2 if self.even else float(self.gaps.min()) / 2
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """Gaps between neighbouring fingers in m, shape (fingers - 1,)."""
+        return self.fingers[1:, 0] - self.fingers[:-1, 1]
 
     @property
     def extent(self) -> tuple[float, float]:
         """Left edge of the first and right edge of the last finger in m; omitted fingers count too."""
+        if not self.even:
+            return float(self.fingers[0, 0]), float(self.fingers[-1, 1])
         half = len(self.signs) * self.pitch / 2 - self.half_gap
         return self.center - half, self.center + half
 
@@ -267,12 +311,46 @@ class Transducer(Parameters):
     @property
     def fingers(self) -> np.ndarray:
         """Left and right edges of all fingers in m, including the omitted ones, shape (fingers, 2)."""
+        if not self.even:
+            edges = cell_edges(self.cell, self.split, self.mirrored, self.metallisation)
+            periods = (np.arange(self.finger_pairs)[:, None, None] + edges).reshape(-1, 2)
+            return self.center + self.period * chirped(periods, self.finger_pairs, self.chirp)
         left = self.extent[0] + np.arange(len(self.signs)) * self.pitch
         return np.stack([left, left + self.finger_width], axis=1)
 
     def strips(self, sign: str) -> np.ndarray:
         """Edges of the fingers of one sign in m, shape (n, 2)."""
         return self.fingers[[each == sign for each in self.signs]]
+
+
+def cell_signs(cell: str, split: bool, mirrored: bool) -> str:
+    """Return the signs of the fingers of one period."""
+    signs = CELLS[cell][0] if cell in CELLS else "++--" if split else "+-"
+    return signs[::-1] if mirrored else signs
+
+
+def cell_edges(cell: str, split: bool, mirrored: bool, metallisation: float) -> np.ndarray:
+    """Return the left and right edges of the fingers of one period over its length, shape (fingers, 2).
+
+    In a cell of `CELLS` every edge moves with the metallisation as those of its narrow fingers, an eighth of a period
+    wide at 1/2.
+    """
+    if cell in CELLS:
+        middle, width = np.array(CELLS[cell][1]).T
+        half = width / 2 + (metallisation - 0.5) / 8
+    else:
+        count = 4 if split else 2
+        middle, half = (np.arange(count) + 0.5) / count, np.full(count, metallisation / count / 2)
+    edges = np.stack([middle - half, middle + half], axis=1)
+    return 1.0 - edges[::-1, ::-1] if mirrored else edges
+
+
+def chirped(periods: np.ndarray, count: int, chirp: float) -> np.ndarray:
+    """Return positions over the mean period, from the middle, at numbers of periods 0 to ``count`` from the left end.
+
+    The local period, over the mean one, is 1 + chirp (u / count - 1/2) at u periods.
+    """
+    return periods - count / 2 + chirp * (periods**2 / count - periods) / 2
 
 
 def plane_rule(plane: int, layers: int) -> str:

@@ -134,12 +134,17 @@ class TransducerEstimate:
         return float(self.permittivity * transducer.aperture * (potentials @ charges))
 
     def pattern(self, frequency: float | np.ndarray) -> np.ndarray:
-        """Sum over the fingers sum_f V_f rho exp(i k x_f) / eps of equation (2), per volt, x_f from the middle."""
+        """Sum over the fingers sum_f V_f rho exp(i k x_f) / eps of equation (2), per volt, x_f from the middle.
+
+        Of uneven fingers rho is that of even ones of the mean pitch.
+        """
         transducer = self.transducer
         frequency = np.asarray(frequency, dtype=float)
         potentials = np.array([COMB_POTENTIALS[sign] for sign in transducer.signs])
         phase = 2 * np.pi * frequency / self.velocity * transducer.pitch  # k p
         from_middle = np.arange(len(potentials)) - (len(potentials) - 1) / 2  # x_f / p
+        if not transducer.even:
+            from_middle = (transducer.fingers.mean(axis=1) - transducer.center) / transducer.pitch
         array_factor = np.exp(1j * np.multiply.outer(phase, from_middle)) @ potentials
         return charge_transform(phase, transducer.metallisation) * array_factor
 

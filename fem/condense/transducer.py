@@ -5,8 +5,9 @@ x -> -x is a symmetry.  Equal runs of cells are joined once.  The functions belo
 step; a subclass in `fem.condense.size` counts these steps without computing anything.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from fem.condense.moments import finger_dipole
 from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps
+
+ROUNDED = 9  # digits of a finger's width and of its gaps over the narrowest width
 
 
 @dataclass(eq=False)
@@ -71,6 +74,33 @@ class FingerShape:
         """Of a transducer's inner fingers; ``unit``: the length unit in m."""
         return cls(half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2)
 
+    @classmethod
+    def each(cls, transducer: Transducer, outer: tuple[float, float], unit: float) -> list["FingerShape"]:
+        """Of all fingers; ``outer``: bare surface at both ends, ``unit``: the length unit, m.
+
+        Lengths are rounded, so that equal fingers of different periods have equal shapes.
+        """
+        if transducer.even:
+            inner = cls.of(transducer, unit)
+            half_gap, last = inner.half_gaps[0], len(transducer.signs) - 1
+            ends = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in outer]
+            return [
+                replace(inner, half_gaps=(ends[0] if k == 0 else half_gap, ends[1] if k == last else half_gap))
+                for k in range(last + 1)
+            ]
+        gaps = np.concatenate([[2 * outer[0]], transducer.gaps, [2 * outer[1]]])  # half of each belongs to a finger
+        widths = np.ptp(transducer.fingers, axis=1)
+        digits = ROUNDED - int(np.floor(np.log10(widths.min() / unit)))
+        half_fingers, half_gaps = ((lengths / 2 / unit).round(digits).tolist() for lengths in (widths, gaps))
+        return [
+            cls(half_finger=half, half_gaps=both) for half, both in zip(half_fingers, pairwise(half_gaps), strict=True)
+        ]
+
+    @property
+    def width(self) -> float:
+        """Width of the cell."""
+        return self.half_gaps[0] + 2 * self.half_finger + self.half_gaps[1]
+
     @property
     def even(self) -> bool:
         """True if both gaps are equal."""
@@ -112,34 +142,33 @@ def finger_cell(make: Condensation, shape: FingerShape, resolution: Resolution) 
 def joined_fingers(
     make: Condensation,
     signs: str,
-    gaps: Callable[[int], tuple[float, float]],
-    cell: Callable[[float, float], FingerColumns],
-    bare: Callable[[float, float], FingerColumns],
+    shapes: Sequence[FingerShape],
+    cell: Callable[[FingerShape], FingerColumns],
+    bare: Callable[[FingerShape], FingerColumns],
 ) -> FingerColumns:
     """Join the cells of fingers, of signs "+", "-", "0" (omitted) or "o" (open); equal runs are joined once.
 
-    ``gaps`` returns the bare surface left and right of a finger by its number.  ``cell`` and ``bare`` return, for both
-    gaps, the superelement of a finger on electrode 0, or of bare surface of the same width.
+    ``shapes``: of each finger.  ``cell`` and ``bare`` return the superelement of a finger of a shape on electrode 0, or
+    of bare surface of the same width.
     """
     singles: dict[tuple, FingerColumns] = {}
 
-    def single(sign: str, left: float, right: float) -> FingerColumns:
-        if (sign, left, right) not in singles:
+    def single(sign: str, shape: FingerShape) -> FingerColumns:
+        if (sign, shape) not in singles:
             kinds = {
                 "+": cell,
-                "-": lambda *gap: make.exchanged(cell(*gap)),
+                "-": lambda shape: make.exchanged(cell(shape)),
                 "0": bare,
-                "o": lambda *gap: make.open_circuited(cell(*gap)),
+                "o": lambda shape: make.open_circuited(cell(shape)),
             }
-            singles[sign, left, right] = kinds[sign](left, right)
-        return singles[sign, left, right]
+            singles[sign, shape] = kinds[sign](shape)
+        return singles[sign, shape]
 
-    fingers = [(sign, *gaps(number)) for number, sign in enumerate(signs)]
-    return _joined_run(make, single, {}, fingers)
+    return _joined_run(make, single, {}, list(zip(signs, shapes, strict=True)))
 
 
 def _joined_run(make: Condensation, single: Callable, runs: dict, fingers: list) -> FingerColumns:
-    """Join fingers, each its sign and gaps; ``runs``: what is joined already.
+    """Join fingers, each its sign and shape; ``runs``: what is joined already.
 
     A function within `joined_fingers` that called itself would keep all superelements until the next search for cyclic
     garbage.
@@ -197,7 +226,8 @@ def transducer_superelements(
     made: dict[tuple, FingerColumns] = {}
     pieces = []
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
-        key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
+        own = (transducer.cell, transducer.mirrored, transducer.chirp)
+        key = (transducer.signs, transducer.pitch, transducer.metallisation, *own, gaps)
         if key not in made:
             made[key] = _transducer_superelement(make, transducer, gaps, resolution)
         pieces.append(made[key])
@@ -206,26 +236,17 @@ def transducer_superelements(
 
 def _transducer_superelement(make: Condensation, transducer: Transducer, gaps, resolution: Resolution) -> FingerColumns:
     """Piece of one transducer between its outer gaps, m."""
-    unit = make.section.length_unit
-    inner = FingerShape.of(transducer, unit)
-    half_gap = inner.half_gaps[0]
-    made: dict[tuple, FingerColumns] = {}
+    made: dict[FingerShape, FingerColumns] = {}
 
-    def cell(left: float, right: float) -> FingerColumns:
-        if (left, right) not in made:
-            made[left, right] = finger_cell(make, replace(inner, half_gaps=(left, right)), resolution)
-        return made[left, right]
+    def cell(shape: FingerShape) -> FingerColumns:
+        if shape not in made:
+            made[shape] = finger_cell(make, shape, resolution)
+        return made[shape]
 
-    def bare(left: float, right: float) -> FingerColumns:
-        widths = graded(left + transducer.finger_width / unit + right, 0, largest=resolution.element_size)
+    def bare(shape: FingerShape) -> FingerColumns:
+        widths = graded(shape.width, 0, largest=resolution.element_size)
         return repeated(make.column(widths[0], None), len(widths), make.joined)
 
-    outer = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in gaps]
-    last = len(transducer.signs) - 1
     return joined_fingers(
-        make,
-        transducer.signs,
-        lambda number: (outer[0] if number == 0 else half_gap, outer[1] if number == last else half_gap),
-        cell,
-        bare,
+        make, transducer.signs, FingerShape.each(transducer, gaps, make.section.length_unit), cell, bare
     )

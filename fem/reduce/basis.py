@@ -117,15 +117,13 @@ def even_transducers(
 ) -> list[FingerColumns]:
     """`FingerColumns` of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
 
-    def no_bare_cell(*gaps):
+    def no_bare_cell(shape):
         raise ValueError("a band of frequencies takes transducers without left-out fingers")
 
     shapes = [FingerShape.of(each, make.section.length_unit) for each in transducers]
     cells = {shape: cell(shape) for shape in dict.fromkeys(shapes)}
     superelements = {
-        (shape, signs): joined_fingers(
-            make, signs, lambda number: (0.0, 0.0), lambda *gaps, shape=shape: cells[shape], no_bare_cell
-        )
+        (shape, signs): joined_fingers(make, signs, [shape] * len(signs), cells.__getitem__, no_bare_cell)
         for shape, signs in dict.fromkeys((shape, each.signs) for shape, each in zip(shapes, transducers, strict=True))
     }
     return [superelements[shape, each.signs] for shape, each in zip(shapes, transducers, strict=True)]

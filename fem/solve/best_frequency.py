@@ -34,6 +34,7 @@ from fem.waveguide.port_fields import PortFields, joined_cascade, stator_cascade
 MANY_PAIRS = 25  # finger pairs from which the finer level is used
 SCAN, STEP = 2.0, 0.2  # half-width of the scan and its step, over the relative width 1/N of the passband
 MIN_SCAN = 0.25  # lower limit of the scan over the first guess, for few fingers
+CELL_REACH = 0.4  # of the scan of a cell of three fingers: its second harmonic is as strong as the first one
 RIVAL = 0.9  # a second local maximum of the scan is refined too if it exceeds this share of the highest
 ACCURACY = 1e-4  # of the position of the maximum, over the width of the passband: the power is flat there
 MAX_GUESS_RANGE = 0.45  # relative range in which the first guess is sought, for few fingers
@@ -145,9 +146,11 @@ def _guess(stator: Stator, transducer: Transducer, frequency: float | None = Non
     solid, surface = stator.solid, stator.bare_surface
     velocity = automatic_period(solid, 1.0, transducer.metallisation)
     half_range = min(1 / transducer.finger_pairs, MAX_GUESS_RANGE)
+    if transducer.cell != "plain":
+        half_range = min(half_range, CELL_REACH)
     products = velocity * np.linspace(1 - half_range, 1 + half_range, GRID)
     of_unit_period = replace(transducer, period=1.0)
-    if transducer.pattern is None and not transducer.split:
+    if transducer.pattern is None and not transducer.split and transducer.even:
         power = relative_amplitude(solid, of_unit_period, products, surface=surface)
     else:
         power = transducer_estimate(solid, of_unit_period, surface).conductance(products)
@@ -160,8 +163,10 @@ def _maximise(power_at: Callable[[float, Resolution], float], guess: float, tran
 
     pairs = transducer.finger_pairs
     level = LEVELS[int(pairs >= MANY_PAIRS)]
-    count = 2 * round(SCAN / STEP) + 1
-    scan = guess * np.linspace(max(1 - SCAN / pairs, MIN_SCAN), 1 + SCAN / pairs, count)
+    count, reach = 2 * round(SCAN / STEP) + 1, SCAN / pairs
+    if transducer.cell != "plain":
+        reach = min(reach, CELL_REACH)
+    scan = guess * np.linspace(max(1 - reach, MIN_SCAN), 1 + reach, count)
     power = np.array([power_at(float(value), LEVELS[0]) for value in scan])
     padded = np.concatenate([[-np.inf], power, [-np.inf]])
     peaks = np.flatnonzero((power >= padded[:-2]) & (power >= padded[2:]) & (power >= RIVAL * power.max()))

@@ -114,7 +114,7 @@ def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
     return Mask(
         title=resolved.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
         transducers=tuple(block.name for block in resolved.transducer), length=length, width=width, shift=max(shifts),
-        left_out=_left_out(model.stator), **_finger_errors(resolved.transducer, polygons),
+        left_out=_left_out(model.stator), **_finger_errors(resolved.transducer, exact, polygons),
     )  # fmt: skip
 
 
@@ -133,13 +133,12 @@ def _left_out(stator: fem.Stator) -> str:
 
 def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) -> Iterator[Polygon]:
     """Yield the polygons of a transducer before snapping."""
-    pitch, finger = _pitch_and_finger(block)
+    edges, signs = block.finger_edges, block.signs
     half_aperture = block.aperture / 2
-    gap = pitch - finger if sizes.end_gap is None else sizes.end_gap
+    narrowest = (edges[1:, 0] - edges[:-1, 1]).min()
+    gap = float(narrowest) if sizes.end_gap is None else sizes.end_gap
     busbar = block.wavelength if sizes.busbar is None else sizes.busbar
-    signs = block.pattern or ("++--" if block.split else "+-") * block.finger_pairs
-    first = -len(signs) * pitch / 2 + (pitch - finger) / 2
-    last = first + (len(signs) - 1) * pitch + finger
+    first, last = float(edges[0, 0]), float(edges[-1, 1])
 
     along, across = _axes(block)
 
@@ -148,13 +147,12 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
         corners = np.array(block.center_xy) + box @ np.array([along, across])
         return Polygon(layer=layer, transducer=block.name, comb=comb, corners=corners)
 
-    for k, sign in enumerate(signs):
-        left = first + k * pitch
+    for (left, right), sign in zip(edges.tolist(), signs, strict=True):
         # overlap with the busbar, so that rounding cannot separate finger and busbar
         extension = gap + busbar / 2
         low, high = half_aperture + extension * (sign == "-"), half_aperture + extension * (sign == "+")
         if sign != "0":
-            yield polygon("fingers", sign, left, left + finger, -low, high)
+            yield polygon("fingers", sign, left, right, -low, high)
     for sign, side_sign in (("+", 1.0), ("-", -1.0)):
         if sign not in signs:
             continue
@@ -175,12 +173,6 @@ def _axes(block: Transducer) -> tuple[np.ndarray, np.ndarray]:
     angle = radians(block.angle % 360)
     c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))
     return np.array([c, s]), np.array([-s, c])
-
-
-def _pitch_and_finger(block: Transducer) -> tuple[float, float]:
-    """Return the distance of neighbouring fingers and the width of one, m."""
-    pitch = block.wavelength / (4 if block.split else 2)
-    return pitch, block.metallisation * pitch
 
 
 def _pad_room(block: Transducer, side_sign: float, outer: float, length: float, width: float) -> float:
@@ -273,17 +265,20 @@ def apart(one: np.ndarray, other: np.ndarray) -> bool:
     return False
 
 
-def _finger_errors(blocks, polygons) -> dict[str, float]:
-    """Return the largest error of a finger width and the smallest gap after snapping, m."""
+def _finger_errors(blocks, exact, polygons) -> dict[str, float]:
+    """Return the largest error of a finger width and the smallest gap after snapping, m.
+
+    ``exact``: the polygons before snapping, in the same order.
+    """
     worst, smallest = 0.0, np.inf
     for block in blocks:
-        along, (_, width) = _axes(block)[0], _pitch_and_finger(block)
-        edges = sorted(
-            (float((each.corners @ along).min()), float((each.corners @ along).max()))
-            for each in polygons
-            if each.transducer == block.name and each.layer == "fingers"
-        )
-        worst = max(worst, max(abs(right - left - width) for left, right in edges))
-        gaps = [after[0] - before[1] for before, after in pairwise(edges)]
-        smallest = min([smallest, *gaps])
-    return {"width_error": worst, "gap": float(smallest)}
+        along = _axes(block)[0]
+        of_block = [
+            tuple((float((each.corners @ along).min()), float((each.corners @ along).max())) for each in pair)
+            for pair in zip(exact, polygons, strict=False)
+            if pair[0].transducer == block.name and pair[0].layer == "fingers"
+        ]
+        worst = max(worst, max(abs(np.ptp(snapped) - np.ptp(drawn)) for drawn, snapped in of_block))
+        edges = sorted({snapped for _, snapped in of_block})
+        smallest = min([smallest, *(after[0] - before[1] for before, after in pairwise(edges))])
+    return {"width_error": float(worst), "gap": float(smallest)}

@@ -156,7 +156,7 @@ def drive(block: Drive):
     return fem.Drive(sources=block.driven, impedance=block.source_impedance, match=tuple(ladder))
 
 
-def section_reason(block: Stator, whole, positions) -> str:
+def section_reason(block: Stator, whole, positions, even: bool = True) -> str:
     """Return why the plane section is used instead of the finite aperture; empty where the beam is to be computed.
 
     Between reflecting ends the beam takes several times as long as the section.  It is then computed by default only
@@ -169,12 +169,14 @@ def section_reason(block: Stator, whole, positions) -> str:
         Of this block, with its meshed pieces.
     positions : sequence of (float, float) or None
         Of the contacts, m; None without a slider.
+    even : bool
+        Whether the fingers of each transducer are equal and equally spaced.
     """
     if block.diffraction is not None:
         return "" if block.diffraction else "stator.diffraction is false"
     if positions is None:
         return "stator.diffraction is absent, and the scene has no slider"
-    refusal = fem.beam_refusal(whole)
+    refusal = fem.beam_refusal(whole, even=even)
     if refusal or whole.ends == "absorbing" or any(y for _, y in positions):
         return refusal
     return (

@@ -134,7 +134,8 @@ class Model:
 
     def spreads(self, positions: tuple | None) -> bool:
         """Return True if finite apertures are computed for contacts at ``positions`` (x, y), m; None without slider."""
-        return not fem_objects.section_reason(self.scene.stator, self.plain, positions)
+        even = all(each.even for each in self.scene.transducer)
+        return not fem_objects.section_reason(self.scene.stator, self.plain, positions, even)
 
     @property
     def alone(self) -> "Model":

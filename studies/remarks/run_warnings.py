@@ -129,7 +129,7 @@ def _off_resonance(record: Record) -> Iterator[str]:
     own = dict(drive.source_frequencies or ())
     if stator.layers:
         return  # the coupled modes are those of one solid
-    plain = (each for each in driven if each.pattern is None and not each.split)
+    plain = (each for each in driven if each.pattern is None and not each.split and each.even)
     designs = {(each.wavelength, each.finger_pairs, each.metallisation): each for each in plain}
     for each in designs.values():
         half_band, present = 2 / max(each.finger_pairs, 4), own.get(each.name, scene.frequency)
@@ -155,7 +155,8 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
         if each.effect == "finite aperture" and abs(each.size) > DECIDES:
-            refused = fem.beam_refusal(model_of(record.scene).stator)
+            even = all(each.even for each in record.scene.transducer)
+            refused = fem.beam_refusal(model_of(record.scene).stator, even=even)
             size = f"{100 * each.size:+.0f} % of u_z"
             remedy = refused or "stator.diffraction = true includes it"
             yield f"the plane section neglects that the aperture is finite, about {size}: {remedy}"

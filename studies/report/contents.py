@@ -23,7 +23,9 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         driven = f"not driven ({each.termination})" if amplitude is None else "driven"
         if amplitude not in (None, 1):
             driven += f" by {abs(amplitude):g} at {math.degrees(cmath.phase(amplitude)):g} deg"
-        kind = each.pattern or ("split fingers" if each.split else "plain")
+        kind = each.pattern or ("split fingers" if each.split else each.cell)
+        kind += " mirrored" if each.mirrored else ""
+        kind += f", chirp {each.chirp:g}" if each.chirp else ""
         pairs = f"{each.finger_pairs} pairs, {kind}, period {each.wavelength * 1e3:.6g} mm"
         yield "transducer", [f"{each.name}: {pairs}, {driven}"]
     for piece in scene.piece:

@@ -210,7 +210,8 @@ def _driven(model: Model, tolerance: float) -> tuple[list[dict], dict, float, fl
     parts = [{"name": "stator", "facts": facts, "levels": [_level_sizes(sizes[k]) for k in resolutions]}]
     operations = sections * sum(_operations(sizes[k]) for k in resolutions)
     block_bytes = sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:])
-    reason = section_reason(scene.stator, stator, None if slider is None else slider.contact_positions)
+    positions = None if slider is None else slider.contact_positions
+    reason = section_reason(scene.stator, stator, positions, all(each.even for each in scene.transducer))
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})

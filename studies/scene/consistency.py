@@ -121,6 +121,21 @@ def check_transducers(scene) -> Refused:
             yield f"{at}.center", rule
 
 
+def check_uneven(scene) -> Refused:
+    """Refuse uneven fingers where a beam is needed, which is not computed for them."""
+    for index, each in enumerate(scene.transducer if scene.stator is not None else ()):
+        if each.even:
+            continue
+        key = "cell" if each.cell != "plain" else "chirp"
+        if scene.crossed:
+            yield f"transducer.{index}.{key}", f"must be absent {fem.TURNED}: uneven fingers have no beam"
+        elif scene.stator.diffraction:
+            yield (
+                f"transducer.{index}.{key}",
+                "must be absent with stator.diffraction = true: uneven fingers have no beam",
+            )
+
+
 def check_turned(scene) -> Refused:
     """Refuse rotated or off-axis transducers where their beams cannot be computed."""
     if scene.stator is None or not scene.crossed:
@@ -227,6 +242,7 @@ CHECKS = (
     check_transducers,
     check_electrodes,
     check_turned,
+    check_uneven,
     check_direction,
     check_slider,
     check_pieces,

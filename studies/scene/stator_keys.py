@@ -542,7 +542,7 @@ class Transducer(Block):
         "Position of the middle of the fingers: x from the left end of the stator, or [x, y] with y from its middle"
         " line.",
     ]
-    finger_pairs: Annotated[int, FIELD, "Number of periods; 10 are 20 fingers, or 40 if split."]
+    finger_pairs: Annotated[int, FIELD, "Number of periods; 10 are 20 fingers, 40 if split, or 30 in cells of three."]
     period: Annotated[
         float | str,
         FIELD | choice("auto", "half-space"),
@@ -572,6 +572,19 @@ class Transducer(Block):
         "Where the fingers are: on the surface, or below so many layers of the stator, at an interface.",
     ] = "surface"
     split: Annotated[bool, FLAG, "true: four fingers in each period, + + - -, instead of two."] = False
+    cell: Annotated[
+        str,
+        FIELD,
+        "plain: two fingers in each period, or four if split. DART, EWC: three, - + -, the last one wider, of a "
+        "single-phase unidirectional transducer. The electrodes' masses, which decide its directivity, are left out.",
+    ] = "plain"
+    mirrored: Annotated[bool, FLAG, "true: each cell DART or EWC is reflected in x, for the other direction."] = False
+    chirp: Annotated[
+        float,
+        FIELD,
+        "Change of the local period from the left end of the transducer to the right one, over period, its mean; "
+        "0.1: from 0.95 to 1.05 of it.",
+    ] = 0.0
     angle: Annotated[
         float,
         Quantity("deg", negative=True),
@@ -604,22 +617,36 @@ class Transducer(Block):
     @property
     def fingers(self) -> int:
         """Number of fingers, those left out included."""
-        return self.finger_pairs * (4 if self.split else 2)
+        return self.finger_pairs * len(fem.cell_signs(self.cell, self.split, self.mirrored))
+
+    @property
+    def signs(self) -> str:
+        """The sign of each finger, from left to right."""
+        return self.pattern or fem.cell_signs(self.cell, self.split, self.mirrored) * self.finger_pairs
+
+    @property
+    def even(self) -> bool:
+        """Whether all fingers are equal and equally spaced."""
+        return self.cell == "plain" and self.chirp == 0.0
+
+    @property
+    def finger_edges(self) -> Any:
+        """Left and right edges of all fingers from the middle of the transducer, m, shape (fingers, 2)."""
+        own = {"name": self.name, "center": 0.0, "period": self.wavelength}
+        return fem.Transducer(**self.arguments(fem.Transducer) | own | {"angle": 0.0, "center_y": 0.0}).fingers
 
     @property
     def gap(self) -> float | None:
         """Smallest free surface between fingers of both electrodes, without open strips, m; None if it has only one."""
-        signs = self.pattern or ("++--" if self.split else "+-") * self.finger_pairs
-        pitch = self.finger_pairs * self.wavelength / self.fingers
-        gap, last, last_at, metal = None, "", 0, 0.0
-        for at, sign in enumerate(signs):
+        gap, last, last_at, metal = None, "", 0.0, 0.0
+        for (left, right), sign in zip(self.finger_edges.tolist(), self.signs, strict=True):
             if sign == "o":
-                metal += self.metallisation * pitch
+                metal += right - left
             elif sign in "+-":
                 if last not in ("", sign):
-                    free = (at - last_at - self.metallisation) * pitch - metal
+                    free = left - last_at - metal
                     gap = free if gap is None else min(gap, free)
-                last, last_at, metal = sign, at, 0.0
+                last, last_at, metal = sign, right, 0.0
         return gap
 
     @property

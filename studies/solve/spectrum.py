@@ -1,7 +1,7 @@
 """A driven scene at many frequencies: interpolated over bands where its transducers allow it, else solved one by one.
 
 `fem.frequency_band` interpolates over a band of limited width; a wider range is divided into several bands.  It cannot
-be used if fingers are left out, if a neighbour or an end is nearer than half a gap, or for a position under a
+be used if fingers are left out or uneven, if a neighbour or an end is nearer than half a gap, or for a position under a
 transducer.  Every frequency is then solved alone, which is slower and gives the same numbers.
 """
 
@@ -148,6 +148,6 @@ def _takes_bands(block, transducers, positions) -> bool:
     for each, gaps in zip(ordered, fem.outer_gaps(block, ordered), strict=True):
         left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]
         narrow = any(gap < each.half_gap * (1 - 1e-9) for gap in gaps)
-        if "0" in each.signs or narrow or any(left <= position <= right for position in positions):
+        if not each.even or "0" in each.signs or narrow or any(left <= position <= right for position in positions):
             return False
     return True

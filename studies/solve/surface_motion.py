@@ -164,7 +164,9 @@ def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> Su
     section; None: the finite aperture under a slider, unless `fem_objects.section_reason` states a reason against it or
     the error that it adds to the section's is larger than what it changes.
     """
-    reason = section_reason(block, wave.solution.fields.stator, positions if slider else None)
+    fields = wave.solution.fields
+    even = all(each.even for each in fields.transducers)
+    reason = section_reason(block, fields.stator, positions if slider else None, even)
     if reason:
         return SurfaceMotion(wave=wave, reason=reason)
     spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))

@@ -44,6 +44,10 @@ def run(scene: Scene, *, count: int = 61, tolerance: float = 1e-2) -> Answered:
     """
     model = passband.driven_model(scene)
     resolved, driven = model.scene, model.scene.driven_transducer
+    if driven.cell != "plain":
+        resolved.refuse(
+            "transducer", f"{driven.name!r} must have the cell plain, got {driven.cell}: a grating of equal fingers"
+        )
     solid, above, m = model.solid, resolved.stator.above, driven.metallisation
     period = driven.wavelength / (2 if driven.split else 1)  # of two fingers and two gaps
     LOGGER.info(f"gratings of {solid.name}")

@@ -50,7 +50,7 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     pieces: list[fem.Reflector] = []
     for f in at:
         LOGGER.info(f"P-matrices at {f / 1e6:.5g} MHz")
-        kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
+        kinds = [(f, replace(each, name="", center=0.0, termination="open")) for each in row]
         with as_run_errors(f"at {f / 1e6:.6g} MHz"):
             for kind, each in zip(kinds, row, strict=True):
                 if kind not in by_kind:

@@ -3,7 +3,7 @@
 import math
 from functools import cache
 from importlib.resources import files
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -136,6 +136,29 @@ def test_patterns_split_fingers_and_open_strips_are_drawn():
     }
     assert widths["left"] == pytest.approx(0.2e-3)
     assert widths["split"] == pytest.approx(0.125e-3)
+
+
+def test_chirped_transducers_and_cells_of_three_are_drawn():
+    """The drawn edges, and the errors of the grid, of fingers of different widths."""
+    own = {"center": "15 mm", "finger_pairs": 4, "period": "1 mm", "metallisation": 0.5, "aperture": "20 mm"}
+    scene = Scene.load("twente-left").replace(
+        transducer=[own | {"name": "left", "cell": "DART"}, own | {"name": "b", "center": "60 mm", "chirp": 0.4}]
+    )
+    made = mask(scene, Sizes(grid=1e-6))
+    fingers = [each for each in made.polygons if each.layer == "fingers"]
+    dart, chirped = ([each for each in fingers if each.transducer == name] for name in ("left", "b"))
+    assert "".join(each.comb for each in dart) == "-+-" * 4
+    np.testing.assert_allclose([np.ptp(each.corners[:, 0]) for each in dart[:3]], [125e-6, 125e-6, 375e-6], atol=1.1e-6)
+    x = np.array([each.corners[:, 0].mean() for each in chirped])
+    np.testing.assert_allclose(np.diff(x)[[0, -1]], [0.5e-3 * 0.85, 0.5e-3 * 1.15], rtol=0.01)
+    np.testing.assert_allclose(np.diff(np.diff(x)), np.mean(np.diff(np.diff(x))), atol=3e-6)  # linear but for the grid
+    assert 0 < made.width_error <= 1.01e-6
+    edges = sorted((each.corners[:, 0].min(), each.corners[:, 0].max()) for each in dart)
+    assert made.gap == pytest.approx(min(b[0] - a[1] for a, b in pairwise(edges)), abs=1e-12)
+    busbars = [each.corners for each in made.polygons if each.layer == "busbars" and each.transducer == "b"]
+    assert {round(float(each[:, 0].min()), 9) for each in busbars} == {
+        round(float(x[0] - np.ptp(chirped[0].corners[:, 0]) / 2), 9)
+    }
 
 
 def test_dxf_has_named_layers_and_the_same_polygons(tmp_path):

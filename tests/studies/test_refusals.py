@@ -118,6 +118,13 @@ transducer.0.pattern='' | transducer.0.pattern must be a text
 transducer.1.finger_pairs=2; transducer.1.pattern=0000 | transducer.1.pattern must leave at least one finger
 transducer.0.finger_pairs=2; transducer.0.pattern=+0+o | transducer.0.pattern must have + and - ... driven
 transducer.0.split=1 | transducer.0.split must be true or false
+transducer.0.cell=dart | transducer.0.cell must be "plain" or "DART" or "EWC" ... did you mean DART?
+transducer.0.cell=DART; transducer.0.split=true | transducer.0.split must be absent with the cell DART
+transducer.0.mirrored=true | transducer.0.mirrored must be absent with the cell plain
+transducer.0.cell=EWC; transducer.0.pattern=+-+ | transducer.0.pattern must have 30 signs, three for each
+transducer.0.chirp=1.2 | transducer.0.chirp must be between -1 and 1, got 1.2
+transducer.0.chirp=0.1; stator.diffraction=true | transducer.0.chirp must be absent with stator.diffraction = true
+transducer.0.cell=DART; transducer.0.angle=30; stator.ends=absorbing | transducer.0.cell must be absent where
 transducer.0.patern=+-+- | transducer.0.patern ... did you mean pattern?
 drive.sources={left="fast"} | drive.sources.left must be a plain number or "amplitude at phase deg"
 drive.sources={left="1 at ten deg"} | drive.sources.left must be a plain number

@@ -58,6 +58,9 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "transducer.0.termination": ["short", "50 ohm", [50, -3]],
     "transducer.0.pattern": ["+-" * 10],
     "transducer.0.split": [True],
+    "transducer.0.cell": ["plain", "DART", "EWC"],
+    "transducer.0.mirrored": [True],
+    "transducer.0.chirp": [0, 0.1, -0.5],
     "transducer.0.angle": ["30 deg", 360],
     "transducer.0.center": ["15 mm", ["20 mm", "-2 mm"]],
     "piece": [[{"file": "groove.msh", "length_unit": "mm", "position": "40 mm"}]],
@@ -197,6 +200,8 @@ def changed(path: str, value) -> dict:
         own = {".depth": {"shape": "modulated", "frequency": 1e3}, ".frequency": {"shape": "modulated", "depth": 0.5}}
         own |= {".sweep": {"shape": "chirp"}, ".file": {}}
         table[block] |= {"burst": 0.01, "waveform": own.get(key, {"shape": "ramp", "rise": "1 ms", "fall": "1 ms"})}
+    if path == "transducer.0.mirrored":
+        table["transducer"][0]["cell"] = "DART"
     if path.startswith("piece"):
         table["piece"] = [{"file": "groove.msh", "length_unit": "mm", "position": "40 mm"}]
     if path == "slider.heights":

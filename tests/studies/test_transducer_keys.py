@@ -114,3 +114,17 @@ def test_the_picture_colours_fingers_by_their_comb(tmp_path):
     left = Model(record.scene).transducers[0].fingers
     assert fingers["-"][0] == tuple(left[2])
     assert fingers["o"] == [tuple(left[3])]
+
+
+def test_a_cell_of_three_fingers_and_a_chirp_run_and_are_written():
+    """The period of "auto" is found for the whole transducer; the answer is that of the plane section, and says so."""
+    scene = chip("transducer.0.cell=DART", "transducer.0.chirp=0.05", "transducer.0.period=auto", slider=True)
+    record = run(scene, tolerance=3e-2)
+    again = run(Scene.from_table("", tomllib.loads(document(record.scene.to_table()))), tolerance=3e-2)
+    assert again.points[0]["velocity_m_per_s"] == record.points[0]["velocity_m_per_s"]
+    assert 0.9e-3 < record.scene.transducer[0].period < 1.15e-3  # not the strong second harmonic, 1.97 mm
+    assert any("uneven fingers (chirp, cell) is not computed" in each for each in record.left_out)
+    assert record.scene.transducer[0].gap == pytest.approx(record.scene.transducer[0].period / 8, rel=0.05)
+    mirrored = run(chip("transducer.0.cell=DART", "transducer.0.mirrored=true"), tolerance=3e-2)
+    plain = answer("transducer.0.cell=DART")
+    assert abs(mirrored.electrical["admittance_S"] / plain[0]["admittance_S"] - 1) > 1e-4

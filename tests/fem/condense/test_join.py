@@ -67,11 +67,7 @@ def test_a_row_of_fingers_is_freed_with_its_last_user(depth):
     try:
         cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
         row = joined_fingers(
-            Condensation(depth, FREQUENCY),
-            "+-+-",
-            lambda place: SHAPE.half_gaps,
-            lambda *gaps: cell,
-            lambda *gaps: cell,
+            Condensation(depth, FREQUENCY), "+-+-", [SHAPE] * 4, lambda shape: cell, lambda shape: cell
         )
         with_ports, _ = finger_ports(row, "+-+-")
         kept = [weakref.ref(each) for each in (row, with_ports)]
