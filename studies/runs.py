@@ -105,7 +105,7 @@ def _solved(model: Model, tolerance: float) -> Record:
 def _with_slider(model: Model, stators: Stators) -> Record:
     """Return the record of a slider on a driven stator or a prescribed wave."""
     start_time, tolerance = time.perf_counter(), stators.tolerance
-    answer = refined(partial(_answers, stators), [model], tolerance)[model]
+    (answer,) = refined(partial(_answers, stators), [model], tolerance)
     driven, motion, refusal = answer.driven, None, ""
     if driven.solved is not None:
         motion = stators.motion_under(driven)
@@ -126,17 +126,18 @@ def _with_slider(model: Model, stators: Stators) -> Record:
     return replace(record, wave=wave, left_out=left_out(model))
 
 
-def _answers(stators: Stators, goals: dict[Model, float | None]) -> dict[Model, SliderAnswer]:
+def _answers(stators: Stators, models: list[Model], goals: list[float | None]) -> list[SliderAnswer]:
     """Return the answers of models at all their levels, on stators solved to some goals."""
-    answers = {}
-    for model, goal in goals.items():
+    answers = []
+    for model, goal in zip(models, goals, strict=True):
         try:
             driven = stators.bursting(stators.contact(model, goal))
         except RunError:
             if goal is None:
                 raise
-            continue  # the answer of the round before is recorded, with its error
-        answers[model] = slider_answer(driven, tolerance=stators.tolerance)
+            answers.append(SliderAnswer(answers=()))  # that of the round before is recorded, with its error
+        else:
+            answers.append(slider_answer(driven, tolerance=stators.tolerance))
     return answers
 
 

@@ -195,7 +195,10 @@ def block_schema(kind: type[Block]) -> dict:
 def _intended(word: str, kind: type[Block]) -> tuple[str | None, str]:
     """Return the key of a block that an unknown word probably stands for, and the hint in its refusal."""
     key = key_for(word, keys_of(kind))
-    homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
+    blocks = Block.__subclasses__()
+    order = [name for each in blocks if not each.block for name in keys_of(each)]  # of the scene's own blocks
+    known = {each.block for each in blocks if word in keys_of(each) and each.block}
+    homes = sorted(known, key=lambda block: (order.index(block.partition(".")[0]), block))
     homes = [each for each in homes if each.rpartition(".")[0] not in homes]  # a block before those inside it
     if key is None and homes:
         return None, f"; {word} belongs in [{'] or ['.join(homes)}]"

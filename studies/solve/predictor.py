@@ -126,29 +126,26 @@ class Predictor:
         accepted = math.inf if averaged else tolerance if quick else None
         self.stators.nearby = self.stators.nearby or "ripple" in also
 
-        def solve(goals: dict[int, float | None]) -> dict[int, SliderAnswer]:
+        def solve(some: list[dict], goals: list[float | None]) -> list[SliderAnswer]:
             with fem.blas_on_one_thread():  # as a run: the number of threads changes the last digits
-                return self._solved(many, goals, tolerance, accepted)
+                return self._solved(some, goals, tolerance, accepted)
 
-        found = refined(solve, range(len(many)), tolerance, self.rounds)
-        return [_with_quantities(found[at], also, tolerance, averaged) for at in range(len(many))]
+        found = refined(solve, many, tolerance, self.rounds)
+        return [_with_quantities(each, also, tolerance, averaged) for each in found]
 
     def _solved(
-        self, many: Sequence[dict], goals: dict[int, float | None], tolerance: float, accepted: float | None
-    ) -> dict[int, SliderAnswer]:
-        """Return the answers of some of many on stators solved to their goals.
-
-        ``accepted``: tolerance of averaged states, or None.
-        """
+        self, many: list[dict], goals: list[float | None], tolerance: float, accepted: float | None
+    ) -> list[SliderAnswer]:
+        """Return the answers on stators solved to some goals; ``accepted``: tolerance of averaged states, or None."""
         self._solve_together(many, goals)
-        results: dict[int, SliderAnswer] = {}
+        results: list[SliderAnswer | None] = [None] * len(many)
         contacts: dict[int, Contact] = {}
-        for k, goal in goals.items():
+        for k, (changes, goal) in enumerate(zip(many, goals, strict=True)):
             try:
                 if self.free:
-                    results[k] = SliderAnswer(answers=(_free_answer(self.scene(many[k]), self.tolerance),))
+                    results[k] = SliderAnswer(answers=(_free_answer(self.scene(changes), self.tolerance),))
                 else:
-                    contacts[k] = self._contact_at_one_level(many[k], goal)
+                    contacts[k] = self._contact_at_one_level(changes, goal)
             except Exception as error:
                 results[k] = _failed(error)
         steady = [k for k, each in contacts.items() if accepted is not None and _is_steady(each)]
@@ -160,14 +157,14 @@ class Predictor:
                 results[k] = SliderAnswer(answers=(answer,), driven=driven)
             except Exception as error:
                 results[k] = _failed(error)
-        return results
+        return [each for each in results if each is not None]
 
-    def _solve_together(self, many: Sequence[dict], goals: dict[int, float | None]) -> None:
+    def _solve_together(self, many: list[dict], goals: list[float | None]) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
         resolved = []
-        for k, goal in goals.items() if self.stators.limits else ():
+        for changes, goal in zip(many, goals, strict=True) if self.stators.limits else ():
             with suppress(SceneError):  # raised again when the point is answered
-                resolved.append((self.scenes.model(many[k]), goal))
+                resolved.append((self.scenes.model(changes), goal))
         self.stators.solve_together(resolved)
 
     def _contact_at_one_level(self, changes: dict, goal: float | None) -> Contact:

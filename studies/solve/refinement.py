@@ -6,13 +6,13 @@ accuracy that the velocity needs (`finer`), in `ROUNDS` rounds at most.
 """
 
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from studies.model.wave_to_contact import Contact
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 
-Motor = TypeVar("Motor", bound=Hashable)
+Motor = TypeVar("Motor")
 
 SHARE = 0.25  # fraction of the tolerance for the contact and, in the first round, for the stator
 # The same for a stator that is solved in a band of frequencies: a band that is one level finer costs half as much
@@ -27,36 +27,36 @@ STEP = 2.0
 
 
 def refined(
-    solve: Callable[[dict[Motor, float | None]], Mapping[Motor, SliderAnswer]], motors: Sequence[Motor],
-    tolerance: float, rounds: int = ROUNDS,
-) -> dict[Motor, SliderAnswer]:  # fmt: skip
+    solve: Callable[[list[Motor], list[float | None]], list[SliderAnswer]], motors: Sequence[Motor], tolerance: float,
+    rounds: int = ROUNDS,
+) -> list[SliderAnswer]:  # fmt: skip
     """Return the answers of some motors, each solved again on a finer stator as long as `finer` gives a goal.
 
     Parameters
     ----------
     solve : callable
-        Returns the answers of motors for the goals of their sections, None for that of the first round.
+        Returns the answers of some motors for the goals of their sections, None for those of the first round.
     motors : sequence
-        Keys of the motors, as ``solve`` takes them.
+        As ``solve`` takes them.
     tolerance : float
         Of the velocities, over their reference speed.
     rounds : int
         Largest number of solutions of a stator.
     """
-    found: dict[Motor, SliderAnswer] = {}
-    goals: dict[Motor, float | None] = dict.fromkeys(motors)
+    found: dict[int, SliderAnswer] = {}
+    goals: dict[int, float | None] = dict.fromkeys(range(len(motors)))
     for _ in range(rounds):
-        again = {}
-        for motor, latest in solve(goals).items():
-            before = found.get(motor)
+        again, answers = {}, solve([motors[k] for k in goals], list(goals.values()))
+        for k, latest in zip(goals, answers, strict=True):
+            before = found.get(k)
             if before is None or latest.answered:  # without an answer on the finer stator, the previous one is kept
-                found[motor] = latest
+                found[k] = latest
             if latest.driven is not None:
-                again[motor] = finer(latest.answers, latest.driven, tolerance, before.driven if before else None)
-        goals = {motor: goal for motor, goal in again.items() if goal is not None}
+                again[k] = finer(latest.answers, latest.driven, tolerance, before.driven if before else None)
+        goals = {k: goal for k, goal in again.items() if goal is not None}
         if not goals:
             break
-    return found
+    return [found[k] for k in range(len(motors))]
 
 
 def finer(

@@ -94,6 +94,14 @@ def test_what_the_command_line_changed_is_not_blamed_on_a_line(capsys):
     assert [line.split()[1] for line in said] == ["stator.width", "slider.mas"]
 
 
+def test_the_blocks_of_a_lost_key_are_named_once_in_the_order_of_a_scene(capsys):
+    """The order does not depend on which file of the program is imported first."""
+    for key, homes in {"width": "[stator] or [slider.pillars]", "compliance": "[stator.material] or [wave]"}.items():
+        assert main(["check", "twente", "--set", f"{key}=1"]) == 2
+        said = capsys.readouterr().err
+        assert said == f"sawmotor: {key} is no key of a scene; {key} belongs in {homes}\n"
+
+
 def test_what_only_the_physics_can_refuse_has_its_line_too(written, capsys):
     name = written(shipped_scenes()["rayleigh"].read_text().replace("PZT-8", "PZT-88"))
     assert main(["check", name]) == 2
