@@ -1,9 +1,10 @@
 """Threshold and velocity of rough balls over those of smooth ones, the table `studies/remarks/rough_balls.csv`.
 
-``python -m studies.evidence.rough_balls`` computes it: samples of asperities, each with its own stop
-(`contact.asperity_motion`), on a ball of 1 mm with c = 0.107 under an orbit of u_x/u_z = 0.67, for Johnson's number
+``python -m studies.evidence.rough_balls`` computes it: samples of asperities that slip with memory
+(`contact.RoughBalls`), on a ball of 1 mm with c = 0.107 under an orbit of u_x/u_z = 0.67, for Johnson's number
 alpha = sigma/z_0 and the amplitude over z_0, the approach at rest.  Values are ratios to the smooth ball with the
-elastic law: median, lowest and highest of eight balls.  alpha = 0 is the smooth ball with the hysteretic law.
+elastic law: median, lowest and highest of eight balls, and their mean field.  alpha = 0 is the smooth ball with the
+hysteretic law.
 """
 
 import csv
@@ -37,10 +38,12 @@ def orbit(amplitude: float) -> contact.Orbit:
 
 
 def velocities(alpha: float, rest: float) -> np.ndarray:
-    """Return the velocities in m/s of the samples at all amplitudes, shape (samples, amplitudes)."""
-    rough = contact.Roughness(rms=alpha * rest)
+    """Return the velocities in m/s of the samples, and last of the mean field, at all amplitudes."""
+    body, rough = ball("hysteretic"), contact.Roughness(rms=alpha * rest)
     reach = float(np.sqrt(2e-3 * (2.0 * AMPLITUDES[-1] * rest + 4.0 * rough.rms)))
-    balls = [contact.RoughBalls(ball(), [rough.drawn(seed, reach)]) for seed in range(SAMPLES)]
+    surfaces = [rough.drawn(seed, reach) for seed in range(SAMPLES)]
+    field = contact.MeanField(body.radius, body.effective_modulus, rough)
+    balls = [contact.RoughBalls(body, [each]) for each in [*surfaces, field]]
     return np.array(
         [[each.velocity(orbit(share * rest), tolerance=3e-3).value for share in AMPLITUDES] for each in balls]
     )
@@ -56,22 +59,26 @@ def threshold(speeds: np.ndarray) -> float:
 
 
 def rows() -> list[list[float]]:
-    """Return the rows of the table: alpha, amplitude (0 for the threshold), median, lowest, highest."""
+    """Return the rows of the table: alpha, amplitude (0 for the threshold), median, lowest, highest, mean field."""
     rest = ball().rest_approach(1)
     orbits = [orbit(share * rest) for share in AMPLITUDES]
     smooth = np.array([contact.mean_motion(ball(), each).velocity for each in orbits])
     limit = np.array([contact.steady(ball("hysteretic"), each, tolerance=1e-4).velocity for each in orbits])
-    curves = {0.0: limit[None]} | {alpha: velocities(alpha, rest) for alpha in ALPHAS}
+    curves = {0.0: np.array([limit, limit])} | {alpha: velocities(alpha, rest) for alpha in ALPHAS}
     table = []
     for alpha, found in curves.items():
-        starts = [threshold(each) / threshold(smooth) for each in found]
-        table.append([alpha, 0.0, *(float(f(starts)) for f in (np.median, np.min, np.max))])
+        starts = np.array([threshold(each) / threshold(smooth) for each in found])
+        table.append([alpha, 0.0, *_of_samples(starts)])
         for k, share in enumerate(AMPLITUDES):
             if smooth[k] > STARTS:
-                ratios = found[:, k] / smooth[k]
-                table.append([alpha, share, *(float(f(ratios)) for f in (np.median, np.min, np.max))])
+                table.append([alpha, share, *_of_samples(found[:, k] / smooth[k])])
         print(f"alpha {alpha:g}", file=sys.stderr, flush=True)
     return table
+
+
+def _of_samples(ratios: np.ndarray) -> list[float]:
+    """Return median, lowest and highest of the samples, and the mean field, which is the last."""
+    return [float(each) for each in (np.median(ratios[:-1]), *np.sort(ratios[:-1])[[0, -1]], ratios[-1])]
 
 
 def main() -> None:
@@ -79,7 +86,7 @@ def main() -> None:
     table = rows()
     with TABLE.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["alpha", "amplitude_over_approach", "median", "lowest", "highest"])
+        writer.writerow(["alpha", "amplitude_over_approach", "median", "lowest", "highest", "mean_field"])
         writer.writerows([[f"{each:.4g}" for each in row] for row in table])
 
 

@@ -33,11 +33,13 @@ TABLE = Path(__file__).with_name("rough_balls.csv")
 RMS = 3e-9  # m: of a bearing ball over the size of its contact (ISO 3290-1 allows 10 to 20 nm over larger lengths)
 ADHESION = 0.05  # J/m^2: work of adhesion of clean oxides in air, also of pillars
 WATER = 0.072  # N/m: surface tension
+MEMORY_TOLERANCE = 3e-3  # of a velocity that is compared
 REMOVED = 10.0  # Fuller's and Tabor's number above which roughness removes adhesion
 DECIDES = 0.1  # relative change from which a warning is given, also of `run_warnings`
 STEPS, BALANCED = 20, 1e-6  # of the search for tilts; moment over the preload and the largest distance
 ON_A_LINE = 0.999  # correlation of the balls' places above which they stand on one line
 ROUGHNESS, MEMORY = "roughness of the balls", "memory of the tangential contact"
+FIELD = "single asperities instead of their mean field"
 STARTS, CLEAN, WET = (
     f"{ROUGHNESS}: where they start",
     "adhesion of clean smooth balls",
@@ -48,20 +50,21 @@ AT_LARGEST = (
     ROUGHNESS,
     MEMORY,
     OTHER_BALL,
+    FIELD,
     SPLIT,
 )  # stated at the largest level: near the threshold they decide everything
 
 
 @cache
 def _table() -> dict[float, np.ndarray]:
-    """Return the rows of `rough_balls.csv` by alpha: amplitude, median, lowest and highest, shape (4, k)."""
+    """Return the rows of `rough_balls.csv` by alpha: amplitude, median, lowest, highest, mean field, shape (5, k)."""
     with TABLE.open(encoding="utf-8") as file:
         rows = np.array([[float(each) for each in row] for row in list(csv.reader(file))[1:]])
     return {float(alpha): rows[rows[:, 0] == alpha, 1:].T for alpha in np.unique(rows[:, 0])}
 
 
-def ratio(alpha: float, amplitude: float) -> tuple[float, float, float]:
-    """Return median, lowest and highest of the velocity of eight rough balls over that of the smooth elastic one.
+def ratio(alpha: float, amplitude: float) -> tuple[float, float, float, float]:
+    """Return the velocity of rough balls over that of the smooth elastic one: median, lowest, highest, mean field.
 
     Parameters
     ----------
@@ -69,6 +72,11 @@ def ratio(alpha: float, amplitude: float) -> tuple[float, float, float]:
         sigma/z_0; 0 for the hysteretic law on the smooth ball. Beyond the table its last value counts.
     amplitude : float
         |u_z|/z_0; 0 gives ratios of the threshold amplitudes.
+
+    Returns
+    -------
+    tuple of float
+        Of eight samples of asperities the first three.
     """
 
     def at(rows: np.ndarray) -> list[float]:
@@ -78,8 +86,8 @@ def ratio(alpha: float, amplitude: float) -> tuple[float, float, float]:
         return [float(np.interp(math.log(amplitude), x, each[1:])) for each in rows[1:]]
 
     columns = np.array([at(rows) for rows in _table().values()]).T
-    median, lowest, highest = (float(np.interp(alpha, list(_table()), each)) for each in columns)
-    return median, lowest, highest
+    median, lowest, highest, field = (float(np.interp(alpha, list(_table()), each)) for each in columns)
+    return median, lowest, highest, field
 
 
 def ball_surface(record: Record) -> Effects:
@@ -90,9 +98,9 @@ def ball_surface(record: Record) -> Effects:
     body, balls = contact_slider(slider.along_x), slider.computed_contacts
     alpha, preload, rms, block = _alpha(record), body.preload, _rms(record), slider.roughness
     if block is None and slider.normal_law is None:
-        median, lowest, highest = ratio(alpha, 0.0)
+        median, lowest, highest, _ = np.array(ratio(alpha, 0.0)) / _own(slider, 0.0)
         how = f"{rms * 1e9:g} nm assumed, {alpha:.2g} of the approach at rest"
-        yield STARTS, "the threshold", median - 1.0, f"{how}; eight balls: {lowest:.3g} to {highest:.3g}"
+        yield STARTS, "the threshold", float(median) - 1.0, f"{how}; eight balls: {lowest:.3g} to {highest:.3g}"
     if slider.adhesion is not None:
         return
     asperity = (block and block.asperity_radius) or contact.Roughness(rms=rms).asperity_radius
@@ -112,7 +120,7 @@ def ball_surface_at(record: Record, point: Point) -> Effects:
         return
     alpha, block = _alpha(record), slider.roughness
     amplitude = point.normal_amplitude_m * alpha / _rms(record)
-    median, lowest, highest = ratio(alpha, amplitude)
+    median, lowest, highest, field = (each / _own(slider, amplitude) for each in ratio(alpha, amplitude))
     if slider.normal_law is not None:
         pass  # a law of one's own has its roughness in it
     elif block is None:
@@ -126,10 +134,29 @@ def ball_surface_at(record: Record, point: Point) -> Effects:
         how = "half the range of eight samples on the seed's ball, over the root of the number of balls"
         size = 0.5 * (highest - lowest) / median / math.sqrt(len(slider.offsets))
         yield OTHER_BALL, "velocity", size, how
+        if field > 0.0:
+            how = "median of eight samples over the mean field, which is softer, on the seed's ball"
+            yield FIELD, "velocity", median / field - 1.0, how
     yield from _split(record, point)
-    if slider.tangential_law == "elastic" and block is None:
+    if slider.tangential_law == "elastic" and block is not None:
+        from studies.model.roughness import orbits_of_each, rough_balls
+
+        driven = contact_of_run(record)
+        largest = max(abs(each.normal) for each in driven.at(max(record.scene.levels)))
+        with suppress(contact.ConvergenceError):
+            other = rough_balls(replace(slider, law="hysteretic"), largest)[0]
+            orbits = orbits_of_each(slider, driven.at(point.level))
+            remembers = other.velocity(orbits, tolerance=MEMORY_TOLERANCE).value
+            how = "asperities that draw each other along and remember, over those that slip by the elastic law"
+            yield MEMORY, "velocity", remembers / speed - 1.0, how
+    elif slider.tangential_law == "elastic":
         how = "hysteretic law (Mindlin and Deresiewicz) over the elastic one, smooth ball"
         yield MEMORY, "velocity", ratio(0.0, amplitude)[0] - 1.0, how
+
+
+def _own(slider, amplitude: float) -> float:
+    """Return the ratio of the smooth ball with the slider's own tangential law to that with the elastic one."""
+    return ratio(0.0, amplitude)[0] if slider.remembers and slider.roughness is None else 1.0
 
 
 def _split(record: Record, point: Point) -> Effects:
@@ -177,9 +204,10 @@ def _balanced_velocity(body, orbits, places: np.ndarray) -> float | None:
 def smooth_balls(record: Record) -> Iterator[str]:
     """Yield a warning that the balls are computed smooth and dry, where their surfaces change the answer by 10 %."""
     sizes = {each.effect: each.size for each in record.model_error}
-    told = (STARTS, ROUGHNESS, MEMORY, OTHER_BALL, SPLIT, WET)
+    told = (STARTS, ROUGHNESS, MEMORY, OTHER_BALL, FIELD, SPLIT, WET)
     decisive = {name: sizes[name] for name in told if abs(sizes.get(name, 0.0)) >= DECIDES}
     sentences = {
+        FIELD: "single asperities would change the velocity of their mean field by about {percent:+.0f} %",
         OTHER_BALL: "another ball of this roughness runs up to {percent:.0f} % faster or slower",
         SPLIT: "loads of the balls by statics would change the velocity by about {percent:+.0f} %",
         STARTS: "with a roughness of {rms:g} nm they start at about {factor:.2g} times the threshold",

@@ -7,6 +7,7 @@ import contact
 from studies import Scene, SceneError, run
 from studies.evidence import rough_balls
 from studies.model.roughness import STRIDE
+from studies.remarks.ball_surface import ratio
 
 AMPLITUDES = ["3 nm", "8 nm"]
 
@@ -203,6 +204,27 @@ def test_asperities_that_overlap_are_refused():
     rule = r"slider\.roughness\.density must be at most 1/\(asperity_radius rms\) = 3\.333e\+13 1/m\^2"
     with pytest.raises(SceneError, match=rule):
         run(scene(rms="3 nm", density=1e30))
+
+
+def test_the_budget_of_a_mean_field_has_what_single_asperities_would_change():
+    found = effects(run(scene(rms="3 nm").replace(wave={"normal_amplitude": "3 nm"}), tolerance=1e-3))
+    median, _, _, field = ratio(3e-9 / 4.71296e-9, 3 / 4.71296)
+    assert found["single asperities instead of their mean field"]["size"] == pytest.approx(median / field - 1, rel=1e-4)
+    assert 0.03 < median / field - 1 < 0.12
+
+
+def test_the_elastic_law_of_rough_balls_states_what_memory_would_change():
+    """A stop for each asperity of a sample; the memory by the run with the law that a scene has without the key."""
+    rough = scene(rms="3 nm", seed=5).replace(wave={"normal_amplitude": "3 nm"})
+    record = run(rough.replace(slider={"law": "elastic"}), tolerance=1e-3)
+    expected = contact.asperity_motion(
+        rough_balls.ball(), contact.Roughness(rms=3e-9).drawn(5, 9e-6),
+        contact.Orbit(frequency=2.2e6, normal=3e-9, tangential=-2.1e-9j),
+    ).value  # fmt: skip
+    assert record.points[0].velocity_m_per_s == pytest.approx(expected, rel=3e-3)
+    memory = run(rough, tolerance=1e-3).points[0].velocity_m_per_s / record.points[0].velocity_m_per_s - 1
+    assert memory > 0.02
+    assert effects(record)["memory of the tangential contact"]["size"] == pytest.approx(memory, abs=3e-3)
 
 
 def test_the_printed_threshold_is_that_of_a_speed():
