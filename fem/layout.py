@@ -16,7 +16,8 @@ from fem.mesh.section_mesh import ELECTRODE
 from fem.mesh.shape_functions import CORNERS
 from fem.parameters import refuse_if, refuses
 
-# Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level (fem.condense.mesh).
+# Smallest number of unknowns per quadrilateral: u_x, u_z and phi at order 4, the coarsest level
+# (fem.condense.condensed_mesh).
 LEAST_PER_QUAD = 3 * 4**2
 TURNED = "where a transducer is turned or stands beside the middle line"  # condition of a rule, as printed
 LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m

@@ -36,7 +36,7 @@ def test_no_private_name_is_looked_up_by_a_string():
     ("text", "names"),
     [
         ('monkeypatch.setattr(band, "_errors", None)', ["_errors"]),
-        ('monkeypatch.setattr("fem.solve.band._errors", None)', ["fem.solve.band._errors"]),
+        ('monkeypatch.setattr("fem.solve.band_solution._errors", None)', ["fem.solve.band_solution._errors"]),
         ('getattr(motion, "_limit")(1.0)', ["_limit"]),
         ('with patch.object(module, "_loaded"): pass', ["_loaded"]),
         ('monkeypatch.setattr(compiled.Kernel, "__call__", None)', []),

@@ -22,7 +22,7 @@ from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
 from fem.parameters import refuses
 from fem.results.driven_answer import SurfaceWave
-from fem.results.solution import Solution, driven_solution
+from fem.results.stator_solution import Solution, driven_solution
 from fem.waveguide.port_fields import PortFields
 
 UNEVEN = "the field in three dimensions of transducers with uneven fingers (chirp, cell) is not computed"

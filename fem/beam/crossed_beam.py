@@ -28,13 +28,13 @@ from fem.beam.parallel_groups import (
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
-from fem.condense.electrodes import is_port
+from fem.condense.electrode_conditions import is_port
 from fem.geometry import Stator, Transducer, one_electrode
 from fem.layout import TURNED, check_plan, check_turned
 from fem.parameters import InputError
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
-from fem.results.solution import Solution
+from fem.results.stator_solution import Solution
 
 # In a group at an oblique angle every point has its own s, which makes direct evaluation expensive.  More than FEW
 # points are therefore interpolated by splines of order 5 from a grid in s and t with PER_WAVELENGTH lines per

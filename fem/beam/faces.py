@@ -9,8 +9,9 @@ where a and b are the amplitudes at x = L and x = 0 of the waves that the charge
 
     c = (1 - R_0 E R_L E)^-1 R_0 (b + E R_L a).                                                                 (2)
 
-The reflection matrix R of a face follows from its condition on the nodal fluxes or the displacements (ends.py).  For
-k_y != 0 a face couples sagittal and shear-horizontal (SH) modes, so that the section has all three displacements.
+The reflection matrix R of a face follows from its condition on the nodal fluxes or the displacements
+(end_conditions.py).  For k_y != 0 a face couples sagittal and shear-horizontal (SH) modes, so that the section has all
+three displacements.
 
 In a solid isotropic about z the modes at k_y are those at k_y = 0, rotated.  With g = u_s / k, the displacement along
 the wave vector over its length, e = (u_z, phi), and w the displacement of an SH mode,
@@ -57,8 +58,8 @@ from fem.beam.lateral import (
 from fem.beam.line_source import NEGLIGIBLE, SIGNS, LineSource, load_scale, shear_modes, static_mode
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.section import Section
-from fem.waveguide.ends import end_reflection
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.end_conditions import end_reflection
+from fem.waveguide.guided_modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
 # k_y over the largest wavenumber that replaces k_y = 0, where the constant potential is a double root.

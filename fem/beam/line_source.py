@@ -49,7 +49,7 @@ from fem.beam.lateral import (
 )
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.guided_modes import GuidedModes
 
 LOCAL = 12.0  # a mode that decays by more than exp(-LOCAL) in a wavelength is a local field, not a part of the beam
 NEGLIGIBLE = 1e-12  # a mode is neglected if less than this fraction of its amplitude is left at the nearest point

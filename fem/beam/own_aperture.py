@@ -48,7 +48,7 @@ import numpy as np
 from fem.beam.lateral import amplitude_ratio, highest_wavenumber, sheet_spectrum, wavenumber_along
 from fem.beam.line_source import LineSource
 from fem.beam.point_potential import StripPotential
-from fem.condense.electrodes import charged
+from fem.condense.electrode_conditions import charged
 from fem.condense.transducer import finger_ports
 from fem.geometry import Transducer
 from fem.waveguide.scattering_network import Scatterer, Sheet

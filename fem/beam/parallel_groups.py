@@ -19,8 +19,8 @@ from fem.beam.lateral import amplitude_ratio, evanescent, highest_wavenumber, la
 from fem.beam.line_source import LOCAL, NEGLIGIBLE, line_source
 from fem.circuit import Circuit, Drive, as_drive
 from fem.geometry import Stator, Transducer, separation, turn
-from fem.results.solution import Solution
-from fem.waveguide.modes import GuidedModes
+from fem.results.stator_solution import Solution
+from fem.waveguide.guided_modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
 PARALLEL = 1e-9  # rad; transducers whose angles differ by less are parallel

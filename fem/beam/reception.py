@@ -48,14 +48,14 @@ from fem.beam.own_aperture import (
     finger_coupling,
     sheet_lengths,
 )
-from fem.condense.electrodes import charged
+from fem.condense.electrode_conditions import charged
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.exceptions import InputError
 from fem.geometry import Stator, Transducer
 from fem.materials import isotropic_about_normal
-from fem.waveguide.cascade import Element, solve_cascade
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.cascade_system import Element, solve_cascade
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.port_fields import PortFields, StatorCascade
 from fem.waveguide.scattering_network import Network, PortSolution
 

@@ -32,7 +32,7 @@ from fem.geometry import on_stator
 from fem.parameters import refuses
 from fem.results.driven_answer import SurfaceWave
 from fem.results.power_balance import PowerBalance, power_balance
-from fem.results.solution import Solution
+from fem.results.stator_solution import Solution
 
 # The charge along a finger is a sum of steps (sheets of several lengths).  Its error over the change that fewer steps
 # make: with the finest steps (measured: 0.2 to 0.4, test_finger_ends.py), and where a limit has left fewer (rms over 24

@@ -5,7 +5,7 @@ loaded transducer V + Z I = 0, a short-circuited one V = 0, an open one I = 0.  
 transforms voltage and current to V' = A V + B I and I' = C V + D I at the source's end, where V' + Z I' = S; its
 impedance at the electrodes is then (B + Z D) / (A + Z C).  Only this module knows which transducers are driven:
 everything below it solves for unit voltage at every port.  The open strips of a transducer ("o" in its pattern) are not
-ports: they are eliminated with the condition of zero charge (`fem.condense.electrodes`).
+ports: they are eliminated with the condition of zero charge (`fem.condense.electrode_conditions`).
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
-from fem.condense.electrodes import terminated
+from fem.condense.electrode_conditions import terminated
 from fem.geometry import Transducer
 from fem.parameters import ComplexNumber, InputError, refuse_if, refuses
 from fem.sources import SourceRules

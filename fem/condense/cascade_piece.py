@@ -5,7 +5,7 @@ A piece relates the outward nodal flux on its lines and the reactions of its por
     [g_left, g_right, q] = A [u_left, u_right, v],      A complex symmetric,
 
 at one frequency and one k_y.  The cascade does not depend on what is inside: columns of elements under fingers
-(`fem.condense.columns`) or a mesh (`fem.condense.mesh`).
+(`fem.condense.finger_columns`) or a mesh (`fem.condense.condensed_mesh`).
 """
 
 from dataclasses import dataclass

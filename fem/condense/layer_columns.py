@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.column import ElementSets, schur
+from fem.condense.element_column import ElementSets, schur
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import FIELD_COLUMN, Section

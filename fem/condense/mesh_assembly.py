@@ -1,7 +1,7 @@
 """Assembly of a meshed piece: its elements, boundary conditions, electrodes and interfaces at one resolution.
 
-On an interface the unknowns of the mesh are P times those of the section's line (`fem.condense.interface`).  An
-electrode is equipotential: all its vertices share one unknown (`fem.condense.electrodes`).
+On an interface the unknowns of the mesh are P times those of the section's line (`fem.condense.mortar_interface`).  An
+electrode is equipotential: all its vertices share one unknown (`fem.condense.electrode_conditions`).
 
 On a half-space the mesh is continued down to the section's absorbing layer (`fem.mesh.deepened`), and the layer by its
 own elements below the mesh (`fem.condense.layer_columns`).
@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from fem.block_matrix import block_diagonal
-from fem.condense.electrodes import MeshElectrodes
-from fem.condense.interface import line_projection
+from fem.condense.condensed_mesh import Assembly
+from fem.condense.electrode_conditions import MeshElectrodes
 from fem.condense.layer_columns import LayerColumns
-from fem.condense.mesh import Assembly
+from fem.condense.mortar_interface import line_projection
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import Section

@@ -2,7 +2,7 @@
 
 A cell is half a gap, a finger and half a gap.  It is condensed in two halves, one the mirror image of the other where
 x -> -x is a symmetry.  Equal runs of cells are joined once.  The functions below call `Condensation` for every single
-step; a subclass in `fem.condense.size` counts these steps without computing anything.
+step; a subclass in `fem.condense.problem_size` counts these steps without computing anything.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,11 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.condense.column import Skeleton, column_skeleton
-from fem.condense.columns import FingerColumns, Restated, condensed
-from fem.condense.electrodes import open_circuit
-from fem.condense.join import exchanged, joined, mirrored, repeated, with_fingers, with_ports
-from fem.condense.moments import finger_dipole
+from fem.condense.electrode_conditions import open_circuit
+from fem.condense.element_column import Skeleton, column_skeleton
+from fem.condense.finger_columns import FingerColumns, Restated, condensed
+from fem.condense.joined_fingers import exchanged, joined, mirrored, repeated, with_fingers, with_ports
+from fem.condense.reaction_moments import finger_dipole
 from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps

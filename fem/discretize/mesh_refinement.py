@@ -2,7 +2,7 @@
 
 Let a_h be the answer at one level of discretisation, a_H that at the level before, and g the least factor (the gain) by
 which a level divides the error.  Then |a_h - a| <= |a_h - a_H| / (g - 1), which is the stated error of an answer at one
-frequency in the plane section.  Beams (beam/surface_beam.py), bands of frequencies (solve/band.py) and bursts
+frequency in the plane section.  Beams (beam/surface_beam.py), bands of frequencies (solve/band_solution.py) and bursts
 (solve/burst_envelope.py) have further errors, which are estimated there.
 """
 

@@ -10,13 +10,13 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.columns import FingerColumns, columns_from_left
+from fem.condense.finger_columns import FingerColumns, columns_from_left
 from fem.condense.transducer import Condensation, FingerShape, joined_fingers
 from fem.discretize.section import Section
 from fem.geometry import Transducer
 from fem.materials.medium import Medium
-from fem.waveguide.ends import Wall, end_reflection
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.end_conditions import Wall, end_reflection
+from fem.waveguide.guided_modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
 # Width of the condensed layer at a free or clamped end, in wavelengths: too narrow for a resonance in the band

@@ -1,9 +1,9 @@
 """A meshed piece over a band of frequencies: the nodes of its interpolation, and the error of the interpolation.
 
 A piece may resonate in the band, so that the number of nodes is not known beforehand.  The interpolation through all
-nodes (`fem.condense.reduced`) is compared with two others: one omits the first node, which spoils the low end of the
-band, and one the last but one, which spoils the high end.  At each frequency the smaller of the two changes therefore
-counts as the error.  A node is added at the frequency where it is largest.
+nodes (`fem.condense.interpolated_piece`) is compared with two others: one omits the first node, which spoils the low
+end of the band, and one the last but one, which spoils the high end.  At each frequency the smaller of the two changes
+therefore counts as the error.  A node is added at the frequency where it is largest.
 """
 
 from collections.abc import Callable
@@ -13,12 +13,12 @@ import numpy as np
 
 from fem.block_matrix import block_diagonal
 from fem.condense.cascade_piece import Blocks
-from fem.condense.mesh import MeshedPiece, MeshField
-from fem.condense.reduced import PieceSample, RationalPiece, ReducedPiece, rational_piece
+from fem.condense.condensed_mesh import MeshedPiece, MeshField
+from fem.condense.interpolated_piece import PieceSample, RationalPiece, ReducedPiece, rational_piece
 from fem.reduce.basis import ReducedSection
-from fem.results.solution import Solution
-from fem.waveguide.ends import Wall
-from fem.waveguide.modes import guided_modes
+from fem.results.stator_solution import Solution
+from fem.waveguide.end_conditions import Wall
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.scattering_network import Scatterer
 
 # Frequencies at which interpolations are compared, and largest number of nodes: of a piece in a cascade, and of a mesh

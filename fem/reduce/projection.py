@@ -7,9 +7,9 @@ import numpy as np
 
 from fem.block_matrix import block_diagonal
 from fem.circuit import Drive
-from fem.condense.column import ELECTRODES
-from fem.condense.mesh import MeshedPiece
-from fem.condense.moments import finger_moment
+from fem.condense.condensed_mesh import MeshedPiece
+from fem.condense.element_column import ELECTRODES
+from fem.condense.reaction_moments import finger_moment
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
@@ -27,10 +27,10 @@ from fem.reduce.basis import (
 )
 from fem.reduce.piece_band import piece_of_cascade
 from fem.reduce.reduced_model import HalfCell, ReducedModel
-from fem.results.solution import Solution, driven_solution
+from fem.results.stator_solution import Solution, driven_solution
 from fem.threads import side_by_side
-from fem.waveguide.ends import end_walls
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.end_conditions import end_walls
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.port_fields import joined_cascade
 from fem.waveguide.stator_meshes import StatorMeshes
 

@@ -20,16 +20,16 @@ from functools import partial
 import numpy as np
 
 from fem.condense.cascade_piece import Blocks
-from fem.condense.columns import FingerColumns, LiftedHalf
-from fem.condense.reduced import RationalPiece
+from fem.condense.finger_columns import FingerColumns, LiftedHalf
+from fem.condense.interpolated_piece import RationalPiece
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_transducers
-from fem.waveguide.ends import Wall, end_walls
-from fem.waveguide.force import LineForce
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.end_conditions import Wall, end_walls
+from fem.waveguide.guided_modes import guided_modes
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import StatorCascade, joined_cascade
 from fem.waveguide.stator_meshes import StatorMeshes
 

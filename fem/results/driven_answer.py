@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from fem.circuit import Circuit
-from fem.results.evaluation import surface_of
+from fem.results.field_evaluation import surface_of
 from fem.results.power_balance import PowerBalance, power_balance
-from fem.results.solution import Solution
+from fem.results.stator_solution import Solution
 from fem.results.surface import Surface
 
 

@@ -1,7 +1,7 @@
 """A wave field as a file for other tools: VTK XML by meshio, complex fields as two arrays, names with their unit.
 
 Strain energy and power flow have a mean over the cycle and a part at twice the frequency, whose name ends in ``_pulse``
-(densities.py).
+(energy_densities.py).
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.exceptions import InputError
-from fem.results.field import PieceField, WaveField
+from fem.results.interior_field import PieceField, WaveField
 
 DISPLACEMENT, POTENTIAL = "displacement_m_per_V", "potential_V_per_V"
 ENERGY, POWER = "strain_energy_J_per_m3_per_V2", "power_flow_W_per_m2_per_V2"

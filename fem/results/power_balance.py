@@ -21,10 +21,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.results.evaluation import end_line, recovered
-from fem.results.solution import Solution
-from fem.waveguide.ends import Beyond, Wall
-from fem.waveguide.modes import power
+from fem.results.field_evaluation import end_line, recovered
+from fem.results.stator_solution import Solution
+from fem.waveguide.end_conditions import Beyond, Wall
+from fem.waveguide.guided_modes import power
 from fem.waveguide.port_fields import PortFields
 from fem.waveguide.scattering_network import SegmentWaves
 

@@ -65,7 +65,7 @@ class CondensedPiece:
     # for an end without mesh: the uniform segment next to it, whose surface mode is the Rayleigh part here too
     beside: UniformSegment | None = field(default=None, repr=False)
     transducer: bool = True  # True if fingers lie on it
-    index: int = 0  # number of the scatterer, or of the end (`fem.results.evaluation.ENDS`)
+    index: int = 0  # number of the scatterer, or of the end (`fem.results.field_evaluation.ENDS`)
 
     @cached_property
     def _motion(self) -> Callable[[np.ndarray], np.ndarray]:

@@ -28,7 +28,7 @@ from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
-from fem.waveguide.modes import GuidedModes, guided_modes, power
+from fem.waveguide.guided_modes import GuidedModes, guided_modes, power
 from fem.waveguide.port_fields import PortFields, joined_cascade, stator_cascade
 
 MANY_PAIRS = 25  # finger pairs from which the finer level is used

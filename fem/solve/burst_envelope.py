@@ -45,7 +45,7 @@ from fem.discretize.mesh_refinement import refine
 from fem.exceptions import ConvergenceError
 from fem.parameters import positive
 from fem.results.driven_answer import SurfaceWave
-from fem.solve.band import refuse_outside
+from fem.solve.band_solution import refuse_outside
 
 FLAT = 0.5  # G = 1 up to this fraction of the distance from the drive's frequency to either end of the band
 NARROWER = 0.5  # width of the narrower band that shows the error, over the width of the band

@@ -14,8 +14,8 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.geometry import Stator, Transducer
 from fem.reduce.piece_band import WholePiece, piece_of_whole_stator
-from fem.waveguide.force import LineForce
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import StatorCascade, joined_cascade, stator_cascade
 from fem.waveguide.stator_meshes import StatorMeshes
 

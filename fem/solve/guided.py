@@ -23,8 +23,8 @@ from fem.geometry import Stator
 from fem.parameters import InputError, positive
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
-from fem.waveguide.modes import GuidedModes
-from fem.waveguide.modes import guided_modes as modes_of_section
+from fem.waveguide.guided_modes import GuidedModes
+from fem.waveguide.guided_modes import guided_modes as modes_of_section
 
 FREE_ORDERS, ORDERS = (4, 6, 8, 10, 12), (6, 8, 10, 12, 14)
 GAIN = 10.0  # two orders more divide the error of a wavenumber by far more than this

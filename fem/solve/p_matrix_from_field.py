@@ -31,8 +31,8 @@ from fem.discretize.section import FIELD_COLUMN
 from fem.exceptions import refuse_above
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
-from fem.waveguide.cascade import Element, solve_cascade
-from fem.waveguide.modes import GuidedModes, power
+from fem.waveguide.cascade_system import Element, solve_cascade
+from fem.waveguide.guided_modes import GuidedModes, power
 from fem.waveguide.port_fields import stator_cascade
 from fem.waveguide.scattering_network import SegmentWaves
 from fem.waveguide.surface_modes import ONE_WAVE

@@ -22,8 +22,8 @@ from fem.layout import check_beside_pieces, check_interfaces
 from fem.mesh.placement import is_step
 from fem.solve.p_matrix_from_field import PMatrix, of_segments, waves_of
 from fem.threads import one_blas_thread
-from fem.waveguide.ends import Wall
-from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.end_conditions import Wall
+from fem.waveguide.guided_modes import GuidedModes, guided_modes
 from fem.waveguide.scattering_network import Network, Scatterer
 from fem.waveguide.stator_meshes import CondensedPieces, condensed_pieces
 

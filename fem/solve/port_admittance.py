@@ -7,12 +7,12 @@ import numpy as np
 
 from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
-from fem.condense.electrodes import is_port
+from fem.condense.electrode_conditions import is_port
 from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import ConvergenceError, InputError, refuse_above
 from fem.geometry import Stator, Transducer
-from fem.solve.band import Band, frequency_band
-from fem.solve.harmonic import check_driven
+from fem.solve.band_solution import Band, frequency_band
+from fem.solve.driven_stator import check_driven
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 

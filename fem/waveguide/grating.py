@@ -25,7 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.analytic.half_space import automatic_period
-from fem.condense.columns import FingerColumns
+from fem.condense.finger_columns import FingerColumns
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution

@@ -20,16 +20,16 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.cascade_piece import Port
-from fem.condense.columns import FingerColumns
-from fem.condense.electrodes import electrode_potentials, transducer_ports, uncharged
+from fem.condense.electrode_conditions import electrode_potentials, transducer_ports, uncharged
+from fem.condense.finger_columns import FingerColumns
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import LineSpace
 from fem.exceptions import ActivePortError, ConvergenceError
 from fem.geometry import Stator, Transducer, outer_gaps
-from fem.waveguide.force import LineForce
-from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.guided_modes import GuidedModes, guided_modes
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.scattering_network import Network, PortSolution, Scatterer
 from fem.waveguide.stator_meshes import CondensedPieces, condensed_pieces, no_pieces
 

@@ -1,16 +1,16 @@
 """Scattering of guided modes by the pieces of a stator, and the network of pieces, uniform segments and ends.
 
 A piece (a transducer or a mesh) lies between two uniform segments, whose radiation impedances X_right and X_left are
-known (modes.py).  With p the part of the field that travels to the right and q the part that travels to the left, the
-unknowns u of its two lines obey
+known (guided_modes.py).  With p the part of the field that travels to the right and q the part that travels to the
+left, the unknowns u of its two lines obey
 
     (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,       (1)
 
 so that one factorisation gives the waves that it sends for each voltage and for each incident mode.  Along a segment of
 length l a mode changes by exp(-i k l).  Only modes that do not decay below double precision couple the pieces, so that
 the cost does not depend on the length.  Free and clamped ends reflect an incident mode into all modes of the section.
-A line force on the bare surface sends the modes of `fem.waveguide.force` both ways.  `fem.waveguide.cascade` solves
-for the amplitudes of all waves together.
+A line force on the bare surface sends the modes of `fem.waveguide.line_force` both ways.
+`fem.waveguide.cascade_system` solves for the amplitudes of all waves together.
 """
 
 from collections.abc import Callable
@@ -22,12 +22,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.cascade_piece import Blocks, Piece, Port
-from fem.condense.columns import FingerColumns
+from fem.condense.finger_columns import FingerColumns
 from fem.exceptions import InputError
-from fem.waveguide.cascade import Element, solve_cascade
-from fem.waveguide.ends import End, end_reflection, with_gauge
-from fem.waveguide.force import ForceResponse, force_response
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.cascade_system import Element, solve_cascade
+from fem.waveguide.end_conditions import End, end_reflection, with_gauge
+from fem.waveguide.guided_modes import GuidedModes
+from fem.waveguide.line_force import ForceResponse, force_response
 
 NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below rounding
 NO_WAVES = np.empty(0, dtype=int)
@@ -496,7 +496,7 @@ class PortSolution:
     segments: tuple[tuple[SegmentWaves, ...], ...] = field(repr=False)  # before, between and after the scatterers
     # shape (ports, excitations): reactions: minus the charge, scaled, symmetric among potentials; displacements in m
     reactions: np.ndarray
-    # shape (waves, waves): `fem.waveguide.cascade.CascadeWaves.coupling`
+    # shape (waves, waves): `fem.waveguide.cascade_system.CascadeWaves.coupling`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes
     # of each scatterer: what its charges are along the fingers (fem.beam.reception); empty for a section's

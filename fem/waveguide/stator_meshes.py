@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.condense.mesh import Assembly, MeshedPiece
+from fem.condense.condensed_mesh import Assembly, MeshedPiece
+from fem.condense.interpolated_piece import ReducedPiece
 from fem.condense.mesh_assembly import assembled
-from fem.condense.reduced import ReducedPiece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.placement import is_step
-from fem.waveguide.ends import Beyond, End, Wall, closed
-from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.end_conditions import Beyond, End, Wall, closed
+from fem.waveguide.guided_modes import GuidedModes, guided_modes
 
 
 @dataclass(frozen=True, kw_only=True)

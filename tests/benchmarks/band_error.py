@@ -13,9 +13,9 @@ import numpy as np
 
 from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError
-from fem.results.evaluation import surface_of
-from fem.solve.band import frequency_band
-from fem.solve.harmonic import motion_difference, solve_driven
+from fem.results.field_evaluation import surface_of
+from fem.solve.band_solution import frequency_band
+from fem.solve.driven_stator import motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, plate
 
 SOLIDS = ("PZT-8", "Z"), ("PZT-4", "Z"), ("LiNbO3 (Warner)", "128YX"), ("LiNbO3 (Warner)", "YZ")

@@ -21,9 +21,9 @@ import numpy as np
 from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from fem.results.evaluation import surface_of
-from fem.solve.band import frequency_band
-from fem.solve.harmonic import motion_difference, solve_driven
+from fem.results.field_evaluation import surface_of
+from fem.solve.band_solution import frequency_band
+from fem.solve.driven_stator import motion_difference, solve_driven
 
 FREQUENCY, PLACE = 2.2e6, np.array([0.08])
 STATOR = Stator(solid=material("PZT-8"), length=0.16, thickness=5e-3, ends="absorbing")

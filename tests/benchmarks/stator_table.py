@@ -22,17 +22,17 @@ from dataclasses import replace
 import numpy as np
 
 from fem import coupling, frequency_band, material, rayleigh, rotated
-from fem.condense.columns import condensed
-from fem.condense.join import repeated
+from fem.condense.finger_columns import condensed
+from fem.condense.joined_fingers import repeated
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.results.evaluation import surface_of
+from fem.results.field_evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import Solution
-from fem.solve.harmonic import solve_driven
-from fem.waveguide.ends import Wall
+from fem.results.stator_solution import Solution
+from fem.solve.driven_stator import solve_driven
+from fem.waveguide.end_conditions import Wall
 from tests.fem.direct import direct_solution
 from tests.validation.attempt import attempted
 from tests.validation.contenders import CURVES, missing

@@ -15,14 +15,14 @@ from scipy.sparse import csr_matrix, identity, kron, triu
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuadP, MappingIsoparametric, MeshQuad
 
-from fem.condense.electrodes import electrode_potentials, is_port, transducer_ports
+from fem.condense.electrode_conditions import electrode_potentials, is_port, transducer_ports
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.layout import check_layout
 from fem.materials.medium import Medium, media, units
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.port_fields import charge_currents
 
 MATRIX_TYPE = 6  # of Pardiso: complex symmetric

@@ -11,8 +11,8 @@ from fem.geometry import Stator, Transducer
 from fem.materials import Solid, material, rotated
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.driven_answer import SurfaceWave, surface_wave
-from fem.results.solution import Solution
-from fem.solve.harmonic import solve_driven
+from fem.results.stator_solution import Solution
+from fem.solve.driven_stator import solve_driven
 
 FREQUENCY = 2.3e6
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fem.circuit import Drive
-from fem.condense.reduced import PieceSample, rational_piece
+from fem.condense.interpolated_piece import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
@@ -23,18 +23,18 @@ from fem.mesh import quad_mesh
 from fem.mesh.even_corners import with_even_corners
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import Cells, SectionMesh, read_mesh
-from fem.results.evaluation import surface_of
-from fem.results.field import wave_field
+from fem.results.field_evaluation import surface_of
 from fem.results.field_files import write_vtu
+from fem.results.interior_field import wave_field
 from fem.results.power_balance import power_balance
-from fem.results.solution import driven_solution
-from fem.solve.band import frequency_band
-from fem.solve.forced import forced_wave
-from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
+from fem.results.stator_solution import driven_solution
+from fem.solve.band_solution import frequency_band
+from fem.solve.driven_stator import driven_wave, motion_difference, solve_driven
+from fem.solve.forced_surface import forced_wave
 from fem.solve.p_matrix_from_field import cascade_admittance, p_matrix
 from fem.solve.piece_scattering import reflector
-from fem.waveguide.force import LineForce
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import stator_cascade
 from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import bevelled_end, chip, profile, rectangle
@@ -584,7 +584,7 @@ def test_the_level_of_a_band_of_a_whole_stator_is_chosen_at_its_ends_and_middle(
         if len(asked) == 3:
             raise ConvergenceError("enough")
 
-    monkeypatch.setattr("fem.solve.band.driven_wave", refuse_the_third)
+    monkeypatch.setattr("fem.solve.band_solution.driven_wave", refuse_the_third)
     with pytest.raises(ConvergenceError, match="enough"):
         frequency_band(_whole(tmp_path), CHIP_ROW, lowest=2.1e6, highest=2.3e6, drive="a", tolerance=0.05)
     assert asked == pytest.approx([2.1e6, 2.2e6, 2.3e6], rel=1e-12)

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.condense.reduced import PieceSample, rational_piece
+from fem.condense.interpolated_piece import PieceSample, rational_piece
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
-from fem.results.evaluation import surface_of
-from fem.solve.band import frequency_band
-from fem.solve.harmonic import solve_driven
+from fem.results.field_evaluation import surface_of
+from fem.solve.band_solution import frequency_band
+from fem.solve.driven_stator import solve_driven
 from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import bevelled_end, rectangle
 from tests.fem.stators import comb, cut, plate

@@ -17,10 +17,10 @@ from fem.materials.medium import medium
 from fem.mesh.deepened import deepened
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import SectionMesh, read_mesh
-from fem.results.evaluation import surface_of
+from fem.results.field_evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.solve.band import frequency_band
-from fem.solve.harmonic import solve_driven
+from fem.solve.band_solution import frequency_band
+from fem.solve.driven_stator import solve_driven
 from fem.solve.piece_scattering import reflector
 from fem.waveguide.stator_meshes import StatorMeshes
 from tests.fem.drawings import rectangle

@@ -138,7 +138,7 @@ def test_compliance_of_a_bound_wave():
 
 def fem_response(stator):
     from fem.discretize.depth_mesh import discretise
-    from fem.waveguide.modes import guided_modes
+    from fem.waveguide.guided_modes import guided_modes
 
     resolution = fem.Resolution(order=8, edge_layers=0, absorber=3)
     section = discretise(stator, resolution, wavelength=stator.slowest_wavelength(10e6), surface_scale=np.inf)

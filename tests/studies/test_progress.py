@@ -10,7 +10,7 @@ import contact
 from studies import Scene, run
 from studies.progress import Progress, counted, reported_to
 
-FIRST, SECOND = logging.getLogger("studies.runs"), logging.getLogger("fem.solve.harmonic")
+FIRST, SECOND = logging.getLogger("studies.runs"), logging.getLogger("fem.solve.driven_stator")
 
 
 def test_a_quick_task_says_nothing(capsys):

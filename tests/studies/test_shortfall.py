@@ -4,7 +4,7 @@ import pytest
 
 from fem import ConvergenceError
 from fem.discretize import mesh_refinement
-from fem.solve import harmonic
+from fem.solve import driven_stator
 from studies.runs import run
 from studies.scene import Scene, read_table
 
@@ -45,14 +45,14 @@ def test_a_velocity_out_of_reach_is_recorded_with_its_error(two_levels, table):
 
 def test_a_level_that_has_no_answer_leaves_the_one_below(monkeypatch, table):
     del table["slider"]
-    solve = harmonic.solve_driven
+    solve = driven_stator.solve_driven
 
     def refused(*arguments, resolution, **rest):
         if resolution == mesh_refinement.LEVELS[2]:
             raise ConvergenceError("the guided modes leave a residual")
         return solve(*arguments, resolution=resolution, **rest)
 
-    monkeypatch.setattr(harmonic, "solve_driven", refused)
+    monkeypatch.setattr(driven_stator, "solve_driven", refused)
     record = run(Scene.from_table("", table), tolerance=1e-4)
     assert record.surface_wave.solution.fields.resolution == mesh_refinement.LEVELS[1]
     assert 1e-4 < record.error["relative"] < 0.1

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from fem import LEVELS, discretise, slowest_wavelength
-from fem.condense.electrodes import equipotential
+from fem.condense.electrode_conditions import equipotential
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 
 LEVEL = 2  # of fem.discretize.mesh_refinement.LEVELS

@@ -5,7 +5,7 @@ import pytest
 
 import fem
 from fem.discretize.depth_mesh import discretise
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
 
 KOVACS = fem.material("LiNbO3 (Kovacs)")
 ALN = fem.rotated(fem.material("AlN (Tsubouchi)"), "Z")

@@ -17,7 +17,7 @@ from fem.analytic.quasistatic import (
 )
 from fem.geometry import Transducer
 from fem.materials import VACUUM_PERMITTIVITY, anisotropic, material, rotated
-from fem.solve.harmonic import driven_wave
+from fem.solve.driven_stator import driven_wave
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate
 from tests.frozen import frozen
 from tests.oracles import fem_finger_ends

@@ -17,7 +17,7 @@ from fem.circuit import Drive
 from fem.discretize.element_sizes import Resolution
 from fem.geometry import covers, separation, turn
 from fem.layout import check_layout, check_plan
-from fem.solve.harmonic import driven_wave
+from fem.solve.driven_stator import driven_wave
 from fem.waveguide.port_fields import stator_cascade
 from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 

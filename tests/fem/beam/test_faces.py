@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem.beam.beam_of_section import surface_beam
-from fem.waveguide.ends import end_reflection
-from fem.waveguide.modes import power
+from fem.waveguide.end_conditions import end_reflection
+from fem.waveguide.guided_modes import power
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 

@@ -11,8 +11,8 @@ from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.reception import with_apertures
 from fem.discretize.mesh_refinement import LEVELS
-from fem.results.solution import Solution
-from fem.solve.harmonic import solve_driven
+from fem.results.stator_solution import Solution
+from fem.solve.driven_stator import solve_driven
 from studies.remarks.stator_effects import UNEVEN_CHARGE, UNEVEN_PER_PAIR
 from tests.fem.stators import wave_of
 

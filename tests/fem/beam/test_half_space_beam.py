@@ -4,7 +4,7 @@ import numpy as np
 
 from fem.beam.beam_of_section import surface_beam
 from fem.geometry import Stator, Transducer
-from fem.solve.harmonic import driven_wave
+from fem.solve.driven_stator import driven_wave
 from tests.fem.stators import cut
 
 TRUTH = 7.198e-11  # |u_z| in m per V at (15, -2) mm: independent program, four digits

@@ -8,7 +8,7 @@ import pytest
 import fem
 from fem.beam.beam_of_section import surface_beam
 from fem.discretize.mesh_refinement import LEVELS
-from fem.solve.harmonic import solve_driven
+from fem.solve.driven_stator import solve_driven
 from tests.fem.stators import constants, wave_of
 from tests.oracles.fem_half_space_field import HalfSpaceField
 

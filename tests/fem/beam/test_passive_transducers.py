@@ -13,7 +13,7 @@ from fem.condense.transducer import finger_ports
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS, refine
 from fem.exceptions import ActivePortError, ConvergenceError, InputError
-from fem.solve.band import Band, frequency_band
+from fem.solve.band_solution import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
 from fem.waveguide.port_fields import check_passive, stator_cascade
 from tests.fem.beam.test_crossed_beam import LEFT, MIDDLE, crossed, turned

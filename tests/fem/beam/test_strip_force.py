@@ -16,9 +16,9 @@ from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.materials import isotropic
-from fem.results.solution import driven_solution
-from fem.solve.forced import forced_wave
-from fem.waveguide.force import LineForce
+from fem.results.stator_solution import driven_solution
+from fem.solve.forced_surface import forced_wave
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import stator_cascade
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
 from tests.oracles.fem_point_force import point_force

@@ -12,9 +12,9 @@ from fem.beam.own_aperture import STEPS
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError
 from fem.discretize.mesh_refinement import LEVELS
-from fem.results.solution import driven_solution
-from fem.solve.harmonic import solve_driven
-from fem.waveguide.modes import power
+from fem.results.stator_solution import driven_solution
+from fem.solve.driven_stator import solve_driven
+from fem.waveguide.guided_modes import power
 from tests.fem.stators import FREQUENCY, comb, constants, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_plate_beam import plate_beam
 from tests.oracles.fem_plate_response import PlateResponse

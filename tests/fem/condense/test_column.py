@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fem.condense.column import ELECTRODES, ColumnField
-from fem.condense.columns import condensed
+from fem.condense.element_column import ELECTRODES, ColumnField
+from fem.condense.finger_columns import condensed
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 
 CASES = (

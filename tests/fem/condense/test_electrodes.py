@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.condense.electrodes import charged, equipotential, is_port, open_circuit, terminated, uncharged
+from fem.condense.electrode_conditions import charged, equipotential, is_port, open_circuit, terminated, uncharged
 from tests.fem.stators import comb, lossless, plate
 
 RNG = np.random.default_rng(5)

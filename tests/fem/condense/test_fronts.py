@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.condense.fronts import Dissection
+from fem.condense.nested_dissection import Dissection
 from fem.exceptions import ConvergenceError
 
 

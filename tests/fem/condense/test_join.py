@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.condense.columns import columns_from_left, condensed
-from fem.condense.join import exchanged, joined, repeated
+from fem.condense.finger_columns import columns_from_left, condensed
+from fem.condense.joined_fingers import exchanged, joined, repeated
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, finger_ports, half_cells, joined_fingers
 from fem.discretize.element_sizes import Resolution
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 
 CASES = (

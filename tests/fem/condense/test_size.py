@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.condense import join, transducer
-from fem.condense.column import Column
-from fem.condense.size import stator_size
+from fem.condense import joined_fingers, transducer
+from fem.condense.element_column import Column
+from fem.condense.problem_size import stator_size
 from fem.discretize.element_sizes import Resolution
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
@@ -47,8 +47,8 @@ def test_counts_are_what_a_solution_does(monkeypatch, stator, row, layers):
     for name in done:
         counted = counting(name)
         monkeypatch.setattr(transducer, name, counted)
-        if hasattr(join, name):
-            monkeypatch.setattr(join, name, counted)
+        if hasattr(joined_fingers, name):
+            monkeypatch.setattr(joined_fingers, name, counted)
     solved = solution(stator, row, order=3, layers=layers)
     size = stator_size(stator, row, frequency=FREQUENCY, resolution=solved.fields.resolution)
     assert {"joined": size.joins, "condensed": size.condensed} == done

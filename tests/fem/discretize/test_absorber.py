@@ -13,7 +13,7 @@ from fem.eigenproblem import companion_modes
 from fem.materials import anisotropic, fields, rotated
 from fem.materials.christoffel import slowest_wavelength, slowness_sheets, stretch_absorbs
 from fem.materials.medium import medium
-from fem.solve.harmonic import motion_difference, solve_driven
+from fem.solve.driven_stator import motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
 
 LITHIUM_NIOBATE = lossless("LiNbO3 (Kovacs)", "128YX")

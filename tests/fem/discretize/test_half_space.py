@@ -7,8 +7,8 @@ from fem.discretize.absorber import absorber_kind
 from fem.discretize.mesh_refinement import LEVELS, level_gain
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.results.evaluation import surface_of
-from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
+from fem.results.field_evaluation import surface_of
+from fem.solve.driven_stator import driven_wave, motion_difference, solve_driven
 from tests.fem.stators import cut
 from tests.frozen import frozen
 from tests.oracles.fem_half_space import FingerStrips

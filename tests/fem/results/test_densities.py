@@ -8,8 +8,8 @@ import pytest
 from fem.analytic.half_space import rayleigh
 from fem.discretize.spectral import gll_nodes, lagrange, line_nodes
 from fem.materials import isotropic
-from fem.results.densities import densities, shared, upward_slope
-from fem.results.field import free_field, wave_field
+from fem.results.energy_densities import densities, shared, upward_slope
+from fem.results.interior_field import free_field, wave_field
 from fem.results.power_balance import power_balance
 from fem.solve.guided import free_wave
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of

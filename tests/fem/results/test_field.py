@@ -5,8 +5,8 @@ import pytest
 
 from fem.discretize.spectral import line_nodes
 from fem.materials import fields
-from fem.results.field import WaveField, wave_field
 from fem.results.field_files import write_vtu
+from fem.results.interior_field import WaveField, wave_field
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 CASES = (

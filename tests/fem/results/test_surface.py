@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.exceptions import ConvergenceError
-from fem.results.evaluation import recovered
+from fem.results.field_evaluation import recovered
 from fem.results.surface import CondensedPiece, UniformSegment, standing_wave_ratio
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 

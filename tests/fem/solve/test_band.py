@@ -12,12 +12,12 @@ from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated
 from fem.reduce.projection import BandProblem, project, solve_at_nodes
-from fem.results.evaluation import surface_of
-from fem.results.field import wave_field
-from fem.results.solution import driven_solution
-from fem.solve import band as band_module
-from fem.solve.band import frequency_band, reduced_model
-from fem.solve.harmonic import motion_difference, solve_driven
+from fem.results.field_evaluation import surface_of
+from fem.results.interior_field import wave_field
+from fem.results.stator_solution import driven_solution
+from fem.solve import band_solution as band_module
+from fem.solve.band_solution import frequency_band, reduced_model
+from fem.solve.driven_stator import motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 PLACES = np.array([0.011])
@@ -82,9 +82,9 @@ def test_a_reduced_basis_holds_the_constant_potential():
 @pytest.mark.parametrize(("of_levels", "projections"), [(1e-4, 1), (8e-4, 3), (2e-3, 2)])
 def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_levels, projections):
     """At a tolerance of 1e-3: no smaller error than is left, no second discretisation where more fields would do."""
-    monkeypatch.setattr("fem.solve.band.project", lambda problem, nodes, truncation: truncation)
+    monkeypatch.setattr("fem.solve.band_solution.project", lambda problem, nodes, truncation: truncation)
     reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
-    monkeypatch.setattr("fem.solve.band.reduction_errors", lambda *rest: next(reached))
+    monkeypatch.setattr("fem.solve.band_solution.reduction_errors", lambda *rest: next(reached))
     problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES)
     _, of_motion, _ = reduced_model(problem, None, [], 1.0, 1e-3 - of_levels)
     assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
@@ -213,8 +213,8 @@ def test_nodes_are_solved_once_on_the_discretisation_that_is_needed(monkeypatch)
 
 def test_a_band_that_misses_its_tolerance_says_so(monkeypatch):
     """With what it reached; one round instead of three, to be quick."""
-    monkeypatch.setattr("fem.solve.band.MAX_ROUNDS", 1)
-    monkeypatch.setattr("fem.solve.band.LEVELS", LEVELS[:3])
+    monkeypatch.setattr("fem.solve.band_solution.MAX_ROUNDS", 1)
+    monkeypatch.setattr("fem.solve.band_solution.LEVELS", LEVELS[:3])
     stator = plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=8.0, thickness=0.6, ends="free")
     row = (comb(stator, "a", 2.0, finger_pairs=2),)
     with pytest.raises(ConvergenceError, match=r"in the band is known to .* only, 0\.001 was asked") as said:

@@ -7,7 +7,7 @@ import pytest
 
 from fem.circuit import Drive
 from fem.exceptions import ConvergenceError
-from fem.solve.band import frequency_band
+from fem.solve.band_solution import frequency_band
 from fem.solve.burst_envelope import burst_response
 from tests.fem.stators import FREQUENCY, comb, cut, plate
 

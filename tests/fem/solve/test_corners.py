@@ -10,8 +10,8 @@ import pytest
 from fem.discretize.element_sizes import CORNER_RATIO
 from fem.discretize.mesh_refinement import LEVELS
 from fem.materials.christoffel import slowest_wavelength
-from fem.results.evaluation import surface_of
-from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
+from fem.results.field_evaluation import surface_of
+from fem.solve.driven_stator import driven_wave, motion_difference, solve_driven
 from tests.fem.direct import direct_solution
 from tests.fem.stators import FREQUENCY, comb, cut, plate, section
 

@@ -12,13 +12,13 @@ from fem.discretize.element_sizes import Resolution
 from fem.exceptions import InputError
 from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
-from fem.results.evaluation import surface_of
+from fem.results.field_evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import driven_solution
-from fem.solve.band import frequency_band
-from fem.solve.forced import forced_wave
-from fem.solve.harmonic import driven_wave
-from fem.waveguide.force import LineForce, force_response
+from fem.results.stator_solution import driven_solution
+from fem.solve.band_solution import frequency_band
+from fem.solve.driven_stator import driven_wave
+from fem.solve.forced_surface import forced_wave
+from fem.waveguide.line_force import LineForce, force_response
 from fem.waveguide.port_fields import stator_cascade
 from tests.fem.drawings import rectangle
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate

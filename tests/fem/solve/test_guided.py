@@ -18,8 +18,8 @@ from fem.geometry import Stator
 from fem.materials import rotated
 from fem.materials.christoffel import slowest_wavelength
 from fem.solve.guided import guided_modes
-from fem.waveguide.modes import guided_modes as modes_of_section
-from fem.waveguide.modes import power
+from fem.waveguide.guided_modes import guided_modes as modes_of_section
+from fem.waveguide.guided_modes import power
 from tests.fem.stators import FREQUENCY, cut, lossless, plate
 
 CUTS = {

@@ -12,7 +12,7 @@ from fem.discretize.mesh_refinement import EXPECTED, LEVELS
 from fem.exceptions import ConvergenceError
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from fem.solve.harmonic import driven_wave, motion_difference, solve_driven
+from fem.solve.driven_stator import driven_wave, motion_difference, solve_driven
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
 
 SOLID = cut("PZT-8", "Z")

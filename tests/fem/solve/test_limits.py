@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.condense.join import joined
+from fem.condense.joined_fingers import joined
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.element_sizes import Resolution
 from fem.exceptions import ConvergenceError

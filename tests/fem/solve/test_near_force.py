@@ -13,8 +13,8 @@ from fem.analytic.half_space import rayleigh
 from fem.exceptions import InputError
 from fem.geometry import Stator
 from fem.materials import isotropic
-from fem.solve.forced import forced_wave
-from fem.waveguide.force import LineForce
+from fem.solve.forced_surface import forced_wave
+from fem.waveguide.line_force import LineForce
 from tests.fem.stators import FREQUENCY, constants, cut, lossless, plate
 from tests.frozen import frozen
 from tests.oracles.fem_plate_response import PlateResponse

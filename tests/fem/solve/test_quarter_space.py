@@ -22,7 +22,7 @@ from fem.mesh.mesh_piece import MeshPiece
 from fem.mesh.section_mesh import read_mesh
 from fem.solve.p_matrix_from_field import waves_of
 from fem.solve.piece_scattering import reflector
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.stator_meshes import condensed_pieces
 from tests.fem.drawings import rectangle
 from tests.oracles.fem_isotropic_rayleigh import profile, velocity_over_shear

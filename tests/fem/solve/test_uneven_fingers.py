@@ -14,7 +14,7 @@ from fem.beam.surface_beam import BeamError
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.materials.christoffel import slowest_wavelength
-from fem.solve.harmonic import driven_wave, solve_driven
+from fem.solve.driven_stator import driven_wave, solve_driven
 from fem.solve.p_matrix_from_field import p_matrix_on_level
 from tests.fem.direct import direct_solution
 

@@ -6,7 +6,7 @@ import pytest
 from fem.geometry import Stator, Transducer
 from fem.materials import Solid
 from fem.materials.christoffel import slowest_wavelength
-from fem.solve.harmonic import driven_wave
+from fem.solve.driven_stator import driven_wave
 from tests.fem.stators import constants, cut
 from tests.frozen import frozen
 from tests.oracles.fem_charged_plate import ChargedPlate

@@ -8,8 +8,8 @@ from fem.discretize.depth_mesh import discretise
 from fem.discretize.mesh_refinement import LEVELS
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength
-from fem.waveguide.force import force_response
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
+from fem.waveguide.line_force import force_response
 from tests.fem.stators import FREQUENCY, lossless, plate
 
 

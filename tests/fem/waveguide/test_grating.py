@@ -10,7 +10,7 @@ from fem.analytic.half_space import coupling, rayleigh
 from fem.analytic.quasistatic import surface_permittivity
 from fem.condense.transducer import Condensation, finger_cell
 from fem.discretize.mesh_refinement import LEVELS
-from fem.solve.harmonic import solve_driven
+from fem.solve.driven_stator import solve_driven
 from fem.solve.periodic_cell import cell_parameters
 from fem.waveguide.grating import StopBand, grating
 from tests.fem.stators import comb, lossless, plate, wave_of

@@ -9,7 +9,7 @@ from fem.discretize.element_sizes import Resolution
 from fem.exceptions import ConvergenceError
 from fem.geometry import Stator
 from fem.materials import isotropic
-from fem.waveguide.modes import guided_modes, power
+from fem.waveguide.guided_modes import guided_modes, power
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 from tests.oracles import fem_lamb
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fem.condense.columns import condensed
-from fem.condense.join import repeated
-from fem.waveguide.ends import end_reflection
-from fem.waveguide.modes import guided_modes
+from fem.condense.finger_columns import condensed
+from fem.condense.joined_fingers import repeated
+from fem.waveguide.end_conditions import end_reflection
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.scattering_network import NEGLIGIBLE, Scatterer
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution
 

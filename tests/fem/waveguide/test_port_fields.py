@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.condense.electrodes import electrode_potentials, transducer_ports
+from fem.condense.electrode_conditions import electrode_potentials, transducer_ports
 from fem.geometry import Transducer
 from fem.waveguide.port_fields import charge_currents
 

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from fem.beam.beam_of_section import aperture_beam
-from fem.condense.columns import condensed
-from fem.condense.join import repeated, with_ports
+from fem.condense.finger_columns import condensed
+from fem.condense.joined_fingers import repeated, with_ports
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.materials.christoffel import slowest_wavelength
-from fem.results.evaluation import surface_of
-from fem.results.field import wave_field
+from fem.results.field_evaluation import surface_of
+from fem.results.interior_field import wave_field
 from fem.results.power_balance import power_balance
-from fem.results.solution import driven_solution
-from fem.waveguide.modes import guided_modes
+from fem.results.stator_solution import driven_solution
+from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.port_fields import joined_cascade
 from fem.waveguide.stator_meshes import CondensedPieces
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of

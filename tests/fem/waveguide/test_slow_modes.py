@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.mesh_refinement import LEVELS
 from fem.discretize.vacuum import GROWTH, LAST_ALONG, plate_reach
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.guided_modes import guided_modes
 from tests.fem.stators import FREQUENCY, lossless, plate
 
 

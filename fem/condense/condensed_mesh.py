@@ -1,9 +1,9 @@
 """Meshed piece of the stator: condensation to its interfaces and electrodes, and the field inside.
 
 The unknowns inside every element are eliminated first, in batches (static condensation), and then those on edges and
-vertices (the skeleton; of one element: its rim), front by front (`fem.condense.fronts`).  On an interface the unknowns
-of the mesh are P times those of the section's line (`fem.condense.mesh_assembly`), so that the condensed matrix is
-P^T A P, which is complex symmetric.
+vertices (the skeleton; of one element: its rim), front by front (`fem.condense.nested_dissection`).  On an interface
+the unknowns of the mesh are P times those of the section's line (`fem.condense.mesh_assembly`), so that the condensed
+matrix is P^T A P, which is complex symmetric.
 
 A piece with one interface is an end of the stator, and a piece without interfaces is the whole stator.  A piece whose
 far side meets the line of another section is a step, which the radiation impedance of that section terminates.
@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 
 from fem.condense.cascade_piece import Port
-from fem.condense.fronts import Dissection, Factor
 from fem.condense.layer_columns import LayerColumns
+from fem.condense.nested_dissection import Dissection, Factor
 from fem.discretize.quad_elements import QuadSpace, TopEdges, medium_block, medium_tables
 from fem.discretize.section import FIELD_COLUMN
 from fem.exceptions import ConvergenceError

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.condense.cascade_piece import Port, RecoveredField
-from fem.condense.mesh import Assembly, MeshedPiece
+from fem.condense.condensed_mesh import Assembly, MeshedPiece
 
 # Singular values of M of the clamped fields below this share of the largest are rounding of the divided differences.
 ROUNDING = 1e-8
@@ -34,7 +34,7 @@ class ReducedPiece:
     width: float
     ports: tuple[Port, ...]
     floating_potential: bool
-    grounded: bool  # as in `fem.condense.mesh.MeshedPiece`
+    grounded: bool  # as in `fem.condense.condensed_mesh.MeshedPiece`
     unknowns: int  # of the mesh
     recover: Callable[[np.ndarray], RecoveredField] = field(repr=False)
 

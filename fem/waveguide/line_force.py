@@ -16,8 +16,8 @@ from typing import Annotated, Literal
 import numpy as np
 
 from fem.parameters import ComplexNumber, Number, Parameters
-from fem.waveguide.ends import with_gauge
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.end_conditions import with_gauge
+from fem.waveguide.guided_modes import GuidedModes
 
 
 @dataclass(frozen=True, kw_only=True)

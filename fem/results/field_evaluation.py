@@ -3,7 +3,7 @@
 Nothing is solved here.  The cascade keeps, for each of its excitations e (volts, newtons per metre), the amplitudes A_e
 of the modes that go right at the start x_0 of every segment, B_e of those that go left at its stop x_1, and the sides
 s_e (both lines and the potentials) of every piece (`fem.waveguide.port_fields.PortFields`).  With the weights w_e of a
-solution (`fem.results.solution.Solution`) the field of a segment is
+solution (`fem.results.stator_solution.Solution`) the field of a segment is
 
     u(x, z) = sum_i a_i v_i(z) exp(-i k_i (x - x_0)) + sum_j b_j w_j(z) exp(-i k_j (x - x_1)),
     a = sum_e A_e w_e,      b = sum_e B_e w_e,                                                       (1)
@@ -22,11 +22,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.condense.column import ColumnField
-from fem.results.solution import Solution
+from fem.condense.element_column import ColumnField
+from fem.results.stator_solution import Solution
 from fem.results.surface import CondensedPiece, Surface, UniformSegment
-from fem.waveguide.ends import Beyond, Wall
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.end_conditions import Beyond, Wall
+from fem.waveguide.guided_modes import GuidedModes
 from fem.waveguide.scattering_network import SegmentWaves
 
 ENDS = (-1, -2)  # "scatterer" numbers of the left and the right end where they are condensed pieces

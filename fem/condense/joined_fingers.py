@@ -16,10 +16,10 @@ and what remains of the two matrices is
     | A_pl   B_pr   A_pp + B_pp |
 
 Where a finger lies on the shared line, u_m has no potential of its own at the surface: its row and column are added to
-those of the finger's electrode before (1) (`fem.condense.electrodes.equipotential`).
+those of the finger's electrode before (1) (`fem.condense.electrode_conditions.equipotential`).
 
 N equal pieces take about log2(N) joins instead of N (cyclic reduction, Buzbee, Golub and Nielson 1970).  The unknowns
-between are recovered from the sides by (2), level by level (`fem.condense.columns.distinct_columns`).
+between are recovered from the sides by (2), level by level (`fem.condense.finger_columns.distinct_columns`).
 
 Example: two springs of stiffness s, A = B = [[s, -s], [-s, s]], joined: T = [1/2, 1/2], and (3) is the spring s/2,
 s/2 [[1, -1], [-1, 1]].
@@ -30,9 +30,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condense.column import Column, sides_to_inside
-from fem.condense.columns import FingerColumns, LiftedHalf, Pair, Restated
-from fem.condense.electrodes import equipotential
+from fem.condense.electrode_conditions import equipotential
+from fem.condense.element_column import Column, sides_to_inside
+from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, Restated
 
 
 def joined(

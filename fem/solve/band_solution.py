@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from fem.circuit import Circuit, Drive
-from fem.condense.electrodes import is_port
-from fem.condense.mesh import MeshedPiece
-from fem.condense.reduced import PieceSample, rational_piece
+from fem.condense.condensed_mesh import MeshedPiece
+from fem.condense.electrode_conditions import is_port
+from fem.condense.interpolated_piece import PieceSample, rational_piece
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError, InputError
@@ -25,12 +25,12 @@ from fem.parameters import refuse_if, refuses
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.reduce.reduced_model import ReducedModel
 from fem.results.driven_answer import SurfaceWave, surface_wave
-from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, driven_solution
+from fem.results.field_evaluation import surface_of
+from fem.results.stator_solution import Solution, driven_solution
+from fem.solve.driven_stator import check_driven, driven_wave, refined_wave, solution_differences
 from fem.solve.full_band import FullModel
-from fem.solve.harmonic import check_driven, driven_wave, refined_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
-from fem.waveguide.force import LineForce
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 
 # Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at

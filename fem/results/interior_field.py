@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.condense.columns import ColumnsField
+from fem.condense.finger_columns import ColumnsField
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.materials import Solid
-from fem.results.densities import Densities, densities, flattened, layered_densities, shared, upward_slope
 from fem.results.driven_answer import SurfaceWave
-from fem.results.evaluation import ENDS, columns_in_order, recovered
+from fem.results.energy_densities import Densities, densities, flattened, layered_densities, shared, upward_slope
+from fem.results.field_evaluation import ENDS, columns_in_order, recovered
 from fem.results.segment_modes import FreeWave
-from fem.results.solution import Solution
+from fem.results.stator_solution import Solution
 from fem.results.surface import CondensedPiece, UniformSegment
 
 SAME_LINE = 1e-6  # of the lines' distance: positions nearer than this are one

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fem.condense.column import Column
-from fem.condense.columns import FingerColumns, LiftedHalf, Pair
+from fem.condense.element_column import Column
+from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair
 from fem.discretize.spectral import gll_nodes
 
 

@@ -19,11 +19,11 @@ from fem.geometry import Stator, Transducer, on_stator
 from fem.layout import check_layout
 from fem.parameters import InputError, positive, refuses
 from fem.results.driven_answer import SurfaceWave, surface_wave
-from fem.results.evaluation import surface_of
-from fem.results.solution import Solution, driven_solution
-from fem.solve.harmonic import motion_difference
+from fem.results.field_evaluation import surface_of
+from fem.results.stator_solution import Solution, driven_solution
+from fem.solve.driven_stator import motion_difference
 from fem.threads import one_blas_thread
-from fem.waveguide.force import LineForce
+from fem.waveguide.line_force import LineForce
 from fem.waveguide.port_fields import stator_cascade
 
 

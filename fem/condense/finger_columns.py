@@ -1,11 +1,11 @@
 """Superelement of the columns of elements under fingers and gaps, condensed to its two lines and its electrodes.
 
-A transducer is such a superelement: columns (`fem.condense.column`) joined in pairs (`fem.condense.join`).  The *sides*
-of a piece are the vector [u_left, u_right, v] of its unknowns on the left line, on the right line, and the potentials
-of its electrodes.  A pair keeps the matrix that expresses its eliminated middle line by its sides.  The field inside is
-therefore recovered from the sides of the whole down the tree of pairs: sides of the parts from those of a pair, level
-by level, to every column.  Equal columns of a transducer are one object that occurs several times, and are recovered
-together.
+A transducer is such a superelement: columns (`fem.condense.element_column`) joined in pairs
+(`fem.condense.joined_fingers`).  The *sides* of a piece are the vector [u_left, u_right, v] of its unknowns on the left
+line, on the right line, and the potentials of its electrodes.  A pair keeps the matrix that expresses its eliminated
+middle line by its sides.  The field inside is therefore recovered from the sides of the whole down the tree of pairs:
+sides of the parts from those of a pair, level by level, to every column.  Equal columns of a transducer are one object
+that occurs several times, and are recovered together.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.cascade_piece import Blocks, Port
-from fem.condense.column import ELECTRODES, Column, ColumnField, Skeleton, condensed_column
+from fem.condense.element_column import ELECTRODES, Column, ColumnField, Skeleton, condensed_column
 from fem.discretize.section import Section
 from fem.discretize.spectral import gll_nodes, lagrange
 
@@ -95,7 +95,7 @@ class Pair:
 
     left: FingerColumns
     right: FingerColumns
-    # T of equation (2) in join.py: from the sides to the unknowns of the shared line, shape (n, 2 n + ports)
+    # T of equation (2) in joined_fingers.py: from the sides to the unknowns of the shared line, shape (n, 2 n + ports)
     middle: np.ndarray = field(repr=False)
     # True: the ports are those of the left part followed by those of the right part; False: both parts share all ports
     own_ports: bool = False
@@ -154,7 +154,7 @@ class LiftedHalf:
     side: int  # 0: from the middle of the gap to the middle of the finger, 1: the other half
     # (side, sides on reduced lines) -> (the half on lines with all unknowns, its sides there)
     full: Callable[[int, np.ndarray], tuple[FingerColumns, np.ndarray]] = field(repr=False)
-    moment: np.ndarray = field(repr=False)  # `fem.condense.moments.finger_moment`, (2 n + 2,)
+    moment: np.ndarray = field(repr=False)  # `fem.condense.reaction_moments.finger_moment`, (2 n + 2,)
     unknowns: int
 
 

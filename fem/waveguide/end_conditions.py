@@ -12,12 +12,12 @@ from functools import reduce
 import numpy as np
 
 from fem.condense.cascade_piece import Piece, RecoveredField
-from fem.condense.columns import condensed
-from fem.condense.join import joined
+from fem.condense.finger_columns import condensed
+from fem.condense.joined_fingers import joined
 from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
-from fem.waveguide.modes import GuidedModes
+from fem.waveguide.guided_modes import GuidedModes
 
 END_COLUMNS = 2
 

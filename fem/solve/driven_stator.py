@@ -20,9 +20,9 @@ from fem.geometry import Stator, Transducer
 from fem.layout import check_layout
 from fem.parameters import InputError, positive, refuses
 from fem.results.driven_answer import SurfaceWave, surface_wave
-from fem.results.evaluation import surface_of
+from fem.results.field_evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import Solution, driven_solution
+from fem.results.stator_solution import Solution, driven_solution
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import stator_cascade
 

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.condense.cascade_piece import Blocks, Port
-from fem.condense.electrodes import equipotential
+from fem.condense.electrode_conditions import equipotential
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.exceptions import ConvergenceError
