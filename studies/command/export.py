@@ -124,12 +124,12 @@ def names_file(out: Path, arguments: argparse.Namespace, scene: Scene) -> bool:
 
 def exported(arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return the export of a call without writing it; SceneError for options that the format does not take."""
-    from studies.export import instruments
-    from studies.report.explanation import announced
-
     keys = checked(arguments)
     options: dict[str, Any] = {key: value for key in keys if (value := getattr(arguments, key)) not in (None, [])}
     if arguments.format in ("uff", "csv", "touchstone"):
+        from studies.export import instruments  # with SciPy's integration: a mask needs neither
+        from studies.report.explanation import announced
+
         recording = instruments.Recording(**options)
         options = {"recording": recording}
         if arguments.format == "touchstone" or recording.scan == "frequency":

@@ -82,10 +82,14 @@ class Problem:
         """Return whether a change of a parameter, or of what follows it, requires a new solution of the stator."""
         return any(map(self.predictor.needs_stator, [parameter.key, *self.ties.followers(parameter.key)]))
 
-    def predictions(self, xs, measurements=None) -> list[list[np.ndarray]]:
-        """Return, for each x, the predictions of measurements, by default the problem's; no systematic errors."""
+    def predictions(self, xs, measurements=None, *, travelling: bool = True) -> list[list[np.ndarray]]:
+        """Return, for each x, the predictions of measurements, by default the problem's; no systematic errors.
+
+        ``travelling``: as for `MeasurementPredictor.predict`.
+        """
         measurements = measurements or self.measurements
-        flat = self.predictor.predict([(each, self.scene_numbers(x)) for x in xs for each in measurements])
+        questions = [(each, self.scene_numbers(x)) for x in xs for each in measurements]
+        flat = self.predictor.predict(questions, travelling=travelling)
         return [flat[k : k + len(measurements)] for k in range(0, len(flat), len(measurements))]
 
     def residuals(self, xs) -> np.ndarray:

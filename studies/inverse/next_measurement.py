@@ -2,7 +2,9 @@
 
 Each candidate adds its Fisher information, from derivatives at the best fit, to that of the data
 (`Problem.information`), where the ranges are a weak prior of numbers that the data leave open.  A candidate without
-standard deviations of its own has the typical relative deviation of the data.
+standard deviations of its own has the typical relative deviation of the data.  A burst is planned at the slider's
+position, on a wave that is steady from its start: ring-up and travel take seconds for each derivative.  On the motor
+``twente`` a burst of 0.34 s along the field leaves 1.7 % of the friction coefficient open, at one position 2.1 %.
 """
 
 import logging
@@ -108,14 +110,14 @@ def _jacobian(problem: Problem, best: np.ndarray, planned: Measurement, typical:
 
     ``typical``: relative standard deviation of a measurement that has none of its own.
     """
-    centre = problem.predictions([best], (planned,))[0][0]
+    centre = problem.predictions([best], (planned,), travelling=False)[0][0]
     relative = typical if planned.deviations is None else planned.deviations[0]
     deviation = relative * np.maximum(np.abs(centre), 0.1 * np.max(np.abs(centre)))
     if not np.all(np.isfinite(centre)) or np.max(deviation) == 0.0:
         return None
 
     def predicted(xs):
-        return [each[0] / deviation for each in problem.predictions(xs, (planned,))]
+        return [each[0] / deviation for each in problem.predictions(xs, (planned,), travelling=False)]
 
     own = problem.derivatives(predicted, best, range(len(problem.parameters)))
     jacobian = np.pad(own, ((0, 0), (0, len(best) - own.shape[1])))  # systematic errors belong to the data alone

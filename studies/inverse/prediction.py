@@ -110,8 +110,10 @@ class MeasurementPredictor(Predictor):
         """Return whether a change of the key requires a new solution of the stator."""
         return not self.prescribed_wave and (key in POSITION_KEYS or changes_stator(key))
 
-    def predict(self, questions: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
+    def predict(self, questions: list[tuple[Measurement, dict]], *, travelling: bool = True) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers by key; NaN where there is no answer.
+
+        ``travelling``: False leaves the slider of a burst at its position, on a wave without ring-up.
 
         The steady velocities of all questions are solved together at the end.
         """
@@ -137,7 +139,7 @@ class MeasurementPredictor(Predictor):
             elif measurement.quantity == "amplitude":
                 answers.append(factors * driven.amplitude)
             elif measurement.quantity in ("burst", "position"):
-                answers.append(self._burst(measurement, driven, float(factors[0]), numbers))
+                answers.append(self._burst(measurement, driven, float(factors[0]), numbers, travelling))
             elif measurement.quantity == "ring-down frequency":
                 answers.append(np.array([driven.moving_slider.tangential_resonance(driven.contacts)]))
             else:
@@ -216,7 +218,9 @@ class MeasurementPredictor(Predictor):
         found = {} if nearby is None else ripples(nearby, known)
         return np.array([found[key].mean if key in found else math.nan for key in keys])
 
-    def _burst(self, measurement: Measurement, driven: Contact, level: float, numbers: dict) -> np.ndarray:
+    def _burst(
+        self, measurement: Measurement, driven: Contact, level: float, numbers: dict, travelling: bool
+    ) -> np.ndarray:
         """Return velocity or position at the measured instants of a burst, with its ring-up and travel.
 
         The instrument's bandwidth, sampling and origin of time are applied to the prediction.
@@ -227,7 +231,8 @@ class MeasurementPredictor(Predictor):
             raise SceneError(
                 f"measurements {measurement.name}", f'holds a burst: state its duration after the file, {key}="0.1 s"'
             )
-        driven = self.stators.bursting(driven)
+        if travelling:
+            driven = self.stators.bursting(driven)
         if driven.along is not None:
             driven = replace(driven, along=driven.along.scaled(numbers.get(AMPLITUDE_FACTOR, 1.0)))
         (steady,) = self.velocities([(driven, level)])

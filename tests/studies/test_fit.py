@@ -35,7 +35,7 @@ class Model:
     def begin(self, stage, total=0):
         """Say nothing."""
 
-    def predict(self, questions):
+    def predict(self, questions, *, travelling=True):
         return [self.formula(np.array(m.levels), **(self.own | numbers)) for m, numbers in questions]
 
     def value(self, key):
@@ -452,3 +452,21 @@ def test_an_estimate_at_an_end_of_its_range_is_remarked():
 def test_a_residual_shows_itself():
     residual = Residual("twente-contact", LAB, {RATIO: (0.3, 1.5), "slider.mass": (1e-5, 1e-3)})
     assert repr(residual) == f"Residual(lab (4 values); {RATIO} = 0.3 to 1.5, slider.mass = 10 mg to 1 g)"
+
+
+def test_a_burst_to_be_measured_next_is_planned_where_the_slider_stands(monkeypatch):
+    """On a stator: a burst that is followed along the field takes seconds for each of its derivatives."""
+
+    def followed(*_):
+        raise AssertionError("the burst is followed through ring-up and along the field")
+
+    monkeypatch.setattr("studies.solve.stators.Stators.bursting", followed)
+    levels = (20.0, 40.0, 60.0)
+    values = (0.0107, 0.0353, 0.0598)
+    curve = Measurement(
+        name="lab", quantity="velocity", level_key="voltage_V", levels=levels, values=values, deviations=(1e-3,) * 3
+    )
+    free = {"slider.friction_coefficient": (0.02, 0.3), "slider.preload": (2e-4, 4e-3)}
+    planned = {each.name: each for each in fit("twente", curve, free).candidates}
+    (burst,) = (each for name, each in planned.items() if name.startswith("v(t) of a burst"))
+    assert 0.005 < burst.after < 0.5 * burst.before

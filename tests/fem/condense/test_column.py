@@ -89,7 +89,8 @@ def test_combs_differ_by_name_only(depth):
     first, second = (condensed(depth, FREQUENCY, width=WIDTH, electrode=comb).matrix for comb in (0, 1))
     n = depth.size
     order = np.r_[0 : 2 * n, 2 * n + 1, 2 * n]
-    assert np.abs(first[np.ix_(order, order)] - second).max() == 0
+    # but for rounding, which depends on where the arrays lie in memory
+    assert np.abs(first[np.ix_(order, order)] - second).max() < 1e-15 * np.abs(first).max()
     corner = depth.surface_dofs["phi"]
     assert not np.any(first[[corner, n + corner]])
 
