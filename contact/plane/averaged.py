@@ -192,11 +192,11 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
     """
     _refuse_runaway(averaged)
     if averaged.top_speed == 0.0:
-        return _at_rest(averaged)
+        return at_rest(averaged)
     body = averaged.body
     search = search_of(body, averaged.guess() if near is None else near, averaged.deformation)
     if averaged.closed.any() and averaged.seek(body, search, SEARCH, Task.REST) == Found.AT_REST:
-        held = _at_rest(averaged)
+        held = at_rest(averaged)
         if held.held:
             return held
     answer, check = (COARSE_ANSWER, COARSE_CHECK) if tolerance >= COARSE else (ANSWER, CHECK)
@@ -206,7 +206,7 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         search.unknown[:] += body.basis @ search.step
         status = averaged.seek(body, search, answer, Task.CONTINUE, close)
     if status != Found.BALANCE:
-        held = _at_rest(averaged)
+        held = at_rest(averaged)
         if held.held or status == Found.AT_REST:
             return held
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
@@ -254,7 +254,7 @@ def dragged(averaged: Averaged, towards: np.ndarray) -> np.ndarray:
     return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
 
 
-def _at_rest(averaged):
+def at_rest(averaged):
     """Return the balance at rest; not `held` where no force of the band is the load.
 
     The forces of rest are a convex set. It holds the load if in no direction its farthest point falls short of it; the

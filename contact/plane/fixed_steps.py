@@ -15,7 +15,7 @@ from contact.jit.compiled import native
 from contact.law.elastic import spring_force
 from contact.law.normal import load
 from contact.plane.full_motion import clipped, rest_deformations, rest_position, without_waves
-from contact.plane.plane_equations import Body, Surface, fill_surface, turned_by
+from contact.plane.plane_equations import Body, PlaneProblem, Surface, fill_surface, turned_by
 from contact.plane.scaling import Scaled
 
 
@@ -110,11 +110,29 @@ class FixedSteps:
         state.force[0] = float((problem.stiffness * load(state.z, problem.normal)).sum())
         return cls(units, state, per_cycle)
 
+    @property
+    def phase(self) -> float:
+        """Phase since the start."""
+        return float(self.state.total[0])
+
+    @property
+    def place(self) -> np.ndarray:
+        """(x, y, yaw) since the start, scaled."""
+        return self.state.q[Body.X :]
+
+    def restarted(self) -> "FixedSteps":
+        """Return the motion itself: it locates no events."""
+        return self
+
     def silenced(self) -> "FixedSteps":
         """Return the motion on a surface that is at rest at once; contacts that touch keep their deformation."""
-        problem, state = without_waves(self.units.problem), self.state
-        state.before[:] = 0.0
-        state.z[:] = problem.height - state.q[Body.HEIGHT]
+        return self.on(without_waves(self.units.problem))
+
+    def on(self, problem: PlaneProblem) -> "FixedSteps":
+        """Return the motion on other waves from this instant."""
+        state = self.state
+        fill_surface(problem, 0, problem.x.size, state.total[0], state.before)
+        state.z[:] = problem.height + state.before[:, Surface.Z] - state.q[Body.HEIGHT]
         return replace(self, units=self.units._replace(problem=problem))
 
     def follow(self, phase: float) -> None:

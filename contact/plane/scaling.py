@@ -79,7 +79,7 @@ def scaled(
     if not heavy:
         inverse[0] = 1.0
         for k in FREE[slider.freedom]:
-            inverse[1 + k] = 1.0 if k < 2 else slider.unit_mass * length**2 / _inertia(slider)
+            inverse[1 + k] = 1.0 if k < 2 else slider.unit_mass * length**2 / inertia_of(slider)
     damping = np.array([slider.normal_damping, *[slider.tangential_damping] * 2, slider.yaw_damping / length**2])
     problem = PlaneProblem(
         friction=float(slider.friction_coefficient), contact_damping=slider.contact_damping * omega * length,
@@ -93,7 +93,8 @@ def scaled(
     return Scaled(problem, length, omega, force, period, change)
 
 
-def _inertia(slider):
+def inertia_of(slider: Slider) -> float:
+    """Return the moment of inertia of a slider that turns, kg m^2."""
     if slider.inertia is None:
         raise InputError("slider.inertia", "is required where the yaw is followed in time, kg m^2")
     return slider.inertia

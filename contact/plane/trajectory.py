@@ -24,6 +24,14 @@ class PlaneTrajectory(HasAnswer):
         Position z_s of the slider, m; minus the approach of a contact of height 0 without a wave.
     error : (3,) array
         Largest error of the rates over the whole way, m/s and rad/s.
+    pose_error : (3,) array
+        The same of the pose, m and rad.
+    duration : float
+        Of the burst, s.
+    stopped : float
+        Time at which friction has stopped the slider, s; inf where it was not followed so far.
+    reference : float
+        Speed to which the relative error refers: max(|V|, omega |u_t|/10), m/s.
     ledger : Ledger or None
         Energies over the whole way, J, of a motion that is followed within the cycles; torque and yaw are included.
     method : str
@@ -40,10 +48,24 @@ class PlaneTrajectory(HasAnswer):
     rates: np.ndarray
     height: np.ndarray
     error: np.ndarray
+    pose_error: np.ndarray
+    duration: float
+    stopped: float
+    reference: float
     ledger: Ledger | None
     method: str
     statistics: dict
     seconds: float
+
+    @property
+    def relative_error(self) -> float:
+        """Error of the speed at the end of the burst over `reference`."""
+        return self.answer.error / self.reference if self.reference > 0.0 else 0.0
+
+    @property
+    def burst_end(self) -> int:
+        """Index of the instant at which the burst ends."""
+        return min(int(np.searchsorted(self.time, self.duration * (1.0 - 1e-12))), len(self.time) - 1)
 
     @property
     def velocity(self) -> np.ndarray:

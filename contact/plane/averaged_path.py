@@ -1,0 +1,156 @@
+"""The averaged motion of a slider in the plane through time: pose and rates under the mean forces of one period.
+
+    m V' = <sum Q> - F - R_t V,      J omega' = <sum (X_i Q_y,i - Y_i Q_x,i)> - M - R_yaw omega,
+
+with the means on the waves at the contacts' present places. On a surface at rest the contacts brake the slider until it
+stops, and stays where friction holds its load.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from contact.exceptions import ConvergenceError
+from contact.plane.averaged import Averaged, at_rest, dragged
+from contact.plane.plane_waves import Surface, places, surface_under
+from contact.plane.scaling import FREE, inertia_of
+from contact.slider import Slider
+
+STOPPED = 1e-6  # of the energy with which a coast begins; at it the slider stops, 1e-6 of its way before it would
+POSE, RATES = slice(0, 3), slice(3, 6)
+
+
+def turned(slider: Slider, yaw: float) -> Slider:
+    """Return a slider after a turn by `yaw` (rad) about its centre or its axle, in the axes of the stator."""
+    if yaw == 0.0:
+        return slider
+    x, y = places(slider, (0.0, 0.0, yaw))
+    return replace(slider, x=x, y=y)
+
+
+class Stretch(NamedTuple):
+    """States at some instants, and where the motion ended."""
+
+    time: np.ndarray  # (k,) s
+    state: np.ndarray  # (k, 6): pose and rates
+    end: np.ndarray  # (6,)
+    stopped: float  # time at which the slider stopped, s; inf where it did not
+
+
+@dataclass
+class AveragedPath:
+    """The averaged equations of motion of a slider on a surface whose waves have the factor `level(t, after)`.
+
+    `after`: True after the burst. Without a rise time the factor is 1 during a burst and 0 after it.
+    """
+
+    slider: Slider
+    surface: Surface
+    level: Callable[[float, bool], float]
+    how: tuple[int, float]  # nodes and tolerance of the means
+    tolerance: float  # of the integration, relative
+    rise_time: float  # s
+    scale: np.ndarray  # (6,) of pose and rates, to which the tolerance refers
+    evaluations: int = field(default=0, init=False)
+    after: bool = field(default=False, init=False)
+
+    def __post_init__(self):
+        mass = self.slider.unit_mass
+        self.masses = np.array([mass, mass, inertia_of(self.slider) if 2 in FREE[self.slider.freedom] else math.inf])
+        self.moving = list(FREE[self.slider.freedom])
+
+    def means_at(self, t: float, pose: np.ndarray) -> Averaged:
+        """Return the mean forces of the slider on the waves at its place."""
+        waves = surface_under(self.slider, self.surface, pose).scaled(self.level(t, self.after))
+        return Averaged.of(turned(self.slider, float(pose[2])), waves)
+
+    def derivative(self, t: float, state: np.ndarray) -> np.ndarray:
+        """Return the rates of pose and rates."""
+        averaged = self.means_at(t, state[POSE])
+        own = averaged.scaled
+        unknown = state[RATES] / [own.speed, own.speed, own.omega / averaged.arm]
+        averaged.deformation = dragged(averaged, unknown)
+        means = averaged.at(unknown, self.how)
+        self.evaluations += 1
+        if not means.repeats:
+            raise ConvergenceError("not applicable", 'a contact keeps its deformation: method = "exact"')
+        force = averaged.basis @ averaged.residual(means, unknown)
+        force *= own.force * np.array([1.0, 1.0, averaged.arm * own.length])
+        return np.concatenate([state[RATES], force / self.masses])
+
+    def height(self, t: float, pose: np.ndarray, after: bool) -> float:
+        """Return the mean position z_s of the contacts at a time, m."""
+        self.after = after
+        averaged = self.means_at(t, pose)
+        return float(averaged.height.mean()) * averaged.scaled.length
+
+    def holds(self, t: float, pose: np.ndarray) -> bool:
+        """Return whether friction holds the slider at a pose."""
+        averaged = self.means_at(t, pose)
+        return bool(averaged.closed.any()) and at_rest(averaged).held
+
+    def follow(
+        self, start: np.ndarray, span: tuple[float, float], at: np.ndarray | int, *, after: bool = False,
+        coasts: bool = False,
+    ) -> Stretch:  # fmt: skip
+        """Return the motion from a state to the end of a time span, s, at instants, or at so many to the end.
+
+        With `coasts` the surface is at rest: the motion ends where the slider stops, and stays there.
+        """
+        self.after = after
+        begin, end = span
+        if self.rise_time == 0.0 and not start[RATES].any() and self.holds(begin, start[POSE]):
+            at = np.linspace(begin, end, at + 1)[1:] if isinstance(at, int) else at
+            return Stretch(at, np.tile(start, (len(at), 1)), start, begin)
+        parts = []
+        if coasts:
+            last, until = self._coast(start, span, parts)
+            stopped = until if until < end and self.holds(until, last[POSE]) else math.inf
+            if until < end and stopped == math.inf:  # the load moves it on
+                last, until = self._integrated(last, (until, end), parts), end
+        else:
+            last, until, stopped = self._integrated(start, span, parts), end, math.inf
+        if isinstance(at, int):
+            at = np.linspace(begin, until, at + 1)[1:]
+        states = np.tile(np.append(last[POSE], np.zeros(3)), (len(at), 1))
+        for solution in parts:
+            inside = (at >= solution.t_min) & (at <= solution.t_max)
+            states[inside] = solution(at[inside]).T if inside.any() else states[inside]
+        if stopped < math.inf:
+            last = np.append(last[POSE], np.zeros(3))
+            states[at >= stopped] = last
+        return Stretch(at, states, last, stopped)
+
+    def _coast(self, start: np.ndarray, span: tuple[float, float], parts: list) -> tuple[np.ndarray, float]:
+        """Return the state and the time at which the slider has lost all but `STOPPED` of its energy, or the end.
+
+        Steps as long as the error allows would jump over the stop: each stretch is half of the time to it.
+        """
+        t, state, least = span[0], start, STOPPED * self.energy(start)
+        while t < span[1] and self.energy(state) > least:
+            power = float((self.masses * state[RATES])[self.moving] @ self.derivative(t, state)[RATES][self.moving])
+            to_stop = -2.0 * self.energy(state) / power if power < 0.0 else math.inf
+            until = min(t + 0.5 * to_stop, span[1])
+            state, t = self._integrated(state, (t, until), parts), until
+        return state, t
+
+    def energy(self, state: np.ndarray) -> float:
+        """Return the kinetic energy, J."""
+        return 0.5 * float((self.masses * state[RATES] ** 2)[self.moving].sum())
+
+    def _integrated(self, start: np.ndarray, span: tuple[float, float], parts: list) -> np.ndarray:
+        """Return the state at the end of a time span; its interpolation is appended to the parts."""
+        # the first step must not jump over the rise
+        first = min(0.1 * self.rise_time, 0.5 * (span[1] - span[0])) or None
+        found = solve_ivp(
+            self.derivative, span, start, method="RK23", rtol=max(self.tolerance, 1e-9),
+            atol=self.tolerance * self.scale, dense_output=True, first_step=first,
+        )  # fmt: skip
+        if not found.success or not np.isfinite(found.y).all():
+            raise ConvergenceError("not converged", "the averaged motion in the plane was not followed; method exact")
+        parts.append(found.sol)
+        return found.y[:, -1]
