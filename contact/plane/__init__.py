@@ -8,12 +8,13 @@ radius c z (Moreau's sweeping process); with one direction it is the law of `con
 from importlib import import_module
 
 _PUBLIC = {
+    "averaged_path": "turned",
     "bursts": "burst",
     "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
     "trajectory": "PlaneTrajectory",
-    "plane_waves": "PlaneWave PlaneWaves SurfaceWaves",
+    "plane_waves": "PlaneWave PlaneWaves SurfaceWaves places",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = sorted(_HOME)

@@ -16,7 +16,6 @@ import numpy as np
 import contact
 from contact import plane
 from studies.scene.drive import Wave
-from studies.scene.plane_keys import AXLE
 from studies.scene.slider_keys import Slider
 
 SOME_LENGTH = 1.0  # m: wavelength of prescribed waves under contacts that are all at one place
@@ -74,15 +73,6 @@ def rotated(x: np.ndarray, y: np.ndarray, yaw: float) -> tuple[np.ndarray, np.nd
     """Return positions after a turn by ``yaw`` (rad) about the origin."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return cos * x - sin * y, sin * x + cos * y
-
-
-def turned(slider: contact.Slider, yaw: float) -> contact.Slider:
-    """Return a slider after a turn by ``yaw`` (rad) about its centre or its axle, in the axes of the stator."""
-    if yaw == 0.0:
-        return slider
-    a, b = slider.axis if slider.freedom == AXLE else (0.0, 0.0)
-    x, y = rotated(slider.x - a, slider.y - b, yaw)
-    return replace(slider, x=a + x, y=b + y)
 
 
 def prescribed_surface(wave: Wave) -> plane.PlaneWaves:

@@ -298,7 +298,7 @@ def _refuse_covered(model: Model) -> Iterator[Any]:
 @refuses(SceneError)
 def _refuse_endless_burst(scene: Scene) -> Iterator[Any]:
     """Raise a SceneError if a burst takes longer than an hour to compute; the message names the longest duration."""
-    if scene.burst is None:
+    if scene.burst is None or (scene.planar and scene.slider.method in ("auto", "averaged")):
         return
     slider, frequency = scene.slider, scene.frequency
     every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0

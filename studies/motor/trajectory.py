@@ -2,7 +2,7 @@
 
 Method: the slider of a scene that moves in the plane (``twente-planar`` by default) at its largest voltage. Each source
 drives it alone for `DURATION`, one after the other; then all together; then it coasts to rest. The slow motion follows
-the mean forces of a cycle at each pose (`studies.solve.plane_path`), on the waves of the place. Expected: each burst
+the mean forces of a cycle at each pose (`contact.plane.burst`), on the waves of the place. Expected: each burst
 adds a motion along its own wave; with sources of different frequencies the velocity under all of them is within a
 quarter of the sum of those under each (the decoupling of the axes); friction stops the slider within v^2/(2 mu g).
 Run time: about a minute, plus the time of a stator for each source.
@@ -13,13 +13,14 @@ import math
 
 import numpy as np
 
-from studies.model.plane import rotated
-from studies.record.plots import COLOURS, curve, family, finished
+from contact import plane
+from studies.record.plane_pictures import draw_path
+from studies.record.plots import curve, family, finished
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.solve.plane_answer import PlaneMotor, waves_at
-from studies.solve.plane_path import LONGEST_COAST, RATE, STOPPED, V_X, V_Y, YAW, Body, Leg, X, Y, at_rest
+from studies.solve.plane_path import Leg, legs_of
 from studies.solve.plane_sources import driven_by, waves_of_sources
 from studies.study_list import Answered, Panel, driven_contact, judged, of_record, study
 
@@ -27,6 +28,8 @@ LOGGER = logging.getLogger(__name__)
 
 DURATION = 0.02  # s of each burst
 QUICK = {"duration": 0.004}
+SAMPLES = 60  # instants of each burst, and of the coast
+SLOW = 1e-3  # m/s: speed from which on the way of the coast is compared
 SMALLEST = 1e-12  # m: length of a path that is none
 COUPLED = 0.25  # relative change of a velocity by the other source, below which the axes count as decoupled
 
@@ -44,36 +47,37 @@ def run(scene: Scene, *, duration: float = DURATION, tolerance: float = 1e-2) ->
     """
     driven = driven_contact(scene, tolerance=tolerance, planar=True)
     sources, level = waves_of_sources(driven, tolerance), max(driven.scene.levels)
-    body = Body(slider=driven.slider, tolerance=tolerance)
     bursts = [(name, {name: level}) for name in sources]
     if len(bursts) > 1:
         bursts.append((" and ".join(sources), dict.fromkeys(sources, level)))
     legs: list[Leg] = []
-    for name, levels in bursts:
+    start, begin = None, 0.0
+    for number, (name, levels) in enumerate(bursts, start=1):
         LOGGER.info(f"burst of {name}")
-        start, begin = (legs[-1].end, float(legs[-1].time[-1])) if legs else (at_rest(), 0.0)
-        legs.append(body.path(driven_by(sources, levels), start, begin, duration, name, coasts=False))
-    LOGGER.info("coast")
-    still = driven_by(sources, dict.fromkeys(sources, level)).at_rest()
-    last = legs[-1]
-    legs.append(body.path(still, last.end, float(last.time[-1]), LONGEST_COAST, "coast", coasts=True))
-    return _panels(driven, legs), _findings(driven, sources, body, level, legs, tolerance), _answer(legs)
+        motion = plane.burst(
+            driven.slider, driven_by(sources, levels), duration=duration, samples=SAMPLES, tolerance=tolerance,
+            after=math.inf if number == len(bursts) else 0.0, start=start, method="averaged",
+        )  # fmt: skip
+        legs += legs_of(name, motion, start, begin)
+        start, begin = legs[-1].end, float(legs[-1].time[-1])
+    return _panels(driven, legs), _findings(driven, sources, level, legs, tolerance), _answer(legs)
 
 
 def _panels(driven, legs: list[Leg]) -> list[Panel]:
     title = f"{driven.scene.title}: {driven.scene.named(max(driven.scene.levels))}"
-    names = [each.name for each in legs]
-    columns = {"x_m": X, "y_m": Y, "yaw_rad": YAW, "yaw_rate_rad_per_s": RATE}
-    columns |= {quantity.velocity_m_per_s.column: V_X, quantity.lateral_velocity_m_per_s.column: V_Y}
-    data: dict = {
-        key: dict(zip(names, (each.state[:, at] for each in legs), strict=True)) for key, at in columns.items()
-    }
-    data |= {"time_s": dict(zip(names, (each.time for each in legs), strict=True))}
+    velocity, lateral = quantity.velocity_m_per_s.column, quantity.lateral_velocity_m_per_s.column
+    data: dict = {}
+    for key, table, k in (
+        ("x_m", "pose", 0), ("y_m", "pose", 1), ("yaw_rad", "pose", 2), (velocity, "rates", 0), (lateral, "rates", 1),
+        ("yaw_rate_rad_per_s", "rates", 2),
+    ):  # fmt: skip
+        data[key] = {each.name: getattr(each, table)[:, k] for each in legs}
+    data |= {"time_s": {each.name: each.time for each in legs}}
     data["contacts_m"] = np.column_stack([np.atleast_1d(driven.slider.x), np.atleast_1d(driven.slider.y)])
     return [Panel(name=name, title=title, data=data) for name in ("path", "yaw")]
 
 
-def _findings(driven, sources, body: Body, level: float, legs: list[Leg], tolerance: float):
+def _findings(driven, sources, level: float, legs: list[Leg], tolerance: float):
     """Judge where friction stops the slider, how far the axes are coupled, and the error of the path."""
     if len(sources) > 1:
         motor = PlaneMotor.of(driven, level, tolerance)
@@ -89,10 +93,10 @@ def _findings(driven, sources, body: Body, level: float, legs: list[Leg], tolera
             remark="; ".join(f"{name}: ({si(v[0], 'm/s', 4)}, {si(v[1], 'm/s', 4)})"
                              for name, v in zip((*sources, "all"), velocities, strict=True)),
         )  # fmt: skip
-    coast, last = legs[-1], legs[-2].end
-    speed, way = float(np.hypot(*last[[V_X, V_Y]])), float(np.hypot(*(coast.end[[X, Y]] - last[[X, Y]])))
-    braking = body.slider.friction_coefficient * body.slider.preload / body.slider.mass
-    moves = speed > STOPPED and braking > 0.0
+    coast, slider = legs[-1], driven.slider
+    speed, way = (float(np.hypot(*each)) for each in (coast.rates[0, :2], coast.pose[-1, :2] - coast.pose[0, :2]))
+    braking = slider.friction_coefficient * slider.preload / slider.mass
+    moves = speed > SLOW and braking > 0.0
     yield judged(
         "Friction stops a slider that does not turn within v^2/(2 a), a = mu times preload over mass.",
         "way of the coast over it", way / (speed**2 / (2.0 * braking)) if moves else 0.0, low=0.5, high=2.0,
@@ -105,13 +109,13 @@ def _findings(driven, sources, body: Body, level: float, legs: list[Leg], tolera
 
 
 def _length(leg: Leg) -> float:
-    return float(np.hypot(*np.diff(leg.state[:, [X, Y]], axis=0).T).sum())
+    return float(np.hypot(*np.diff(leg.pose[:, :2], axis=0).T).sum())
 
 
 def _answer(legs: list[Leg]) -> list[tuple[str, str]]:
     lines = []
     for each in legs:
-        x, y, yaw, v_x, v_y, rate = each.end
+        (x, y, yaw), (v_x, v_y, rate) = each.end
         where = f"({si(x, 'm', 4)}, {si(y, 'm', 4)}), yaw {math.degrees(yaw):.4g} deg"
         how = f"({si(v_x, 'm/s', 4)}, {si(v_y, 'm/s', 4)}), {rate:.4g} rad/s"
         lines.append(
@@ -129,12 +133,8 @@ def figure(record: Panel, ax):
         for name, values, colour in family(data["yaw_rad"]):
             curve(ax, np.asarray(data["time_s"][name]) * time.scale, np.asarray(values) * up.scale, "-", colour, name)
         return finished(ax, time.axis, up.axis, record.title)
-    along, across = quantity.x_m, quantity.y_m
     for name, x, colour in family(data["x_m"]):
-        curve(ax, np.asarray(x) * along.scale, np.asarray(data["y_m"][name]) * across.scale, "-", colour, name)
-        a, b = rotated(data["contacts_m"][:, 0], data["contacts_m"][:, 1], float(data["yaw_rad"][name][-1]))
-        balls = (a + x[-1]) * along.scale, (b + data["y_m"][name][-1]) * across.scale
-        ax.fill(*balls, facecolor="none", edgecolor=COLOURS[colour], linewidth=0.8, alpha=0.6)
-        ax.plot(*balls, "o", color=COLOURS[colour], markersize=3)
+        pose = np.column_stack([x, data["y_m"][name], data["yaw_rad"][name]])
+        draw_path(ax, name, pose, np.asarray(data["contacts_m"]), colour)
     ax.set_aspect("equal", adjustable="datalim")
-    return finished(ax, along.axis, across.axis, record.title)
+    return finished(ax, quantity.x_m.axis, quantity.y_m.axis, record.title)

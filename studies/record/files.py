@@ -42,13 +42,9 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
         name = "surface.csv" if record.scene.transducer else "profile.csv"
         write_columns(folder / name, record.surface)
     if record.trajectories:
-        rows = [
-            (level, *instant)
-            for level, motion in record.trajectories
-            for instant in zip(motion.time.tolist(), motion.velocity.tolist(), motion.position.tolist(), strict=True)
-        ]
-        keys = [record.level, quantity.time_s.column, quantity.velocity_m_per_s.column, "normal_position_m"]
-        write_table(folder / "trajectory.csv", keys, rows)
+        tables = [(level, _instants(motion)) for level, motion in record.trajectories]
+        rows = [(level, *instant) for level, table in tables for instant in zip(*table.values(), strict=True)]
+        write_table(folder / "trajectory.csv", [record.level, *tables[0][1]], rows)
     if field and record.surface_wave is not None:
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
@@ -108,6 +104,33 @@ class Motion(NamedTuple):
     time: np.ndarray  # s from the start of the burst
     velocity: np.ndarray  # m/s
     position: np.ndarray  # of the slider along z, m
+
+
+class PlaneMotion(NamedTuple):
+    """Motion in the plane over a burst, as in ``trajectory.csv``."""
+
+    time: np.ndarray  # (k,) s from the start of the burst
+    pose: np.ndarray  # (k, 3): x, y and yaw from the start, m and rad
+    rates: np.ndarray  # (k, 3) of the pose
+    height: np.ndarray  # (k,) of the slider along z, m
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(k, 2), m/s."""
+        return self.rates[:, :2]
+
+
+PLANE_COLUMNS = ("velocity_m_per_s", "lateral_velocity_m_per_s", "yaw_rate_rad_per_s", "x_m", "y_m", "yaw_rad")
+
+
+def _instants(motion) -> dict[str, list]:
+    """Return the columns of a burst's motion by name."""
+    time_at = {quantity.time_s.column: motion.time.tolist()}
+    if hasattr(motion, "pose"):
+        values = np.concatenate([motion.rates, motion.pose], axis=1).T.tolist()
+        return time_at | dict(zip(PLANE_COLUMNS, values, strict=True)) | {"normal_position_m": motion.height.tolist()}
+    own = {quantity.velocity_m_per_s.column: motion.velocity.tolist(), "normal_position_m": motion.position.tolist()}
+    return time_at | own
 
 
 class DamagedRunError(RunError):
@@ -189,7 +212,13 @@ def _columns(path: Path) -> Columns:
 
 def _trajectories(path: Path) -> tuple:
     """Return level and motion of each burst."""
-    levels, *columns = _table(path).values()
-    return tuple(
-        (level, Motion(*(column[levels == level] for column in columns))) for level in dict.fromkeys(levels.tolist())
-    )
+    table = _table(path)
+    levels, times, *columns = table.values()
+
+    def motion(own: np.ndarray) -> Motion | PlaneMotion:
+        if "yaw_rad" not in table:
+            return Motion(times[own], *(column[own] for column in columns))
+        rates_and_pose = np.array([table[name][own] for name in PLANE_COLUMNS]).T
+        return PlaneMotion(times[own], rates_and_pose[:, 3:], rates_and_pose[:, :3], table["normal_position_m"][own])
+
+    return tuple((level, motion(levels == level)) for level in dict.fromkeys(levels.tolist()))

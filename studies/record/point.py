@@ -39,6 +39,13 @@ class Point(Values):
     velocity_at_burst_end_m_per_s: Number = None
     displacement_m: Number = None
     travel_m: Number = None
+    lateral_velocity_at_burst_end_m_per_s: Number = None
+    yaw_rate_at_burst_end_rad_per_s: Number = None
+    lateral_displacement_m: Number = None
+    displacement_error_m: Number = None
+    turn_rad: Number = None
+    turn_error_rad: Number = None
+    path_length_m: Number = None
     way_ends_after_s: Number = None
     other_velocity_m_per_s: Number = None
     velocity_low_m_per_s: Number = None

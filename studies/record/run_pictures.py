@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies.record.pillar_pictures import power, pressure, slider_wave
+from studies.record.plane_pictures import motions as plane_motions
+from studies.record.plane_pictures import path as plane_path
 from studies.record.plots import COLOURS, curve, finished, saved, shaded, titled, upper_half
 from studies.record.quantities import Quantity, quantity
 from studies.record.values import Columns
@@ -30,7 +32,9 @@ MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 def pictures(record: "Record") -> dict[str, Callable]:
     """Return the functions that draw the pictures of a run on an Axes, by file name; the main result first."""
     drawings = {"velocity": velocity} if record.scene.slider is not None else {}
-    if record.trajectories:
+    if record.trajectories and record.scene.planar:
+        drawings |= {"trajectory": plane_motions, "path": plane_path}
+    elif record.trajectories:
         drawings["trajectory"] = trajectories
     if record.surface:
         drawings["surface"] = surface if record.scene.transducer else profile

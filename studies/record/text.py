@@ -22,7 +22,9 @@ COLUMNS = (
     "lateral_velocity_m_per_s", "yaw_rate_rad_per_s", "rotation_rpm", "torque_N_m", "mean_velocity_m_per_s",
     "mean_lateral_velocity_m_per_s", "mean_rotation_rpm", "lowest_velocity_m_per_s", "highest_velocity_m_per_s",
     "velocity_low_m_per_s",
-    "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime", "relative_error",
+    "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s",
+    "lateral_velocity_at_burst_end_m_per_s", "yaw_rate_at_burst_end_rad_per_s", "displacement_m",
+    "lateral_displacement_m", "turn_rad", "regime", "relative_error",
     "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed
 OF_CENTRE = ("velocity_m_per_s", "lateral_velocity_m_per_s")  # which an axle holds

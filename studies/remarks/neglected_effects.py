@@ -114,6 +114,9 @@ def _ring_up(slider, ringing: RingUp | None, trajectories) -> Conditions:
     if ringing is None:
         yield True, "the burst's ring-up: the slider stands over a transducer or a meshed piece"
         return
+    if slider.planar:
+        yield True, "the shape of the burst's ring-up: an exponential one that costs the same time, see points' error"
+        return
     count = len(trajectories)
     without_ring_down = sum(motion.rang == 0.0 for _, motion in trajectories)
     without_ring_up = sum(motion.method != "stepped" for _, motion in trajectories)

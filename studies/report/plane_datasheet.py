@@ -15,12 +15,14 @@ from studies.record.point import Point
 from studies.report.datasheet_rows import Row
 from studies.scene.plane_keys import AXLE
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor
-from studies.solve.plane_path import LONGEST_COAST, RATE, STOPPED, V_X, V_Y, Body, Leg, X, Y, at_rest
+from studies.solve.plane_path import Leg, legs_of
 from studies.solve.plane_quantities import stall_force
 from studies.solve.plane_sources import travelled
 
 SETTLED = 0.95  # part of the steady speed at which a start is over
 PATH_TOLERANCE = 1e-2  # of the start and the stop, relative
+SAMPLES = 60  # instants of the start, and of the stop
+SLOW = 1e-3  # m/s: speed up to which a slider has no start and stop to speak of
 TIME_CONSTANTS = 8.0  # of the start: duration of the burst over momentum by stall force
 
 
@@ -86,18 +88,19 @@ def _forces(motor: PlaneMotor, driven: Contact) -> Iterator[Row]:
 
 def _start_and_stop(motor: PlaneMotor, surface: Sum, point: Point) -> Iterator[Row]:
     """Yield time and way, or angle, of a start from rest and of the coast to rest after it."""
-    body, axle = Body(slider=motor.slider, tolerance=PATH_TOLERANCE), motor.slider.freedom == AXLE
+    slider, axle = motor.slider, motor.slider.freedom == AXLE
     speed = _speed_of(point, axle)
-    force = abs(plane.stall_torque(motor.slider, motor.waves).value) if axle else stall_force(motor).value
-    if not speed > 0.0 or not force > 0.0 or (not axle and speed <= STOPPED):
+    force = abs(plane.stall_torque(slider, motor.waves).value) if axle else stall_force(motor).value
+    if not speed > 0.0 or not force > 0.0 or (not axle and speed <= SLOW):
         return
-    inertia = motor.slider.inertia if axle else motor.slider.mass
-    start = body.path(surface, at_rest(), 0.0, TIME_CONSTANTS * inertia * speed / force, "start", coasts=False)
+    inertia = slider.inertia if axle else slider.mass
+    motion = plane.burst(
+        slider, surface, duration=TIME_CONSTANTS * inertia * speed / force, after=math.inf, tolerance=PATH_TOLERANCE,
+        samples=SAMPLES, method="averaged",
+    )  # fmt: skip
+    start, stop = legs_of("start", motion)
     reached = _speeds_of(start, axle) >= SETTLED * _speeds_of(start, axle)[-1]
-    first = int(np.argmax(reached))
-    still = surface.at_rest()
-    stop = body.path(still, start.end, 0.0, LONGEST_COAST, "coast", coasts=True)
-    for name, leg, last in (("start", start, first), ("stop", stop, -1)):
+    for name, leg, last in (("start", start, int(np.argmax(reached))), ("stop", stop, -1)):
         until = f"to {SETTLED:.0%} of the speed" if name == "start" else "drive off, by friction"
         yield Row("positioning", f"{name} time", float(leg.time[last] - leg.time[0]), "s", None, until)
         yield _way(name, leg, last, axle, until)
@@ -105,9 +108,9 @@ def _start_and_stop(motor: PlaneMotor, surface: Sum, point: Point) -> Iterator[R
 
 def _way(name: str, leg: Leg, last: int, axle: bool, until: str) -> Row:
     if axle:
-        angle = abs(float(leg.state[last, 2] - leg.state[0, 2]))
+        angle = abs(float(leg.pose[last, 2] - leg.pose[0, 2]))
         return Row("positioning", f"{name} angle", math.degrees(angle), "deg", None, until)
-    way = float(np.hypot(*(leg.state[last, [X, Y]] - leg.state[0, [X, Y]])))
+    way = float(np.hypot(*(leg.pose[last, :2] - leg.pose[0, :2])))
     return Row("positioning", f"{name} distance", way, "m", leg.error / way if way > 0.0 else None, until)
 
 
@@ -118,4 +121,4 @@ def _speed_of(point: Point, axle: bool) -> float:
 
 
 def _speeds_of(leg: Leg, axle: bool) -> np.ndarray:
-    return np.abs(leg.state[:, RATE]) if axle else np.hypot(leg.state[:, V_X], leg.state[:, V_Y])
+    return np.abs(leg.rates[:, 2]) if axle else np.hypot(*leg.rates[:, :2].T)

@@ -58,7 +58,7 @@ def check_slider(slider: Any) -> Refused:
     if slider.axis is None and slider.freedom == AXLE:
         yield "axis", "is required and missing: the place of the axle, [x, y] from the slider's centre in m"
     if slider.travel is not None:
-        yield "travel", "must be absent in the plane: sawmotor study trajectory follows the slider"
+        yield "travel", "must be absent in the plane: a burst follows the slider there"
     if slider.pillars is not None:
         yield "pillars", 'must be absent with a slider that moves in the plane: choose slider.freedom = "x"'
     else:
@@ -104,6 +104,3 @@ def check_scene(scene: Any) -> Refused:
         yield "drive.source_frequencies", f"must be absent where nothing moves in the plane: {_freer()}"
     if planar and scene.source is not None and scene.source.waveform is not None:
         yield f"{scene.source.block}.waveform", "must be absent in the plane: it shapes the burst along x"
-    if planar and scene.source is not None and scene.source.burst is not None:
-        rule = "must be absent in the plane: sawmotor study trajectory follows bursts of its own"
-        yield f"{scene.source.block}.burst", rule

@@ -56,7 +56,7 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
     if driven.scene.planar:
         from studies.solve.plane_answer import plane_point_answer
 
-        return plane_point_answer(driven, level, tolerance)
+        return plane_point_answer(driven, level, tolerance, bursting=bursting)
     try:
         if driven.rough:
             from studies.solve.rough_answer import rough_answer

@@ -19,6 +19,7 @@ from studies.record.point import Point
 from studies.record.status import Status
 from studies.scene import Scene
 from studies.scene.plane_keys import AXLE
+from studies.solve.plane_burst import followed_in_plane
 from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
 from studies.solve.slider_burst import STEADY_METHODS, method_of
@@ -76,25 +77,35 @@ def contact_speed(slider: contact.Slider, velocity: np.ndarray, yaw_rate: float)
     return float(np.hypot(velocity[0] - yaw_rate * y, velocity[1] + yaw_rate * x).max())
 
 
-def plane_point_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
-    """Return the answer at one level; ConvergenceError becomes the status of the point."""
+def plane_point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
+    """Return the answer at one level, as `contact_at_level.point_answer`."""
     try:
-        return _answer(driven, level, tolerance)
+        return _answer(driven, level, tolerance, bursting)
     except contact.ConvergenceError as error:
         return PointAnswer(point=Point(status=" ".join(str(error).split())))
 
 
-def _answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
+def _answer(driven: Contact, level: float, tolerance: float, bursting: bool) -> PointAnswer:
     if level == 0.0:
         return PointAnswer(point=_at_rest(driven))
     motor = PlaneMotor.of(driven, level, tolerance)
     state = motor.state()
-    from_contact = state.relative_error
+    from_contact, answer, trajectory = state.relative_error, state.answer, None
     by_amplitude, from_stator = _stator_part(motor, state, driven.stator_error)
     point = moving_point(motor, state) | _derivatives(motor, state)
     point |= Point(amplitude_sensitivity=by_amplitude if driven.stator_error else None)
-    point |= judged(tolerance, from_stator, from_contact, "" if state.status == Status.OK else state.message)
-    return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact, averaged=True)
+    if bursting and driven.scene.burst is not None:
+        speed = contact_speed(motor.slider, state.velocity, state.yaw_rate)
+        with slider_keys():
+            trajectory, moved = followed_in_plane(driven, motor.slider, level, speed, motor.tolerance)
+        point |= moved
+        from_stator += 0.0 if driven.ringing is None else driven.ringing.error
+        if trajectory.relative_error > from_contact or answer.status == Status.OK:
+            from_contact, answer = max(from_contact, trajectory.relative_error), trajectory.answer
+    point |= judged(tolerance, from_stator, from_contact, "" if answer.status == Status.OK else answer.why)
+    return PointAnswer(
+        point=point, from_stator=from_stator, from_contact=from_contact, trajectory=trajectory, averaged=True
+    )
 
 
 def _at_rest(driven: Contact) -> Point:

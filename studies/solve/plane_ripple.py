@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 import contact
-from studies.model.plane import StatorSurface, turned
+from contact import plane
+from studies.model.plane import StatorSurface
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.solve.plane_answer import PER_MINUTE, PlaneMotor, contact_speed, waves_at
@@ -88,5 +89,5 @@ def _of_places(motor: PlaneMotor, length: float) -> list:
 
 def _of_turn(motor: PlaneMotor) -> list:
     """Return the steady states of a rotor at equal steps of its turn."""
-    bodies = [turned(motor.slider, 2.0 * np.pi * k / count) for count, _ in LATTICES for k in range(count)]
+    bodies = [plane.turned(motor.slider, 2.0 * np.pi * k / count) for count, _ in LATTICES for k in range(count)]
     return [motor.state(slider=each) for each in bodies]

@@ -129,6 +129,8 @@ class Stators:
         scene, along = driven.scene, None
         if scene.burst is None or driven.solved is None:
             return driven
+        if scene.planar:
+            return self._rising(driven)
         motion = None if scene.slider.travel is False else self.motion_under(driven)
         start_time = time.perf_counter()
         if motion is not None:
@@ -136,6 +138,20 @@ class Stators:
         ringing = self.ring_up(driven)
         self.seconds += time.perf_counter() - start_time
         return replace(driven, ringing=ringing, along=along)
+
+    def _rising(self, driven: Contact) -> Contact:
+        """Return the contact of a slider in the plane with the ring-up of each frequency of its sources."""
+        from studies.solve.plane_burst import Rise
+
+        center, drive, start_time = driven.scene.slider.center, driven.scene.drive, time.perf_counter()
+        if driven.solved.at[driven.scene.positions[0]].covered:
+            return driven
+        rings = []
+        for each in (driven.model.alone_with(drive.at_frequency(frequency)) for frequency in drive.frequencies):
+            bursting = each.with_blocks(drive=replace(each.scene.drive, burst=drive.burst))
+            rings.append(self._ring_up(bursting, center))
+        self.seconds += time.perf_counter() - start_time
+        return replace(driven, ringing=Rise(rings=tuple(rings), duration=drive.burst))
 
     def ring_up(self, driven: Contact) -> RingUp | None:
         """Return the ring-up of a burst; None under a transducer."""

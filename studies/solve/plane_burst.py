@@ -1,0 +1,131 @@
+r"""The motion of a slider in the plane during and after the burst of a run, on the waves of its way.
+
+The waves of a stator grow as 1 - exp(-t/tau) and fade likewise; tau is the time that the ring-up under the slider's
+centre costs (`ring_up`), the integral of one minus its envelope: the impulse of a burst depends on that time to first
+order. The slider is followed to rest; where a contact comes to fingers, a piece or an edge of the stator, the motion
+ends.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import fem
+from contact import plane
+from studies.model.plane import StatorSurface
+from studies.model.wave_to_contact import Contact
+from studies.record.point import Point
+from studies.solve.plane_sources import travelled
+from studies.solve.ring_up import RingUp
+from studies.solve.slider_burst import method_of
+
+SAMPLES = 200  # instants of the burst, and of the coast, in the record
+METHODS = ("auto", "exact", "stepped", "averaged")
+EVENTS = 20_000  # cycles of the fastest wave times contacts up to which `auto` follows burst and slide by events
+RINGS = 20.0  # periods of the tangential resonance that are followed after a stop
+# Error of a velocity by the envelope's shape, over tau over the duration; the delayed start of the same cost changes it
+# by 0.2 to 0.3 of that (tests/studies/test_plane_burst.py)
+SHAPE = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rise:
+    """Growth of the waves of all sources at the slider, with what `studies.solve.ring_up.RingUp` has for readers."""
+
+    rings: tuple[RingUp, ...]  # of each frequency
+    duration: float  # s, of the burst
+
+    @property
+    def time(self) -> float:
+        """Mean time constant of the rise, s; 0 where a ring-up was too long to be computed."""
+        known = [each.envelope for each in self.rings if each.envelope is not None]
+        if len(known) < len(self.rings):
+            return 0.0
+        return max(float(np.mean([np.trapezoid(1.0 - each.amplitude, each.time) for each in known])), 0.0)
+
+    @property
+    def error(self) -> float:
+        """Relative error of the velocity at the end of the burst by the ring-up."""
+        own = max(each.error for each in self.rings)
+        return own + SHAPE * min(self.time / self.duration, 1.0)
+
+    @property
+    def slowest(self) -> RingUp:
+        """The ring-up that lasts longest."""
+        return max(self.rings, key=lambda each: math.inf if each.response is None else each.response.settling)
+
+    response = property(lambda self: self.slowest.response)
+    sentence = property(lambda self: self.slowest.sentence)
+
+
+def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, tolerance: float):
+    """Return the `contact.plane.PlaneTrajectory` of a slider at a level, and the values of a point that it adds.
+
+    ``speed``: in the steady state, m/s.
+    """
+    scene, rise = driven.scene, 0.0 if driven.ringing is None else driven.ringing.time
+    method = method_of(scene, "a burst", METHODS)
+    after = _after(slider, speed, scene.burst)
+    surface = travelled(driven, level)
+    cycles = (scene.burst + after) * max(surface.at(*plane.places(slider, (0.0, 0.0, 0.0))).frequencies) * slider.count
+    if method == "averaged" or (method == "auto" and cycles > EVENTS):
+        after = math.inf
+    motion = plane.burst(
+        slider, surface, duration=scene.burst, after=after, tolerance=tolerance, samples=SAMPLES, method=method,
+        rise_time=rise,
+    )  # fmt: skip
+    motion, end = _on_free_surface(driven, slider, motion)
+    return motion, _values(scene.slider, motion) | Point(way_ends_after_s=end)
+
+
+def _after(slider, speed: float, duration: float) -> float:
+    """Return a time in which the slider stops after a burst, and rings out, s."""
+    friction = slider.friction_coefficient * slider.preload
+    stop = min(1.2 * speed * slider.mass / friction, 1.2 * duration)
+    return stop + RINGS / slider.tangential_resonance(slider.count)
+
+
+def _on_free_surface(driven: Contact, slider, motion: plane.PlaneTrajectory):
+    """Return the motion up to where a contact leaves the free surface of a stator, and the time at which it does."""
+    if not isinstance(driven.surface, StatorSurface):
+        return motion, None
+    center = driven.surface.center
+    free = [_free(driven, *np.add(plane.places(slider, pose), np.array(center)[:, None])) for pose in motion.pose]
+    if all(free):
+        return motion, None
+    count = max(free.index(False), 1)
+    rows = {name: getattr(motion, name)[:count] for name in ("time", "pose", "rates", "height")}
+    return replace(motion, **rows, stopped=math.inf), float(motion.time[count - 1])
+
+
+def _free(driven: Contact, x: np.ndarray, y: np.ndarray) -> bool:
+    """Return whether places (x, y) in m on the stator all lie on its free surface."""
+    stator, model = driven.scene.stator, driven.model
+    half_width = math.inf if stator.width is None else 0.5 * stator.width
+    if np.any((x < 0.0) | (x > stator.length) | (np.abs(y) > half_width)):
+        return False
+    if any(np.any((each.extent[0] <= x) & (x <= each.extent[1])) for each in model.pieces):
+        return False
+    places = list(zip(x.tolist(), y.tolist(), strict=True))
+    return not any(fem.covers(each, place) for each in model.transducers for place in places)
+
+
+def _values(block: Any, motion: plane.PlaneTrajectory) -> Point:
+    """Return velocity at the burst's end and pose at the end of the motion, with its error."""
+    at_end, (x, y, yaw) = motion.rates[motion.burst_end], motion.pose[-1]
+    path = np.concatenate([np.zeros((1, 2)), motion.pose[:, :2]])
+    point = Point(
+        velocity_at_burst_end_m_per_s=float(at_end[0]), lateral_velocity_at_burst_end_m_per_s=float(at_end[1]),
+        displacement_m=float(x), lateral_displacement_m=float(y),
+        displacement_error_m=float(np.hypot(*motion.pose_error[:2])),
+        path_length_m=float(np.hypot(*np.diff(path, axis=0).T).sum()), burst_method=motion.method,
+    )  # fmt: skip
+    if block.turns:
+        turn = Point(
+            yaw_rate_at_burst_end_rad_per_s=float(at_end[2]), turn_rad=float(yaw),
+            turn_error_rad=float(motion.pose_error[2]),
+        )  # fmt: skip
+        return point | turn
+    return point
