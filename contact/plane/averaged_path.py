@@ -21,6 +21,7 @@ from contact.plane.scaling import FREE, inertia_of
 from contact.slider import Slider
 
 STOPPED = 1e-6  # of the energy with which a coast begins; at it the slider stops, 1e-6 of its way before it would
+STORED = 0.6  # energy of a contact at its limit over mu P c z, at most
 POSE, RATES = slice(0, 3), slice(3, 6)
 
 
@@ -103,8 +104,9 @@ class AveragedPath:
         """
         self.after = after
         begin, end = span
-        if self.rise_time == 0.0 and not start[RATES].any() and self.holds(begin, start[POSE]):
+        if (after or self.rise_time == 0.0 or begin > 0.0) and self.rests(begin, start):
             at = np.linspace(begin, end, at + 1)[1:] if isinstance(at, int) else at
+            start = np.append(start[POSE], np.zeros(3))
             return Stretch(at, np.tile(start, (len(at), 1)), start, begin)
         parts = []
         if coasts:
@@ -132,7 +134,8 @@ class AveragedPath:
         """
         t, state, least = span[0], start, STOPPED * self.energy(start)
         while t < span[1] and self.energy(state) > least:
-            power = float((self.masses * state[RATES])[self.moving] @ self.derivative(t, state)[RATES][self.moving])
+            push = self.masses[self.moving] * self.derivative(t, state)[RATES][self.moving]
+            power = float(push @ state[RATES][self.moving])
             to_stop = -2.0 * self.energy(state) / power if power < 0.0 else math.inf
             until = min(t + 0.5 * to_stop, span[1])
             state, t = self._integrated(state, (t, until), parts), until
@@ -140,7 +143,17 @@ class AveragedPath:
 
     def energy(self, state: np.ndarray) -> float:
         """Return the kinetic energy, J."""
-        return 0.5 * float((self.masses * state[RATES] ** 2)[self.moving].sum())
+        return 0.5 * float(self.masses[self.moving] @ state[RATES][self.moving] ** 2)
+
+    def rests(self, t: float, state: np.ndarray) -> bool:
+        """Return whether friction holds a slider whose contacts can store its energy before they slip.
+
+        A contact of a sphere stores 3/5 mu P c z at its limit, a punch 1/2.
+        """
+        slider = self.slider
+        limits = slider.contacts(slider.count).limit_slope * slider.rest_approaches(slider.count)
+        stored = STORED * slider.friction_coefficient * slider.preload * float(np.mean(limits))
+        return self.energy(state) <= stored and self.holds(t, state[POSE])
 
     def _integrated(self, start: np.ndarray, span: tuple[float, float], parts: list) -> np.ndarray:
         """Return the state at the end of a time span; its interpolation is appended to the parts."""

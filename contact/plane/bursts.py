@@ -3,6 +3,7 @@
 import copy
 import math
 import time
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ CLOSE = 1e-9  # of a phase: instants that are one
 MOVED = 1e-6  # m: way of a contact after which the waves under it are taken anew; 6e-3 of the phase of a wave of 1 mm
 # Cycles of the fastest wave times contacts up to which `auto` follows the events: 0.04 ms each, in both computations
 MAX_EXACT = 20_000
-DECAYS = 3.0  # time constants of the bounce after which a start is over: its force, of second order, is then 0.2 %
+DECAYS = 3.0  # time constants of the bounce that are followed event by event; 5 % of its size are left then
 # Time for which the mean force differs after a change of the wave, over the period of the bounce over 2 pi: 4.4 on
 # `twente-planar` from rest, where the height changes most
 BOUNCES = 5.0
@@ -325,9 +326,10 @@ def _start(question):
         found = _exact(question.up_to(at))
     except ConvergenceError:
         return _Start(0.0, np.zeros(6), *none, np.zeros(3), True, "")
-    path = _path(question, ANSWER, max(0.1 * question.tolerance, 1e-9))
+    # without the rise, in which contacts may keep their deformation
+    path = replace(_path(question, ANSWER, max(0.1 * question.tolerance, 1e-9)), level=lambda *_: 1.0, rise_time=0.0)
     mean = path.follow(np.zeros(6), (0.0, until), np.array([until])).end
-    fall = math.exp(-2.0 * until / decay)
+    fall = math.exp(-until / decay)
     left = min(fall / max(1.0 - fall, 1e-12), question.duration / until - 1.0)
     error = found.error + left * np.abs(found.rates[-1] - mean[3:])
     rows = found.pose[:-1], found.rates[:-1], found.height[:-1]

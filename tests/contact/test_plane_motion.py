@@ -1,5 +1,6 @@
 """Full motion in the plane: against numbers of two other integrators, the scalar solver, energy, and an oracle."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 from contact import Orbit
 from contact import burst as burst_along_x
 from contact import steady as steady_along_x
-from contact.plane import SurfaceWaves, burst, steady
+from contact.exceptions import ConvergenceError, InputError
+from contact.plane import SurfaceWaves, burst, steady, turned
 from tests.contact.plane_motors import R_X, ball, beams
 
 T = 1 / 2.2e6
@@ -144,3 +146,82 @@ def test_fixed_steps_count_the_fraction_after_the_touch():
     miss = np.abs(stepped.velocity[-1] - exact.velocity[-1])
     assert np.all(miss < 2 * stepped.error[:2])
     assert miss.max() < 1e-4 * np.hypot(*exact.velocity[-1])  # 6e-4 without it
+
+
+def test_a_coast_ends_where_friction_stops_the_slider():
+    """One ball on a surface at rest: v^2/(2 mu g') along a straight line, g' = preload over mass."""
+    slider, at_rest = ball(mass=0.089e-3, freedom="xy"), beams(10, 0).scaled(0.0)
+    start = np.array([0.03, -0.04])
+    run = burst(
+        slider, at_rest, duration=1e-4, after=math.inf, tolerance=1e-5, samples=20, start=((0, 0, 0), (*start, 0))
+    )
+    braking = slider.friction_coefficient * slider.preload / slider.mass
+    speed = 0.05
+    assert run.stopped == pytest.approx(speed / braking, rel=2e-3)
+    assert run.pose[-1, :2] == pytest.approx(start / speed * speed**2 / (2.0 * braking), rel=1e-4)
+    assert not run.rates[-1].any()
+    in_between = (run.time > 1e-4) & (run.time < 0.9 * run.stopped)
+    assert np.hypot(*run.velocity[in_between].T) == pytest.approx(speed - braking * run.time[in_between], rel=1e-4)
+
+
+def test_friction_holds_a_slider_that_has_stopped_on_a_slope_or_does_not():
+    at_rest, start = beams(10, 0).scaled(0.0), ((0, 0, 0), (0.02, 0.0, 0.0))
+    limit = 0.08 * 0.87309e-3
+    given = dict(duration=1e-5, tolerance=1e-3, samples=4, start=start)
+    held = burst(ball(mass=0.089e-3, load=(-0.5 * limit, 0.0)), at_rest, after=math.inf, **given)
+    # half of the friction is left to brake
+    assert held.pose[-1, 0] == pytest.approx(0.02**2 * 0.089e-3 / limit, rel=1e-3)
+    pulled = ball(mass=0.089e-3, load=(-1.5 * limit, 0.0))
+    with pytest.raises(ConvergenceError, match="does not stop within 10 s"):
+        burst(pulled, at_rest, after=math.inf, **given)
+    later = burst(pulled, at_rest, after=0.05, **given)
+    assert later.velocity[-1, 0] == pytest.approx(0.02 + 0.5 * limit / 0.089e-3 * later.time[-1], rel=1e-4)
+
+
+def test_a_burst_below_the_threshold_leaves_the_slider_at_its_place():
+    run = burst(ball(mass=0.089e-3), beams(0.05, 0.03, 1.0), duration=0.05, after=math.inf, tolerance=1e-3, samples=3)
+    assert np.abs(run.pose).max() < 0.1 * LIGHT.limit_slope * LIGHT.rest_approach(1)  # it moves in its contact alone
+    assert not run.rates[-1].any()
+
+
+def test_the_bounce_of_the_start_is_followed_before_averaging():
+    """A lightly damped slider bounces for milliseconds, with another mean force than that of its mean height."""
+    slider, waves = ball(mass=0.089e-3, normal_damping=0.5), beams(10, 6, 0.5)
+    given = dict(duration=4e-3, after=0.0, tolerance=1e-3, samples=8)
+    exact, mean = (burst(slider, waves, **given, method=each) for each in ("exact", "averaged"))
+    miss = np.abs(exact.velocity[-1] - mean.velocity[-1])
+    assert "event by event for the first 1.1 ms" in mean.answer.reasons[0]
+    assert np.all(miss < 2 * mean.error[:2])
+    assert miss.max() < 3e-3 * np.hypot(*exact.velocity[-1])
+    assert np.all(np.abs(exact.pose[-1] - mean.pose[-1]) <= 2 * mean.pose_error)
+
+
+def test_a_slider_that_has_turned_is_one_with_turned_contacts():
+    """The moments are those of the turned arms."""
+    slider, waves = three_balls(mass=1e-4, inertia=8e-10, normal_damping=20.0, contact_damping=0.0, load=(0.0, 0.0))
+    yaw = 1.1
+    there = turned(slider, yaw)
+    given = dict(duration=2e-3, after=0.0, tolerance=1e-6, samples=3, method="averaged")
+    still = (0.0, 0.0, 0.0)
+    one = burst(slider, waves, start=((0.0, 0.0, yaw), still), **given)
+    other = burst(there, waves, start=(still, still), **given)
+    assert one.rates == pytest.approx(other.rates, rel=1e-4)
+    assert one.pose[:, 2] - yaw == pytest.approx(other.pose[:, 2], rel=1e-4)
+
+
+def test_long_motions_do_not_lose_their_events_to_rounding():
+    """Phase and place count anew every 1000 cycles: the same burst in two parts of the count, against fixed steps."""
+    slider, waves = ball(mass=0.089e-3, normal_damping=0.5), beams(10, 6, 0.5)
+    given = dict(duration=2400 * T, after=100 * T, samples=5)
+    exact = burst(slider, waves, tolerance=1e-5, method="exact", **given)
+    stepped = burst(slider, waves, tolerance=1e-2, method="stepped", **given)
+    assert np.all(np.abs(exact.velocity - stepped.velocity) < 2 * (exact.error + stepped.error)[:2])
+    assert np.all(np.abs(exact.pose - stepped.pose) <= 2 * (exact.pose_error + stepped.pose_error) + 1e-15)
+    rising = burst(slider, waves, tolerance=1e-5, method="exact", rise_time=5 * T, **given)
+    slow = burst(slider, waves, tolerance=1e-2, method="stepped", rise_time=5 * T, **given)
+    assert np.all(np.abs(rising.velocity - slow.velocity) < 2 * (rising.error + slow.error)[:2])
+
+
+def test_a_start_in_motion_is_not_followed_by_events():
+    with pytest.raises(InputError, match='"averaged" or "auto"'):
+        burst(LIGHT, beams(3, 0), duration=1e-4, after=math.inf, tolerance=1e-3, samples=2, method="exact")

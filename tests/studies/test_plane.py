@@ -26,9 +26,10 @@ LIMIT = 0.08 * 0.87309e-3  # N: friction coefficient times preload
 EXACT = 2e-7  # m/s: the cases' own error
 
 
-def scene(*sources, level="10 nm", wavelength=None, **slider):
+def scene(*sources, level="10 nm", wavelength=None, burst=None, **slider):
     wave = {"frequency": "2.2 MHz", "normal_amplitude": level, "tangential_ratio": 0.67, "sources": list(sources)}
     wave |= {} if wavelength is None else {"wavelength": wavelength}
+    wave |= {} if burst is None else {"burst": burst}
     return Scene.from_table("", {"wave": wave, "slider": BALL | slider})
 
 
@@ -175,19 +176,6 @@ def test_the_budget_of_motion_across_the_wave_holds_to_a_factor_of_two(amplitude
         speeds.append(plane.steady(slider, waves, tolerance=1e-5).velocity[0])
     loss = 1.0 - speeds[1] / speeds[0]
     assert 0.5 < loss / (ACROSS * ratio**2) < 2.0
-
-
-def test_the_path_of_a_burst_is_that_of_the_contacts_own_burst():
-    """The mean forces of one cycle, integrated here, against `contact.plane.burst` through every cycle."""
-    from contact import plane
-    from studies.model.plane import Sum, plane_slider, prescribed_surface
-    from studies.solve.plane_path import Body, at_rest
-
-    waves = scene({}, {"direction": 90, "frequency": "2.3 MHz"}, damping={"normal": "0.5 N s/m"})
-    slider, surface = plane_slider(waves.slider), Sum(parts=((prescribed_surface(waves.wave), 10e-9),))
-    leg = Body(slider=slider, tolerance=1e-3).path(surface, at_rest(), 0.0, 2e-3, "burst", coasts=False)
-    burst = plane.burst(slider, surface, duration=2e-3, after=0.0, tolerance=1e-2, samples=4, method="stepped")
-    np.testing.assert_allclose(leg.end[3:5], burst.rates[-1][:2], rtol=3e-2)
 
 
 def test_maps_of_a_travelling_slider_are_the_surface():

@@ -1,0 +1,143 @@
+"""Bursts of runs in the plane, against the scalar solver, the contacts' own burst, and closed forms."""
+
+import math
+from types import SimpleNamespace
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from contact import Envelope, plane
+from studies import Scene, SceneError, run
+from studies.model.plane import StatorSurface
+from studies.model.resolve import build
+from studies.record import Record
+from studies.record.run_pictures import pictures
+from studies.solve import plane_burst
+from studies.solve.contact_at_level import point_answer
+from studies.solve.plane_burst import Rise
+from studies.solve.ring_up import RingUp
+from studies.study_list import driven_contact
+from tests.studies.test_plane import LIMIT, THREE, scene
+
+DAMPED = {"damping": {"normal": "0.5 N s/m"}}
+
+
+def burst_scene(*sources, burst="0.2 ms", **keys):
+    return scene(*(sources or ({},)), burst=burst, **(DAMPED | keys))
+
+
+def test_along_one_wave_it_is_the_burst_of_a_slider_that_moves_along_x():
+    """Events in the plane against the scalar kernels: velocity at the end, and displacement after the stop."""
+    plane_run = run(burst_scene(), tolerance=1e-3)
+    table = burst_scene().to_table()
+    table["slider"].pop("freedom")
+    table["wave"].pop("sources")
+    line_run = run(Scene.from_table("", table), tolerance=1e-3)
+    (own,), (other,) = plane_run.points, line_run.points
+    # the first wave begins at its crest in the plane, and crosses zero upwards along the line
+    assert own.velocity_at_burst_end_m_per_s == pytest.approx(other.velocity_at_burst_end_m_per_s, rel=5e-2)
+    assert own.displacement_m == pytest.approx(other.displacement_m, rel=5e-2)
+    assert own.lateral_displacement_m == pytest.approx(0.0, abs=1e-15)
+    assert own.burst_method == "exact"
+    assert own.status == "ok"
+
+
+def test_a_long_burst_ends_where_friction_stops_it():
+    record = run(burst_scene({}, {"direction": 90}, burst="20 ms"), tolerance=1e-2)
+    (point,), ((level, motion),) = record.points, record.trajectories
+    end = np.array([point.velocity_at_burst_end_m_per_s, point.lateral_velocity_at_burst_end_m_per_s])
+    assert end[0] == pytest.approx(end[1], rel=1e-6)  # equal waves in phase: the diagonal
+    at_end, braking = motion.pose[motion.burst_end, :2], LIMIT / 0.089e-3
+    slide = np.array([point.displacement_m, point.lateral_displacement_m]) - at_end
+    assert slide == pytest.approx(end * np.hypot(*end) / (2.0 * braking), rel=2e-3)
+    assert point.path_length_m == pytest.approx(np.hypot(point.displacement_m, point.lateral_displacement_m), rel=1e-6)
+    assert level == 10e-9
+
+
+def test_the_pose_of_an_averaged_burst_is_within_its_error_of_that_by_events():
+    keys = {"contacts": THREE, "freedom": "xy yaw", "mass": "0.267 g", "preload": "2.61927 mN", "wavelength": "1 mm"}
+    waves = {"direction": 10}, {"direction": 90, "normal_amplitude": "6 nm", "frequency": "2.3 MHz"}
+    waves = (waves[0] | {"normal_amplitude": "10 nm"}, waves[1])
+    driven = driven_contact(burst_scene(*waves, burst="4 ms", **keys), planar=True)
+    answer = point_answer(driven, driven.level, 1e-2)
+    own, motion, surface = answer.point, answer.trajectory, driven.surface_at(driven.level)
+    exact = plane.burst(
+        driven.slider, surface, duration=4e-3, after=0.0, tolerance=1e-3, samples=1, method="exact"
+    )  # fmt: skip
+    assert own.burst_method == "averaged"
+    assert np.all(np.abs(motion.pose[motion.burst_end] - exact.pose[-1]) <= 2.0 * motion.pose_error)
+    assert own.turn_rad != 0.0
+    assert own.turn_error_rad == pytest.approx(motion.pose_error[2])
+
+
+def with_method(given, method):
+    table = given.to_table()
+    table["slider"]["method"] = method
+    return Scene.from_table("", table)
+
+
+def test_the_motion_is_written_and_read_back(tmp_path):
+    record = run(burst_scene({}, {"direction": 90, "phase": 90}, burst="0.1 ms"), tolerance=1e-2)
+    record.save(tmp_path / "run")
+    again = Record.load(tmp_path / "run")
+    (level, motion), (same, read) = record.trajectories[0], again.trajectories[0]
+    assert level == same
+    for name in ("time", "pose", "rates", "height"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(motion, name))
+    figure, axes = plt.subplots(2)
+    for name, ax in zip(("trajectory", "path"), axes, strict=True):
+        pictures(again)[name](ax)
+        assert ax.get_xlabel()
+        assert ax.lines
+    plt.close(figure)
+
+
+def test_a_contact_that_comes_to_fingers_ends_the_way():
+    model = build(Scene.load("twente-planar"))
+    slider = SimpleNamespace(x=np.array([5.3e-3, -2.65e-3]), y=np.zeros(2), axis=(0.0, 0.0), freedom="xy", count=2)
+    driven = SimpleNamespace(
+        model=model, scene=model.scene, surface=StatorSurface(center=(45e-3, 0.0), frequencies=(), motions=())
+    )
+    (left, _) = model.transducers
+    edge = float(left.corners[:, 0].max())
+    way = np.linspace(0.0, -30e-3, 31)
+    motion = _motion(np.column_stack([way, 0 * way, 0 * way]))
+    shorter, end = plane_burst.on_free_surface(driven, slider, motion)
+    reached = np.flatnonzero(45e-3 + way - 2.65e-3 <= edge)[0]
+    assert end == motion.time[reached - 1]
+    assert len(shorter.pose) == reached
+    across = np.linspace(0.0, 45e-3, 31)
+    over, end = plane_burst.on_free_surface(driven, slider, _motion(np.column_stack([0 * way, across, 0 * way])))
+    assert len(over.pose) == np.flatnonzero(across > 40e-3)[0]
+    assert plane_burst.on_free_surface(driven, slider, _motion(np.zeros((4, 3))))[1] is None
+
+
+def _motion(pose):
+    count = len(pose)
+    return plane.PlaneTrajectory(
+        answer=None, time=1e-3 * np.arange(1, count + 1), pose=pose, rates=np.zeros((count, 3)), height=np.zeros(count),
+        error=np.zeros(3), pose_error=np.zeros(3), duration=1.0, stopped=math.inf, reference=1.0, ledger=None,
+        method="averaged", statistics={}, seconds=0.0,
+    )  # fmt: skip
+
+
+def test_the_rise_costs_the_time_of_the_ring_up():
+    """A ramp of 20 us costs 10 us; two ring-ups that differ cost their mean."""
+    time = np.linspace(0.0, 1e-4, 2001)
+    ramps = [
+        RingUp(error=e, envelope=Envelope(time=time, amplitude=np.minimum(time / t, 1.0), phase=0 * time))
+        for t, e in ((20e-6, 1e-4), (40e-6, 3e-4))
+    ]
+    rise = Rise(rings=tuple(ramps), duration=1e-3)
+    assert rise.time == pytest.approx(15e-6, rel=1e-3)
+    assert rise.error == pytest.approx(3e-4 + 0.015, rel=1e-2)
+    too_long = Rise(rings=(ramps[0], RingUp(error=0.4)), duration=1e-3)
+    assert (too_long.time, too_long.error) == (0.0, 0.4)
+
+
+def test_an_unknown_way_of_solution_is_refused():
+    with pytest.raises(SceneError, match="method"):
+        run(with_method(burst_scene(), "quasi-static"))
+    with pytest.raises(SceneError, match="must be absent in the plane: a burst follows the slider there"):
+        burst_scene(travel=True)
