@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import OdeSolution, solve_ivp
 
 from contact.exceptions import ConvergenceError
 from contact.plane.averaged import Averaged, at_rest, dragged
@@ -108,7 +108,7 @@ class AveragedPath:
             at = np.linspace(begin, end, at + 1)[1:] if isinstance(at, int) else at
             start = np.append(start[POSE], np.zeros(3))
             return Stretch(at, np.tile(start, (len(at), 1)), start, begin)
-        parts = []
+        parts: list[OdeSolution] = []
         if coasts:
             last, until = self._coast(start, span, parts)
             stopped = until if until < end and self.holds(until, last[POSE]) else math.inf

@@ -151,7 +151,7 @@ class Stators:
             bursting = each.with_blocks(drive=replace(each.scene.drive, burst=drive.burst))
             rings.append(self._ring_up(bursting, center))
         self.seconds += time.perf_counter() - start_time
-        return replace(driven, ringing=Rise(rings=tuple(rings), duration=drive.burst))
+        return replace(driven, ringing=Rise(rings=tuple(rings), duration=driven.scene.burst))
 
     def ring_up(self, driven: Contact) -> RingUp | None:
         """Return the ring-up of a burst; None under a transducer."""
