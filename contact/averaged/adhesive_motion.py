@@ -1,20 +1,25 @@
-r"""Velocity of a heavy slider on balls with adhesion that hold on beyond z = 0, of first order.
+r"""Motion of a heavy slider on balls with adhesion that hold on beyond z = 0, of first order.
 
 A ball of Johnson, Kendall and Roberts (`law.adhesion`) closes at z = 0 and opens where dz/da = 0, at a negative
-approach. A heavy slider prescribes z = h + u_z. Closed, the contact has the radius a(z) and with it the elastic,
-repulsive part K delta^(3/2) of its force, delta = a^2/R, from which its slip limit c delta and its friction follow:
+approach; one of Maugis (`law.maugis`) closes where the attraction begins and opens at its smallest approach. A heavy
+slider prescribes z = h + u_z. Closed, the contact has the radius a(z) and with it the elastic, repulsive part
+K delta^(3/2) of its force, delta = a^2/R, from which its slip limit c delta and its friction follow:
 
     Q = mu K (delta^(3/2) - (delta - |x|/c)^(3/2)) sign x,      |x| <= c delta                                  (1)
 
 (`law.elastic`, with delta in the place of z). It closes without deformation; what its spring holds when it opens is
-lost, and so is the work of the normal force around both branches, `AdhesiveSphere.loss`, in every hop. The mean
-approach h follows from <P> = F; where a height without hops exists, a slider from rest keeps it. v follows from
-<Q> = load + R_t v. Equal steps of theta, phi = phi_1 + (phi_2 - phi_1)(1 - cos theta)/2 between closing and opening,
-take out the square root with which a(z) ends; the error is that against half as many steps.
+lost, and so is the work of the normal force around both branches, `AdhesiveSphere.loss`, in every hop.
+
+All balls have one mean approach h, which follows from <sum P> = F; of several the largest, which a slider from rest
+keeps. v follows from <sum Q> = load + R_t v. The slider rests where the deformations that do not slip hold the load.
+Phases between closing and opening are phi = phi_1 + (phi_2 - phi_1)(1 - cos theta)/2 with Gauss's points in theta,
+which takes out the square root with which a(z) ends; the error is that against half as many steps.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -22,16 +27,20 @@ from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import reference_speed
 from contact.exceptions import InputError
-from contact.law.adhesion import AdhesiveSphere
+from contact.jit.compiled import native
+from contact.law.adhesion import DISTANCE, AdhesiveSphere
+from contact.law.maugis import MaugisSphere
 from contact.orbit import Orbit
 from contact.roots import bracketed
 from contact.slider import Slider
 
-STEPS = 512  # of a cycle, of the first answer
-DOUBLINGS = 4  # at most
+STEPS = 256  # of a cycle, of the first answer
+DOUBLINGS = 9  # at most
+PANEL = 16  # Gauss's points of each part of a contact
 CLOSE = 1e-12  # of heights and velocities over their range
 REPEATS = 1e-12  # change of a deformation from one cycle to the next over the largest, at which it repeats
-CYCLES = 400  # at most until it repeats
+STARTS = 1e-9  # drive over the friction, from which on a slider moves
+FAR = 1e3  # factor on the orbits above which a limit counts as infinite
 
 
 @dataclass(frozen=True)
@@ -45,9 +54,9 @@ class AdhesiveMotion:
     height : float
         Mean approach h, m.
     hops : bool
-        Whether the balls leave the surface in every cycle.
+        Whether a ball leaves the surface in every cycle.
     lost_power : float
-        Power lost by closing and opening, W: of the normal force around both branches; 0 without hops.
+        Power lost by closing and opening, W: of the normal forces around both branches; 0 without hops.
     """
 
     velocity: Answer
@@ -55,67 +64,265 @@ class AdhesiveMotion:
     hops: bool
     lost_power: float
 
+    @property
+    def regime(self) -> str:
+        """Stick, slip, or intermittent: a ball leaves the surface in every cycle."""
+        return "stick" if self.velocity.value == 0.0 else "intermittent" if self.hops else "slip"
+
 
 @dataclass(frozen=True)
 class _Cycle:
-    """One cycle of a contact: phases of the nodes while it is closed, the weights of a mean, the radii."""
+    """One cycle of a contact while it is closed, counted from the crest of its u_z."""
 
-    phases: np.ndarray
-    weights: np.ndarray
-    radii: np.ndarray
+    phases: np.ndarray  # of the nodes
+    before: float  # phase at which it closed, or that of the last node a cycle earlier
+    weights: np.ndarray  # of a mean over the cycle
+    radii: np.ndarray  # m
+    forces: np.ndarray  # N
     hops: bool
 
 
-def _cycle(ball, h, size, steps):
+@cache
+def _gauss(steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return nodes and weights in theta from 0 to pi, rising."""
+    nodes, weights = np.polynomial.legendre.leggauss(PANEL)
+    width = math.pi * PANEL / steps
+    starts = width * np.arange(steps // PANEL)
+    return (starts[:, None] + 0.5 * width * (1.0 + nodes)).ravel(), np.tile(0.5 * width * weights, steps // PANEL)
+
+
+def _cycle(ball, h: float, size: float, steps: int) -> _Cycle | None:
     """Return the cycle at a mean approach, of z = h + size cos(phase); None where the contact never closes."""
-    if h + size <= 0.0:
-        return None
-    lowest = ball.break_approach
+    lowest, makes = ball.break_approach, ball.make_approach
     hops = h - size < lowest
     if hops:
-        start, stop = -math.acos(-h / size), math.acos((lowest - h) / size)
-        theta = np.linspace(0.0, math.pi, steps + 1)
-        phases = start + 0.5 * (stop - start) * (1.0 - np.cos(theta))
-        weights = 0.5 * (stop - start) * np.sin(theta) * (math.pi / steps) / (2.0 * math.pi)
+        if h + size <= makes:
+            return None
+        start, stop = -math.acos(max((makes - h) / size, -1.0)), math.acos((lowest - h) / size)
+        theta, gauss = _gauss(steps)
+        half = 0.5 * (stop - start)
+        phases, weights, before = (
+            start + half * (1.0 - np.cos(theta)),
+            half * np.sin(theta) * gauss / (2 * math.pi),
+            start,
+        )
     else:
         phases, weights = 2.0 * math.pi * np.arange(steps) / steps, np.full(steps, 1.0 / steps)
-    z = np.maximum(h + size * np.cos(phases), lowest)
-    return _Cycle(phases, weights, ball.radii_at(z), hops)
+        before = phases[-1] - 2.0 * math.pi
+    radii, forces = ball.closed(np.maximum(h + size * np.cos(phases), lowest))
+    return _Cycle(phases, before, weights, radii, forces, hops)
 
 
-def _mean_pull(cycle, ball, c, travel):
-    """Return the mean of Q/mu in N; `travel` is that of the surface past the slider, at the nodes and a cycle later."""
-    delta = cycle.radii**2 / ball.radius
-    limit, moved = c * delta, np.diff(travel)
-    stiffness = 4.0 / 3.0 * ball.modulus * math.sqrt(ball.radius)
-    x, forces = 0.0, np.zeros(delta.size)
-    for _ in range(1 if cycle.hops else CYCLES):
-        begin = x
+@native("f1 f1 f1 f f f f f1", {"delta": "k", "weights": "k", "moved": "k", "out": "1"})
+def mean_stop(delta, weights, moved, hops, slope, repeats, start, out):
+    """Write the mean of Q/(mu K) over a cycle of a stop with the limit `slope` times `delta`; equation (1).
+
+    ``moved[k]`` is the surface's motion past the slider before node k, ``start`` the deformation before the first. One
+    that does not hop is followed until its deformation repeats to ``repeats``, 400 cycles at most.
+    """
+    x = start
+    for _ in range(1 if hops > 0.0 else 400):
+        begin, total = x, 0.0
         for k in range(delta.size):
-            x += 0.0 if k == 0 and cycle.hops else moved[k - 1]
-            x = min(max(x, -limit[k]), limit[k])
-            forces[k] = math.copysign(delta[k] ** 1.5 - max(delta[k] - abs(x) / c, 0.0) ** 1.5, x)
-        if abs(x - begin) <= REPEATS * limit.max():
+            limit = slope * delta[k]
+            x = min(max(x + moved[k], -limit), limit)
+            left = max(delta[k] - abs(x) / slope, 0.0)
+            force = delta[k] * np.sqrt(delta[k]) - left * np.sqrt(left)
+            total += weights[k] * (force if x > 0.0 else -force)
+        out[0] = total
+        if abs(x - begin) <= repeats:
             break
-    return stiffness * float(cycle.weights @ forces)
+    return 0
 
 
-def adhesive_motion(
-    slider: Slider, orbit: Orbit, *, work: float, model: str = "JKR", tolerance: float = 1e-5
-) -> AdhesiveMotion:
-    """Return the steady motion of a heavy slider on equal balls with adhesion.
+class AdhesiveBalls:
+    """A heavy slider on equal balls with adhesion.
 
     Parameters
     ----------
     slider : Slider
-        Radius, moduli, friction coefficient, preload, load and tangential damping of one ball are used. The load
-        opposes the motion of the unloaded slider.
-    orbit : Orbit
+        Radius, moduli, friction coefficient, preload, load and tangential damping are used. The load opposes the motion
+        of the unloaded slider.
+    work : float
+        Work of adhesion w, J/m^2, positive.
+    model : str
+        "JKR", "Maugis" or "DMT".
+    separation : float
+        Equilibrium separation of the surfaces, m, positive; of "Maugis" alone.
+
+    Examples
+    --------
+    >>> from contact import Orbit, Slider
+    >>> ball = Slider(radius=1e-3, mass=0.089e-3, preload=0.87309e-3, load=0.0, friction_coefficient=0.08,
+    ...     effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0,
+    ...     contact_damping=0.0, normal_damping=0.5, tangential_damping=0.0)
+    >>> balls = AdhesiveBalls(ball, work=0.05, model="JKR")
+    >>> wave = Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.67e-9j)
+    >>> print(f"starts at {balls.threshold(wave):.4f} nm, leaves the surface at {balls.release(wave):.4f} nm")
+    starts at 0.9656 nm, leaves the surface at 5.6960 nm
+    """
+
+    def __init__(self, slider: Slider, *, work: float, model: str, separation: float = DISTANCE):
+        where = ", on balls with adhesion"
+        slider.refuse_other_laws(where)
+        if slider.shape != "sphere" or slider.radius is None or slider.normal_law is not None or not slider.even:
+            raise InputError("slider", f"must stand on equal smooth balls with a radius{where}")
+        if not slider.level:
+            raise InputError("slider.heights", f"must all be 0{where}, and the curvature too")
+        parameter_check.positive("slider.preload", slider.preload, "N")
+        parameter_check.positive("slider.friction_coefficient", slider.friction_coefficient, "")
+        radius, modulus = float(np.max(slider.radius)), slider.effective_modulus
+        if model == "Maugis":
+            self.ball = MaugisSphere(radius=radius, modulus=modulus, work=work, separation=separation)
+        else:
+            self.ball = AdhesiveSphere(radius=radius, modulus=modulus, work=work, model=model)
+        self.slider, self.model = slider, model
+
+    def motion(self, orbits: Orbit | Sequence[Orbit], *, tolerance: float) -> AdhesiveMotion:
+        """Return the steady motion on the orbits of the balls.
+
+        ``tolerance``: of the velocity, relative to it or to omega |u_x|/10 where that is larger.
+        """
+        parameter_check.positive("tolerance", tolerance, "")
+        waves = _listed(orbits)
+        reference = reference_speed(0.0, waves)
+        values: list[float] = []
+        error = math.inf
+        for doubling in range(DOUBLINGS + 1):
+            height, cycles = self._riding(waves, STEPS * 2**doubling)
+            values.append(self._velocity(waves, cycles))
+            if doubling > 1:
+                # of second order; the change of a step may be small by accident, so that the one before counts as well
+                error = max(abs(values[-1] - values[-2]), abs(values[-2] - values[-3]) / 4.0)
+                if error <= tolerance * max(abs(values[-1]), reference):
+                    break
+        answer = Answer(value=values[-1], error=error, reasons=(f"cycle means of first order, model {self.model}",))
+        hopping = sum(each is not None and each.hops for each in cycles)
+        judged = answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0)
+        return AdhesiveMotion(judged, height, hopping > 0, hopping * self.ball.loss * waves[0].frequency)
+
+    def threshold(self, orbits: Orbit | Sequence[Orbit]) -> float:
+        """Return the factor on the orbits at which the slider starts to move; infinite above a thousand."""
+
+        def left(factor):
+            waves = tuple(each.scaled(factor) for each in _listed(orbits))
+            lowest, highest = self._held(waves, self._riding(waves, STEPS * 16)[1])
+            return max(lowest, -highest) - self.slider.load - STARTS * self._friction
+
+        return _rising(left)
+
+    def release(self, orbits: Orbit | Sequence[Orbit]) -> float:
+        """Return the factor on the orbits at which the first ball leaves the surface; infinite above a thousand."""
+
+        def left(factor):
+            waves = tuple(each.scaled(factor) for each in _listed(orbits))
+            return self._mean(waves, self._closed(waves), STEPS) - self.slider.preload
+
+        return _rising(left)
+
+    @property
+    def _friction(self) -> float:
+        return self.slider.friction_coefficient * self.slider.preload
+
+    def _cycles(self, waves, h: float, steps: int) -> list:
+        return [_cycle(self.ball, h, abs(each.normal), steps) for each in waves]
+
+    def _mean(self, waves, h: float, steps: int) -> float:
+        """Return the mean normal force of all balls in N."""
+        cycles = self._cycles(waves, h, steps)
+        return sum(float(each.weights @ each.forces) for each in cycles if each is not None)
+
+    def _closed(self, waves) -> float:
+        """Return the smallest mean approach at which no ball opens."""
+        return max(self.ball.break_approach + abs(each.normal) * (1.0 + 1e-12) for each in waves)
+
+    def _riding(self, waves, steps: int) -> tuple[float, list]:
+        """Return the largest mean approach at which the mean force is the preload, and the cycles there.
+
+        The mean force grows with the approach, but for a fall where a ball ceases to hop.
+        """
+        ball, preload = self.ball, self.slider.preload
+
+        def left(h):
+            return self._mean(waves, h, steps) - preload
+
+        sizes = sorted({abs(each.normal) for each in waves}, reverse=True)
+        edges = [ball.break_approach + each for each in sizes]
+        high = edges[0] + sizes[0] + ball.approach_under(preload) - ball.break_approach
+        for edge, size in zip(edges, sizes, strict=True):
+            above, below = edge + size * 1e-12, edge - size * 1e-12
+            if left(above) <= 0.0:
+                height = bracketed(left, above, high, tolerance=CLOSE * (abs(high) + sizes[0]))
+                return height, self._cycles(waves, height, steps)
+            high = below
+        low = ball.make_approach - sizes[0]
+        height = bracketed(left, low, high, tolerance=CLOSE * (abs(high) + sizes[0]))
+        return height, self._cycles(waves, height, steps)
+
+    def _pull(self, waves, cycles, v: float, start: float = 0.0) -> float:
+        """Return the mean friction of all balls in N at a velocity, from a deformation `start` in m."""
+        c, total, answer = self.slider.limit_slope, 0.0, np.zeros(1)
+        for wave, cycle in zip(waves, cycles, strict=True):
+            if cycle is None:
+                continue
+            size = abs(wave.normal)
+            turned = wave.tangential * (size / wave.normal if size > 0.0 else 1.0)  # counted from the crest of u_z
+            phases = np.concatenate([[cycle.before], cycle.phases])
+            moved = np.diff((turned * np.exp(1j * phases)).real - v * phases / wave.omega)
+            delta = cycle.radii**2 / self.ball.radius
+            begin = 0.0 if cycle.hops else start
+            repeats = REPEATS * c * float(delta.max())
+            mean_stop(delta, cycle.weights, moved, float(cycle.hops), c, repeats, begin, answer)
+            total += float(answer[0])
+        stiffness = 4.0 / 3.0 * self.ball.modulus * math.sqrt(self.ball.radius)
+        return self.slider.friction_coefficient * stiffness * total
+
+    def _held(self, waves, cycles) -> tuple[float, float]:
+        """Return the smallest and largest mean friction in N on a slider at rest."""
+        far = self.slider.limit_slope * max(
+            (float(each.radii.max()) for each in cycles if each is not None), default=0.0
+        )
+        lowest, highest = (self._pull(waves, cycles, 0.0, sign * far) for sign in (-1.0, 1.0))
+        return lowest, highest
+
+    def _velocity(self, waves, cycles) -> float:
+        """Return the velocity at which no mean force is left."""
+        slider, c, omega = self.slider, self.slider.limit_slope, waves[0].omega
+        lowest, highest = self._held(waves, cycles)
+        drive = lowest if lowest > 0.0 else highest if highest < 0.0 else 0.0
+        if abs(drive) - slider.load <= STARTS * self._friction:
+            return 0.0
+        way = math.copysign(1.0, drive)
+        deepest = max(float(each.radii.max()) for each in cycles if each is not None) ** 2 / self.ball.radius
+        top = omega * (
+            max(abs(each.tangential) for each in waves) + c * (max(abs(each.normal) for each in waves) + deepest)
+        )
+
+        def left(v):
+            pull = drive if v == 0.0 else self._pull(waves, cycles, v)
+            return pull - way * slider.load - slider.tangential_damping * v
+
+        return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)
+
+
+def adhesive_motion(
+    slider: Slider, orbits: Orbit | Sequence[Orbit], *, work: float, model: str = "JKR",
+    separation: float = DISTANCE, tolerance: float = 1e-5,
+) -> AdhesiveMotion:  # fmt: skip
+    """Return the steady motion of a heavy slider on equal balls with adhesion; see `AdhesiveBalls`.
+
+    Parameters
+    ----------
+    slider : Slider
+        Radius, moduli, friction coefficient, preload, load and tangential damping are used.
+    orbits : Orbit or sequence of Orbit
         Of the surface under the balls.
     work : float
         Work of adhesion w, J/m^2, positive.
     model : str
-        "JKR" or "DMT".
+        "JKR", "Maugis" or "DMT".
+    separation : float
+        Equilibrium separation of the surfaces, m, positive; of "Maugis" alone.
     tolerance : float
         Of the velocity, relative to it or to omega |u_x|/10 where that is larger.
 
@@ -128,66 +335,22 @@ def adhesive_motion(
     >>> print(f"{motion.hops}, {1e6 * motion.lost_power:.2f} uW lost in hops")
     True, 0.66 uW lost in hops
     """
-    parameter_check.positive("tolerance", tolerance, "")
-    slider.refuse_other_laws(", on balls with adhesion")
-    if slider.shape != "sphere" or slider.radius is None or slider.count > 1 or slider.normal_law is not None:
-        raise InputError("slider", "must be one smooth ball with a radius, on balls with adhesion")
-    parameter_check.positive("slider.preload", slider.preload, "N")
-    parameter_check.positive("slider.friction_coefficient", slider.friction_coefficient, "")
-    ball = AdhesiveSphere(radius=slider.radius, modulus=slider.effective_modulus, work=work, model=model)
-    size, omega = abs(orbit.normal), orbit.omega
-    parameter_check.positive("orbit.normal", size, "m")
-    turned = orbit.tangential * abs(orbit.normal) / orbit.normal  # counted from the crest of u_z
-    reference = reference_speed(0.0, (orbit,))
-    values: list[float] = []
-    error = math.inf
-    for doubling in range(DOUBLINGS + 1):
-        steps = STEPS * 2**doubling
-        height, cycle = _riding(ball, slider.preload, size, steps)
-        values.append(_velocity(slider, ball, cycle, turned, omega, size))
-        if doubling:
-            error = abs(values[-1] - values[-2])
-            if error <= tolerance * max(abs(values[-1]), reference):
-                break
-    answer = Answer(value=values[-1], error=error, reasons=(f"cycle means of first order, model {model}",))
-    lost = ball.loss * orbit.frequency if cycle.hops else 0.0
-    judged = answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0)
-    return AdhesiveMotion(judged, height, cycle.hops, lost)
+    balls = AdhesiveBalls(slider, work=work, model=model, separation=separation)
+    return balls.motion(orbits, tolerance=tolerance)
 
 
-def _riding(ball, preload, size, steps):
-    """Return the mean approach at which the mean force is the preload, and its cycle."""
-
-    def left(h):
-        cycle = _cycle(ball, h, size, steps)
-        return -preload if cycle is None else float(cycle.weights @ ball.force(cycle.radii)) - preload
-
-    closed = ball.break_approach + size * (1.0 + 1e-12)
-    if left(closed) <= 0.0:
-        high = closed + float(ball.approach(ball.radius_under(preload))) - ball.break_approach + size
-        low = closed
-    else:
-        low, high = -size, ball.break_approach + size * (1.0 - 1e-12)
-    height = bracketed(left, low, high, tolerance=CLOSE * (abs(high) + size))
-    return height, _cycle(ball, height, size, steps)
+def _listed(orbits: Orbit | Sequence[Orbit]) -> tuple[Orbit, ...]:
+    """Return the orbits of the balls."""
+    return (orbits,) if isinstance(orbits, Orbit) else tuple(orbits)
 
 
-def _velocity(slider, ball, cycle, tangential, omega, size):
-    """Return the velocity at which no mean force is left."""
-    c, mu = slider.limit_slope, slider.friction_coefficient
-    again = [] if cycle.hops else [cycle.phases[0] + 2.0 * math.pi]
-    phases = np.append(cycle.phases, again)
-    u_x = (tangential * np.exp(1j * phases)).real
-    deepest = float(cycle.radii.max()) ** 2 / ball.radius
-    top = omega * (abs(tangential) + c * (size + deepest))
-    load = 0.0
-
-    def left(v):
-        pull = _mean_pull(cycle, ball, c, u_x - v * phases / omega)
-        return mu * pull - load - slider.tangential_damping * v
-
-    drive = left(0.0)
-    way, load = math.copysign(1.0, drive), math.copysign(slider.load, drive)
-    if abs(drive) - slider.load <= 1e-9 * mu * slider.preload:
-        return 0.0
-    return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)
+def _rising(left) -> float:
+    """Return the factor at which a function that rises passes zero; infinite above `FAR`."""
+    low, high = 1.0, 1.0
+    while left(high) < 0.0:
+        low, high = high, 2.0 * high
+        if high > FAR:
+            return math.inf
+    while left(low) >= 0.0:
+        low, high = 0.5 * low, low
+    return bracketed(left, low, high, tolerance=1e-12 * high)

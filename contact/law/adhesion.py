@@ -30,15 +30,17 @@ DISTANCE = 0.3e-9  # m, between the surfaces in contact, of Tabor's number
 NODES = 48  # of a mean over a cycle; the force is smooth there
 
 
-def tabor_number(radius: float, modulus: float, work: float) -> float:
+def tabor_number(radius: float, modulus: float, work: float, separation: float = DISTANCE) -> float:
     """Return Tabor's number of a sphere of a radius in m with the modulus E in Pa and a work of adhesion in J/m^2.
+
+    ``separation``: of the surfaces in equilibrium, m.
 
     Examples
     --------
     >>> round(tabor_number(1e-3, 64e9, 0.05), 2)
     2.83
     """
-    return (radius * work**2 / (modulus**2 * DISTANCE**3)) ** (1.0 / 3.0)
+    return (radius * work**2 / (modulus**2 * separation**3)) ** (1.0 / 3.0)
 
 
 def meniscus_force(radius: float, surface_tension: float, contact_angle: float = 0.0) -> float:
@@ -227,18 +229,34 @@ class AdhesiveSphere:
         half = 1.5 * math.pi * self.work * self.radius  # K a^3/R = P + 2 p + sqrt(4 p P + 4 p^2), p = 1.5 pi w R
         return (self.radius / K * (force + 2.0 * half + 2.0 * math.sqrt(half * total))) ** (1.0 / 3.0)
 
+    make_approach = 0.0  # m: where a contact begins
+
+    def closed(self, z) -> tuple[np.ndarray, np.ndarray]:
+        """Return radii in m and forces in N of a closed contact at approaches in m of at least `break_approach`."""
+        radii = self.radii_at(z)
+        return radii, self.force(radii)
+
+    def approach_under(self, force: float) -> float:
+        """Return the approach in m of a contact that carries a force in N."""
+        return float(self.approach(self.radius_under(force)))
+
     def release_amplitude(self, preload: float) -> float:
-        """Return the normal amplitude in m at which a heavy slider's contact first ends, of first order.
+        """Return the normal amplitude in m at which a heavy slider's contact first ends, of first order."""
+        return first_release(self, preload)
 
-        The mean force over the wave's cycle is the preload in N, and the contact just ends in the trough.
-        """
-        angle = (np.arange(NODES) + 0.5) * math.pi / NODES
 
-        def left(amplitude):
-            z = self.break_approach + amplitude * (1.0 - np.cos(angle))
-            return float(np.mean([self.force(self.radius_at(float(each))) for each in z])) - preload
+def first_release(ball, preload: float) -> float:
+    """Return the normal amplitude in m of the wave on which a heavy slider's ball just ends its contact in the trough.
 
-        high = self.radius_under(preload) ** 2 / self.radius
-        while left(high) < 0.0:
-            high *= 2.0
-        return bracketed(left, 0.0, high, tolerance=1e-12 * high)
+    The mean force over the wave's cycle is the preload in N.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    lift = 1.0 + np.cos(0.5 * math.pi * (1.0 + nodes))
+
+    def left(amplitude):
+        return 0.5 * float(weights @ ball.closed(ball.break_approach + amplitude * lift)[1]) - preload
+
+    high = ball.approach_under(preload) - ball.break_approach
+    while left(high) < 0.0:
+        high *= 2.0
+    return bracketed(left, 0.0, high, tolerance=1e-12 * high)
