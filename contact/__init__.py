@@ -16,7 +16,7 @@ _PUBLIC = {
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
-    "averaged.adhesive_motion": "adhesive_motion AdhesiveMotion",
+    "averaged.adhesive_motion": "AdhesiveBalls AdhesiveMotion adhesive_motion",
     "averaged.asperity_motion": "asperity_motion RoughBalls RoughMotion",
     "averaged.steady_sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (
@@ -31,6 +31,7 @@ _PUBLIC = {
     "exceptions": "ConvergenceError InputError",
     "envelope": "Envelope",
     "jit": "kernels",
+    "law.maugis": "MaugisSphere",
     "law.adhesion": "Adhesion AdhesiveSphere meniscus_force tabor_number",
     "law.falling": "FallingFriction",
     "law.asperities": "Asperities",

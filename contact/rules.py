@@ -90,8 +90,9 @@ class AdhesionRules(Checks):
         needs, others = ("surface_tension", ("work",)) if wet else ("work", ("surface_tension", "contact_angle"))
         if getattr(self, needs) is None:
             yield needs, f'is required and missing: the model is "{self.model}"'
+        others = (*others, *(["separation"] if self.model != "Maugis" else []))
         for other in others:
-            if getattr(self, other):
+            if getattr(self, other, None):
                 yield other, f'must be left out: the model is "{self.model}"'
 
 

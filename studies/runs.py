@@ -148,7 +148,7 @@ def _with_ripple(answer: SliderAnswer, motion: SurfaceMotion | None, tolerance: 
         from studies.solve.plane_ripple import with_plane_ripple
 
         return with_plane_ripple(answer, tolerance)
-    if motion is None or driven.rough:
+    if motion is None or driven.heavy:
         return answer
     LOGGER.debug("velocities about the position")
     if driven.passing:

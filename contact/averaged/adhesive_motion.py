@@ -57,12 +57,17 @@ class AdhesiveMotion:
         Whether a ball leaves the surface in every cycle.
     lost_power : float
         Power lost by closing and opening, W: of the normal forces around both branches; 0 without hops.
+    normal_power, tangential_power : float
+        Work of the surface's normal and tangential motion on the balls, W, by cycle means. The first is what closing
+        and opening lose; the second is what the slider takes, and friction and the springs of opened contacts lose.
     """
 
     velocity: Answer
     height: float
     hops: bool
     lost_power: float
+    normal_power: float
+    tangential_power: float
 
     @property
     def regime(self) -> str:
@@ -113,23 +118,26 @@ def _cycle(ball, h: float, size: float, steps: int) -> _Cycle | None:
     return _Cycle(phases, before, weights, radii, forces, hops)
 
 
-@native("f1 f1 f1 f f f f f1", {"delta": "k", "weights": "k", "moved": "k", "out": "1"})
-def mean_stop(delta, weights, moved, hops, slope, repeats, start, out):
-    """Write the mean of Q/(mu K) over a cycle of a stop with the limit `slope` times `delta`; equation (1).
+@native("f1 f1 f1 f1 f f f f f1", {"delta": "k", "weights": "k", "moved": "k", "rate": "k", "out": "2"})
+def mean_stop(delta, weights, moved, rate, hops, slope, repeats, start, out):
+    """Write the means of q = Q/(mu K) and of q times a rate, over a cycle of a stop; equation (1).
 
-    ``moved[k]`` is the surface's motion past the slider before node k, ``start`` the deformation before the first. One
-    that does not hop is followed until its deformation repeats to ``repeats``, 400 cycles at most.
+    Its limit is `slope` times `delta`. ``moved[k]`` is the surface's motion past the slider before node k, ``start``
+    the deformation before the first. One that does not hop is followed until its deformation repeats to ``repeats``,
+    400 cycles at most.
     """
     x = start
     for _ in range(1 if hops > 0.0 else 400):
-        begin, total = x, 0.0
+        begin, total, work = x, 0.0, 0.0
         for k in range(delta.size):
             limit = slope * delta[k]
             x = min(max(x + moved[k], -limit), limit)
             left = max(delta[k] - abs(x) / slope, 0.0)
             force = delta[k] * np.sqrt(delta[k]) - left * np.sqrt(left)
-            total += weights[k] * (force if x > 0.0 else -force)
-        out[0] = total
+            signed = weights[k] * (force if x > 0.0 else -force)
+            total += signed
+            work += rate[k] * signed
+        out[0], out[1] = total, work
         if abs(x - begin) <= repeats:
             break
     return 0
@@ -172,6 +180,7 @@ class AdhesiveBalls:
         parameter_check.positive("slider.preload", slider.preload, "N")
         parameter_check.positive("slider.friction_coefficient", slider.friction_coefficient, "")
         radius, modulus = float(np.max(slider.radius)), slider.effective_modulus
+        self.ball: MaugisSphere | AdhesiveSphere
         if model == "Maugis":
             self.ball = MaugisSphere(radius=radius, modulus=modulus, work=work, separation=separation)
         else:
@@ -187,19 +196,26 @@ class AdhesiveBalls:
         waves = _listed(orbits)
         reference = reference_speed(0.0, waves)
         values: list[float] = []
-        error = math.inf
+        error, changed = math.inf, 0.0
         for doubling in range(DOUBLINGS + 1):
             height, cycles = self._riding(waves, STEPS * 2**doubling)
             values.append(self._velocity(waves, cycles))
+            if doubling:
+                # of second order; where slip begins between two nodes decides, so that the change of one doubling may
+                # be small by accident: a quarter of that before counts as well, and so on
+                changed = max(abs(values[-1] - values[-2]), changed / 4.0)
             if doubling > 1:
-                # of second order; the change of a step may be small by accident, so that the one before counts as well
-                error = max(abs(values[-1] - values[-2]), abs(values[-2] - values[-3]) / 4.0)
+                error = changed
                 if error <= tolerance * max(abs(values[-1]), reference):
                     break
         answer = Answer(value=values[-1], error=error, reasons=(f"cycle means of first order, model {self.model}",))
         hopping = sum(each is not None and each.hops for each in cycles)
         judged = answer.judged(tolerance, max(abs(values[-1]), reference) or 1.0)
-        return AdhesiveMotion(judged, height, hopping > 0, hopping * self.ball.loss * waves[0].frequency)
+        return AdhesiveMotion(
+            velocity=judged, height=height, hops=hopping > 0,
+            lost_power=hopping * self.ball.loss * waves[0].frequency, normal_power=self._normal_power(waves, cycles),
+            tangential_power=self._pull(waves, cycles, values[-1])[1],
+        )  # fmt: skip
 
     def threshold(self, orbits: Orbit | Sequence[Orbit]) -> float:
         """Return the factor on the orbits at which the slider starts to move; infinite above a thousand."""
@@ -259,30 +275,46 @@ class AdhesiveBalls:
         height = bracketed(left, low, high, tolerance=CLOSE * (abs(high) + sizes[0]))
         return height, self._cycles(waves, height, steps)
 
-    def _pull(self, waves, cycles, v: float, start: float = 0.0) -> float:
-        """Return the mean friction of all balls in N at a velocity, from a deformation `start` in m."""
-        c, total, answer = self.slider.limit_slope, 0.0, np.zeros(1)
+    def _pull(self, waves, cycles, v: float, start: float = 0.0) -> tuple[float, float]:
+        """Return the mean friction of all balls in N at a velocity, from a deformation `start` in m, and its work in W.
+
+        The work is that of the surface's motion.
+        """
+        c, total, answer = self.slider.limit_slope, np.zeros(2), np.zeros(2)
         for wave, cycle in zip(waves, cycles, strict=True):
             if cycle is None:
                 continue
             size = abs(wave.normal)
             turned = wave.tangential * (size / wave.normal if size > 0.0 else 1.0)  # counted from the crest of u_z
             phases = np.concatenate([[cycle.before], cycle.phases])
-            moved = np.diff((turned * np.exp(1j * phases)).real - v * phases / wave.omega)
+            along = turned * np.exp(1j * phases)
+            moved, rate = (
+                np.diff(along.real - v * phases / wave.omega),
+                np.ascontiguousarray((1j * wave.omega * along[1:]).real),
+            )
             delta = cycle.radii**2 / self.ball.radius
             begin = 0.0 if cycle.hops else start
             repeats = REPEATS * c * float(delta.max())
-            mean_stop(delta, cycle.weights, moved, float(cycle.hops), c, repeats, begin, answer)
-            total += float(answer[0])
+            mean_stop(delta, cycle.weights, moved, rate, float(cycle.hops), c, repeats, begin, answer)
+            total += answer
         stiffness = 4.0 / 3.0 * self.ball.modulus * math.sqrt(self.ball.radius)
-        return self.slider.friction_coefficient * stiffness * total
+        pull, work = self.slider.friction_coefficient * stiffness * total
+        return float(pull), float(work)
+
+    def _normal_power(self, waves, cycles) -> float:
+        """Return the mean of sum P du_z/dt, W."""
+        return sum(
+            -wave.omega * abs(wave.normal) * float(each.weights @ (each.forces * np.sin(each.phases)))
+            for wave, each in zip(waves, cycles, strict=True)
+            if each is not None
+        )
 
     def _held(self, waves, cycles) -> tuple[float, float]:
         """Return the smallest and largest mean friction in N on a slider at rest."""
         far = self.slider.limit_slope * max(
             (float(each.radii.max()) for each in cycles if each is not None), default=0.0
         )
-        lowest, highest = (self._pull(waves, cycles, 0.0, sign * far) for sign in (-1.0, 1.0))
+        lowest, highest = (self._pull(waves, cycles, 0.0, sign * far)[0] for sign in (-1.0, 1.0))
         return lowest, highest
 
     def _velocity(self, waves, cycles) -> float:
@@ -299,7 +331,7 @@ class AdhesiveBalls:
         )
 
         def left(v):
-            pull = drive if v == 0.0 else self._pull(waves, cycles, v)
+            pull = drive if v == 0.0 else self._pull(waves, cycles, v)[0]
             return pull - way * slider.load - slider.tangential_damping * v
 
         return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)

@@ -105,6 +105,9 @@ class Contact:
         if self.rough:
             rule = "must be absent here: run and sweep alone take rough balls, and give their steady velocities"
             raise SceneError("slider.roughness", rule)
+        if self.holding:
+            rule = 'must be "DMT" or "meniscus" here: run and sweep alone take the others, and give steady velocities'
+            raise SceneError("slider.adhesion.model", f'{rule}, got "{self.scene.slider.adhesion.model}"')
         return contact_slider(self.scene.slider)
 
     @property
@@ -116,6 +119,17 @@ class Contact:
     def rough(self) -> bool:
         """Whether the slider stands on rough balls."""
         return self.scene.slider is not None and self.scene.slider.roughness is not None
+
+    @property
+    def holding(self) -> bool:
+        """Whether it stands on balls whose adhesion holds on beyond the touch."""
+        slider = self.scene.slider
+        return slider is not None and slider.adhesion is not None and slider.adhesion.holds
+
+    @property
+    def heavy(self) -> bool:
+        """Whether its answers are those of a heavy slider alone: rough balls, and adhesion that holds on."""
+        return self.rough or self.holding
 
     @property
     def contacts(self) -> int:

@@ -62,6 +62,7 @@ class Point(Values):
     share_in_contact: Number = None
     duty: Number = None
     friction_power_W: Number = None
+    adhesion_power_W: Number = None
     thrust_power_W: Number = None
     wave_power_in_W: Number = None
     wave_power_out_W: Number = None

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import contact
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
-from studies.solve.contact_at_level import SHARE
+from studies.solve.refinement import SHARE
 from studies.solve.slider_burst import STEADY_METHODS
 from studies.solve.solved_stator import contact_of_run
 
@@ -41,15 +42,47 @@ def balances(record: Record) -> tuple[Balance, ...]:
     if scene.slider is None or any(point.friction_power_W is not None for point in record.points):
         return ()
     driven = contact_of_run(record)
+    if driven.heavy:
+        return _of_heavy_slider(record, driven)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     power = scene.slider.share * scene.frequency
     shown = {name: text for name, text in LEDGER.items() if name not in STORED}
     results = []
-    moving = record.moving_levels
-    if len(moving) > MAX_POINTS:
-        moving = [moving[0], moving[len(moving) // 2], moving[-1]]
-    for level in moving:
+    for level in _levels(record):
         state = contact.steady(driven.slider, driven.at(level), tolerance=record.tolerance * SHARE, method=method)
         entries = tuple((text, getattr(state.ledger, name) * power) for name, text in shown.items())
         results.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
+    return tuple(results)
+
+
+def _levels(record: Record) -> list[float]:
+    """Return at most `MAX_POINTS` of the levels at which the slider moves."""
+    moving = record.moving_levels
+    return [moving[0], moving[len(moving) // 2], moving[-1]] if len(moving) > MAX_POINTS else moving
+
+
+def _of_heavy_slider(record: Record, driven: Contact) -> tuple[Balance, ...]:
+    """Return the balances of balls whose adhesion holds on; rough balls have none.
+
+    The residual is that of the normal force; what is lost in slip is the rest of the tangential one.
+    """
+    if driven.rough:
+        return ()
+    from studies.solve.adhesive_answer import adhesive_balls
+
+    balls, share, results = adhesive_balls(record.scene.slider), record.scene.slider.share, []
+    for level in _levels(record):
+        state = balls.motion(driven.at(level), tolerance=record.tolerance * SHARE)
+        speed = abs(state.velocity.value)
+        load, damper = balls.slider.load * speed, balls.slider.tangential_damping * speed**2
+        powers = {
+            LEDGER["wave_normal"]: state.normal_power, LEDGER["wave_tangential"]: state.tangential_power,
+            "lost by closing and opening": state.lost_power,
+            LEDGER["slip"]: state.tangential_power - load - damper,
+            LEDGER["tangential_damper"]: damper, LEDGER["load"]: load,
+        }  # fmt: skip
+        supplied = abs(state.normal_power) + abs(state.tangential_power)
+        residual = abs(state.normal_power - state.lost_power) / supplied
+        entries = tuple((text, power * share) for text, power in powers.items())
+        results.append(Balance(level=level, entries=entries, residual=residual))
     return tuple(results)

@@ -7,6 +7,8 @@ from studies.scene.block import Block
 from studies.scene.numbers import Quantity
 from studies.scene.rule import TEXT, Plain, choice
 
+HOLDING = ("JKR", "Maugis")  # models whose contact ends beyond the approach at which it begins
+
 
 @dataclass(frozen=True, kw_only=True)
 class Adhesion(Block):
@@ -16,19 +18,28 @@ class Adhesion(Block):
     parameters_of = "contact.AdhesionRules"
     model: Annotated[
         str,
-        choice("DMT", "meniscus"),
+        choice("DMT", "meniscus", *HOLDING),
         "DMT: 2 pi work R (Derjaguin, Muller and Toporov); meniscus: of a liquid, 4 pi surface_tension R cos("
-        "contact_angle).",
+        "contact_angle). JKR (Johnson, Kendall and Roberts) and Maugis hold on beyond the touch and lose energy in "
+        "every hop: steady velocities of a heavy slider.",
     ]
-    work: Annotated[float | None, Quantity("J/m^2"), "Work of adhesion w of ball and stator; with the model DMT."] = (
-        None
-    )
+    work: Annotated[
+        float | None, Quantity("J/m^2"), "Work of adhesion w of ball and stator; with all models but meniscus."
+    ] = None
+    separation: Annotated[
+        float | None, Quantity("m"), "Equilibrium separation of the surfaces; with the model Maugis. Absent: 0.3 nm."
+    ] = None
     surface_tension: Annotated[
         float | None, Quantity("N/m"), "Surface tension of the liquid; with the model meniscus."
     ] = None
     contact_angle: Annotated[
         float, Quantity("deg", zero=True, below=90.0), "Contact angle of the liquid; with the model meniscus."
     ] = 0.0
+
+    @property
+    def holds(self) -> bool:
+        """Whether a contact ends beyond the approach at which it begins."""
+        return self.model in HOLDING
 
 
 @dataclass(frozen=True, kw_only=True)

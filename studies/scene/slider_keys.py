@@ -248,6 +248,20 @@ class Slider(Block):
         for key in (key for key, wrong in other.items() if wrong):
             yield key, "does not go with slider.roughness, of whose asperities each slips by Coulomb's law on its own"
 
+    def check_holding(self) -> Any:
+        if self.adhesion is None or not self.adhesion.holds:
+            return
+        other = {
+            "law": isinstance(self.law, LawText),
+            "friction_coefficient": isinstance(self.friction_coefficient, Friction),
+            "method": self.method not in ("auto", "averaged"),
+        } | {key: bool(getattr(self, key)) for key in ("stick_band", "normal_law")}
+        for key in (key for key, wrong in other.items() if wrong):
+            yield (
+                key,
+                f'does not go with slider.adhesion.model = "{self.adhesion.model}", of a heavy slider\'s cycle means',
+            )
+
     def check_friction(self) -> Any:
         if isinstance(self.friction_coefficient, Friction) and isinstance(self.law, LawText):
             yield "friction_coefficient", "must be a number with a law of one's own"

@@ -38,7 +38,7 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
         answer = point_answer(driven, level, tolerance)
         volts = None if driven.scene.wave is not None else level
         point = Point(voltage_V=volts) | driven.amplitudes_at(level) | answer.point
-        if not (driven.passing or driven.rough):
+        if not (driven.passing or driven.heavy):
             point |= contact_load(driven.slider_along_x, driven.at(level), threshold / level if level else math.inf)
         if answer.motion is not None:
             point |= face_point(driven, answer.motion, level)
@@ -62,6 +62,10 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
             from studies.solve.rough_answer import rough_answer
 
             answer = rough_answer(driven, level, tolerance)
+        elif driven.holding:
+            from studies.solve.adhesive_answer import adhesive_answer
+
+            answer = adhesive_answer(driven, level, tolerance)
         else:
             answer = _answer(driven, level, tolerance, bursting)
         _refuse_runaway(answer.point.velocity_m_per_s)
@@ -144,6 +148,13 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
         if driven.scene.burst is not None:
             driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
         return _limit(driven, "threshold", rough_threshold(driven)), math.inf
+    if driven.holding:
+        from studies.solve.adhesive_answer import adhesive_limits
+
+        limits = SummaryBlock()
+        for name, factor in adhesive_limits(driven).items():
+            limits |= _limit(driven, name, factor)
+        return limits, math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
     if driven.passing or driven.scene.planar:

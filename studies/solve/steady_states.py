@@ -38,7 +38,8 @@ def averaged_answers(states: list[tuple[Contact, float]], tolerance: float) -> l
     answers: list[PointAnswer | None] = [None] * len(states)
     allowed = [
         k for k, (driven, _) in enumerate(states)
-        if driven.scene.slider.method in AVERAGED_METHODS and not (driven.passing or driven.scene.planar)
+        if driven.scene.slider.method in AVERAGED_METHODS
+        and not (driven.passing or driven.scene.planar or driven.heavy)
     ]  # fmt: skip
     some = (states[k] for k in allowed)
     contacts = [(driven.slider, driven.orbits, driven.stator_error, level) for driven, level in some]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contact
-from studies import Scene, SceneError, run
+from studies import Scene, SceneError, run, sweep
 from studies.evidence import rough_balls
 from studies.model.roughness import STRIDE
 from studies.remarks.ball_surface import ratio
@@ -159,6 +159,15 @@ def test_three_equal_balls_of_a_mean_field_are_one_with_a_third():
         for n in (1, 3)
     )
     assert three.points[0].velocity_m_per_s == pytest.approx(one.points[0].velocity_m_per_s, rel=1e-6)
+
+
+def test_a_sweep_gives_the_points_of_runs():
+    """Sweeps take averaged states where they can: not of rough balls, whose velocity would be that of smooth ones."""
+    motor = scene(rms="3 nm").replace(wave={"normal_amplitude": "5 nm"})
+    found = sweep(motor, {"slider.preload": [0.8e-3, 1e-3]}, tolerance=1e-3).columns()["velocity_m_per_s"]
+    for velocity, preload in zip(found, (0.8e-3, 1e-3), strict=True):
+        alone = run(motor.replace(slider={"preload": preload}), tolerance=1e-3).points[0].velocity_m_per_s
+        assert velocity == pytest.approx(alone, rel=1e-6)
 
 
 def test_few_asperities_are_refused():

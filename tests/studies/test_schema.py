@@ -119,7 +119,8 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
         {"work": "0.05 J/m^2", "model": "DMT"},
         {"surface_tension": "72 mN/m", "contact_angle": "30 deg", "model": "meniscus"},
     ],
-    "slider.adhesion.model": ["DMT"],
+    "slider.adhesion.model": ["DMT", "JKR", "Maugis"],
+    "slider.adhesion.separation": ["0.3 nm", 2e-10],
     "slider.adhesion.work": ["0.05 J/m^2", "50 mJ/m^2", 0.05],
     "slider.adhesion.surface_tension": ["0.072 N/m"],
     "slider.adhesion.contact_angle": ["30 deg", 0],
@@ -208,7 +209,7 @@ def changed(path: str, value) -> dict:
         table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
     if path.startswith("slider.adhesion."):
         wet = path.endswith(("surface_tension", "contact_angle"))
-        dry = {"work": 0.05, "model": "DMT"}
+        dry = {"work": 0.05, "model": "Maugis" if path.endswith("separation") else "DMT"}
         table["slider"]["adhesion"] = {"surface_tension": 0.072, "model": "meniscus"} if wet else dry
     if path.startswith("slider.roughness."):
         own = {"slider.roughness.file": {}, "slider.roughness.step": {"file": "patch.npy"}}

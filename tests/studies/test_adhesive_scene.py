@@ -1,0 +1,104 @@
+"""Scenes with balls of JKR and Maugis: answers of the contact, limits, ledger, sweeps, a stator, and refusals."""
+
+import pytest
+
+import contact
+from studies import Scene, SceneError, run, sweep
+from studies.evidence import rough_balls
+from studies.model.resolve import build
+from studies.model.wave_to_contact import Contact
+from studies.report.energies import balances
+
+
+def scene(model="JKR", amplitudes=("2 nm", "10 nm"), **slider):
+    own = {"adhesion": {"work": "0.05 J/m^2", "model": model}, "damping": {"normal": 0.5, "tangential": 0.0}}
+    wave = {"normal_amplitude": list(amplitudes), "tangential_ratio": 0.67}
+    return Scene.load("twente-contact").replace(wave=wave, slider=own | slider)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return run(scene(), tolerance=1e-4)
+
+
+@pytest.mark.parametrize("model", ["JKR", "Maugis"])
+def test_a_run_is_the_motion_of_the_contact(record, model):
+    found = record if model == "JKR" else run(scene(model), tolerance=1e-4)
+    for point, amplitude in zip(found.points, (2e-9, 10e-9), strict=True):
+        known = contact.adhesive_motion(
+            rough_balls.ball(), rough_balls.orbit(amplitude), work=0.05, model=model, tolerance=1e-7
+        )
+        assert abs(point.velocity_m_per_s) == pytest.approx(known.velocity.value, rel=1e-4)
+        assert point.adhesion_power_W == pytest.approx(known.lost_power, rel=1e-9)
+        assert point.regime == known.regime
+        assert 0.0 < point.relative_error < 1e-4
+
+
+def test_threshold_and_release_are_those_of_the_ball(record):
+    """The release amplitude of an independent program, 5.6963 nm."""
+    assert record.summary.release_amplitude_m == pytest.approx(5.6963e-9, rel=1e-4)
+    below, above = (
+        run(scene(amplitudes=[share * record.summary.threshold_amplitude_m]), tolerance=1e-3).points[0]
+        for share in (0.99, 1.01)
+    )
+    assert (below.regime, above.regime) == ("stick", "slip")
+
+
+def test_attraction_slows_and_the_loss_of_energy_comes_in_hops(record):
+    dry = run(scene().replace(slider={"adhesion": None}), tolerance=1e-3)
+    assert record.summary.threshold_amplitude_m > 1.5 * dry.summary.threshold_amplitude_m
+    for held, free in zip(record.points, dry.points, strict=True):
+        assert abs(held.velocity_m_per_s) < abs(free.velocity_m_per_s)
+    assert record.points[0].adhesion_power_W == 0.0 < record.points[1].adhesion_power_W
+    # 3.008e-13 J in every hop of the independent program
+    assert record.points[1].adhesion_power_W == pytest.approx(3.008e-13 * 2.2e6, rel=3e-4)
+
+
+def test_the_ledger_closes(record):
+    for balance in balances(record):
+        assert balance.residual < 1e-10
+        powers = dict(balance.entries)
+        spent = powers["lost by closing and opening"] + powers["lost in slip"]
+        assert spent == pytest.approx(powers["wave, normal force"] + powers["wave, friction force"], rel=1e-9)
+
+
+def test_three_equal_balls_are_one_with_a_third():
+    one = run(scene(amplitudes=["10 nm"]), tolerance=1e-3).points[0]
+    three = run(scene(amplitudes=["10 nm"], contacts=3, preload=3 * 0.87309e-3), tolerance=1e-3).points[0]
+    assert three.velocity_m_per_s == pytest.approx(one.velocity_m_per_s, rel=1e-6)
+    assert three.adhesion_power_W == pytest.approx(3.0 * one.adhesion_power_W, rel=1e-9)
+
+
+def test_a_sweep_gives_the_points_of_runs(record):
+    found = sweep(scene(amplitudes=["10 nm"]), {"slider.adhesion.work": [0.02, 0.05]}, tolerance=1e-3).columns()
+    assert found["velocity_m_per_s"][1] == pytest.approx(record.points[1].velocity_m_per_s, rel=1e-4)
+    assert abs(found["velocity_m_per_s"][0]) > abs(found["velocity_m_per_s"][1])
+
+
+def test_on_a_stator_the_error_of_the_wave_counts(small):
+    motor = small.replace(drive={"voltage": ["120 V"]}, slider={"adhesion": {"work": 0.05, "model": "JKR"}})
+    found, dry = run(motor, tolerance=1e-2), run(motor.replace(slider={"adhesion": None}), tolerance=1e-2)
+    assert found.summary.threshold_voltage_V > dry.summary.threshold_voltage_V
+    assert found.points[0].amplitude_sensitivity > 0.0
+    assert abs(found.velocity[0]) < abs(dry.velocity[0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"slider": {"method": "exact"}}, r'method does not go with slider\.adhesion\.model = "JKR"'),
+        ({"slider": {"stick_band": 1e-3}}, r"stick_band does not go with slider\.adhesion"),
+        ({"slider": {"law": "hysteretic"}}, r"slider\.adhesion has no hysteretic law"),
+        ({"slider": {"adhesion": {"separation": "0.3 nm"}}}, r"separation must be left out: the model is \"JKR\""),
+        ({"slider": {"adhesion": {"work": None}}}, r"adhesion\.work is required and missing"),
+        ({"wave": {"burst": "1 ms"}}, r'adhesion\.model must be "DMT" or "meniscus" with a burst'),
+    ],
+)  # fmt: skip
+def test_what_does_not_go_with_it_is_refused(changes, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        run(scene().replace(**changes))
+
+
+def test_what_needs_the_slider_in_time_refuses_it():
+    with pytest.raises(SceneError, match=r'adhesion\.model must be "DMT" or "meniscus" here'):
+        _ = Contact.prescribed(build(scene())).slider
