@@ -31,6 +31,7 @@ LIBRARIES = {
 PARTS = {  # of a module's name
     ".plane": "of sliders that move in the plane; others start without it",
     ".rough": "of rough balls; smooth ones start without the readers of patches",
+    ".adhesive": "of balls whose adhesion holds beyond the touch; others start without scipy",
 }
 PLACES = {
     "studies/command/": "a command imports what it runs when it is called: the others start without it",
