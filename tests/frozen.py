@@ -17,7 +17,12 @@ import numpy as np
 DATA = Path(__file__).parent / "data"
 MODULES = (
     "tests.contact.test_friction",
+    "tests.contact.test_ring_down",
+    "tests.contact.test_steady",
+    "tests.contact.test_track",
+    "tests.contact.test_unequal_contacts",
     "tests.fem.analytic.test_quasistatic",
+    "tests.fem.beam.test_strip_force",
     "tests.fem.discretize.test_half_space",
     "tests.fem.solve.test_near_force",
     "tests.fem.solve.test_vacuum",

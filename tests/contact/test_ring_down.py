@@ -5,6 +5,7 @@ import pytest
 
 from contact import ConvergenceError, Envelope, Orbit, burst, step
 from tests.contact.motors import orbit, slider, way_to_rest
+from tests.frozen import frozen
 from tests.oracles.contact_motion import Motor
 
 F = 2.2e6
@@ -80,37 +81,54 @@ def test_where_steps_do_not_apply_it_is_refused():
         after(fading(100 / F, 900 / F), slider(stick_band=1e-3), method="exact")
 
 
-@pytest.mark.parametrize(("contacts", "load"), [(1, 0.4), (2, 0.0)])
-def test_the_final_position_after_a_ring_down_is_the_independent_one_within_its_error(contacts, load):
-    # hopping balls, the second of them lower and a quarter of a period late
-    cycles, decay = 40, 5.0
-    rise, fall = np.arange(cycles + 1.0), np.arange(1.0, 14 * decay)
-    amplitude = np.append(1.0 - np.exp(-rise / decay), np.exp(-fall / decay))
+HOPPING = [(1, 0.4), (2, 0.0)]  # number of balls, load over the friction limit
+DRIVEN, DECAY = 40, 5.0  # cycles of the drive, and of the ring-down to 1/e
+AMPLITUDE = np.append(
+    1.0 - np.exp(-np.arange(DRIVEN + 1.0) / DECAY), np.exp(-np.arange(1.0, 14 * DECAY) / DECAY)
+)  # at the ends of the cycles
+
+
+def hopping(contacts, load):
+    """Return slider and waves of hopping balls, the second of them lower and a quarter of a period late."""
     heights = (0.0, -1e-9)[:contacts] if contacts > 1 else ()
-    s = slider(
+    body = slider(
         mass=2e-4, preload=2e-3 * contacts, load=load * 0.2 * 2e-3 * contacts, friction_coefficient=0.2,
         normal_damping=1.0, tangential_damping=0.2, heights=heights,
     )  # fmt: skip
     waves = tuple(
         Orbit(frequency=F, normal=18e-9 * turn, tangential=-12e-9j * turn) for turn in (1.0, -1.0j)[:contacts]
     )
+    return body, waves
 
-    def envelope(values):
-        return Envelope(time=np.arange(values.size) / F, amplitude=values, phase=np.zeros(values.size))
 
-    answer = step(
-        s, waves, cycles=cycles, envelope=envelope(amplitude[: cycles + 1]), after=envelope(amplitude[cycles:])
-    )
+# Oracle: explicit Runge-Kutta of order 8 between located events
+@frozen(HOPPING)
+def rung_down(contacts, load):
+    """Place in m, deformations and approaches at rest of the balls in m, after the ring-down and 600 cycles."""
+    s, waves = hopping(contacts, load)
     motor = Motor(
         mass=s.mass, preload=s.preload, load=s.load, frequency=F, normal=tuple(w.normal for w in waves),
         tangential=tuple(w.tangential for w in waves), radius=s.radius, E=s.effective_modulus, G=s.tangential_modulus,
-        normal_damping=1.0, tangential_damping=0.2, heights=heights, numbers=(0.2, 1.0, 1.0, 0.2, 1.0, np.inf),
-        times=tuple(np.arange(amplitude.size) / F), amplitude=tuple(amplitude), phase=(0.0,) * amplitude.size,
+        normal_damping=1.0, tangential_damping=0.2, heights=s.heights, numbers=(0.2, 1.0, 1.0, 0.2, 1.0, np.inf),
+        times=tuple(np.arange(AMPLITUDE.size) / F), amplitude=tuple(AMPLITUDE), phase=(0.0,) * AMPLITUDE.size,
     )  # fmt: skip
-    _, _, state = motor.run(amplitude.size - 1)
+    _, _, state = motor.run(AMPLITUDE.size - 1)
     _, _, (_, y, _, _) = motor.run(600, every=600, state=state, silent=True)
+    return np.array([y[-1], *y[3 : 3 + contacts], *(motor.rest_height() + motor.offsets)])
+
+
+@pytest.mark.parametrize(("contacts", "load"), HOPPING)
+def test_the_final_position_after_a_ring_down_is_the_independent_one_within_its_error(contacts, load):
+    def envelope(values):
+        return Envelope(time=np.arange(values.size) / F, amplitude=values, phase=np.zeros(values.size))
+
+    s, waves = hopping(contacts, load)
+    answer = step(
+        s, waves, cycles=DRIVEN, envelope=envelope(AMPLITUDE[: DRIVEN + 1]), after=envelope(AMPLITUDE[DRIVEN:])
+    )
+    place, *deformed = rung_down(contacts, load)
+    deformations, at_rest = np.split(np.array(deformed), 2)
     c, K = 0.2 * s.effective_modulus / (4.0 * s.tangential_modulus), s.normal_stiffness
-    at_rest = motor.rest_height() + motor.offsets
-    final = y[-1] + way_to_rest(at_rest, y[3 : 3 + contacts], c, load=s.load / (0.2 * K))
+    final = place + way_to_rest(at_rest, deformations, c, load=s.load / (0.2 * K))
     assert answer.displacement == pytest.approx(final, abs=answer.error)
     assert answer.error < 2e-3 * abs(final)
