@@ -8,6 +8,7 @@ radius c z (Moreau's sweeping process); with one direction it is the law of `con
 from importlib import import_module
 
 _PUBLIC = {
+    "plane_threshold": "threshold_factor",
     "averaged_path": "turned",
     "bursts": "burst",
     "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",

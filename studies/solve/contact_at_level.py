@@ -140,7 +140,7 @@ def _nearby(slider, state, steady):
 def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
     """Return the values of threshold and release that exist, and the factor on the orbits at the threshold.
 
-    Neither is computed in the plane, and on a loaded wave, where a threshold takes about as long as 30 levels.
+    Neither is computed on a loaded wave, where a threshold takes about as long as 30 levels; in the plane no release.
     """
     if driven.rough:
         from studies.solve.rough_answer import rough_threshold
@@ -157,7 +157,12 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
         return limits, math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
-    if driven.passing or driven.scene.planar:
+    if driven.scene.planar:
+        from studies.solve.plane_answer import plane_threshold
+
+        threshold = plane_threshold(driven)
+        return _limit(driven, "threshold", threshold), threshold
+    if driven.passing:
         return SummaryBlock(), math.inf
     if not contact.kernels.ready():
         LOGGER.debug(f"compiling its kernels, {contact.kernels.how_often()}")

@@ -77,6 +77,18 @@ def contact_speed(slider: contact.Slider, velocity: np.ndarray, yaw_rate: float)
     return float(np.hypot(velocity[0] - yaw_rate * y, velocity[1] + yaw_rate * x).max())
 
 
+def plane_threshold(driven: Contact) -> float:
+    """Return the level at which the slider starts to move; inf where a load that is a number follows its direction."""
+    load = driven.scene.slider.load
+    if not (isinstance(load, tuple) or load == 0.0):
+        return math.inf
+    try:
+        with slider_keys():
+            return plane.threshold_factor(driven.slider, driven.surface_at(1.0))
+    except contact.ConvergenceError:
+        return math.inf
+
+
 def plane_point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
     """Return the answer at one level, as `contact_at_level.point_answer`."""
     try:

@@ -8,6 +8,7 @@ import pytest
 
 from contact import ConvergenceError, InputError, Orbit
 from contact import mean_motion as mean_along_x
+from contact import threshold_factor as threshold_along_x
 from contact.plane import (
     PlaneWave,
     PlaneWaves,
@@ -20,6 +21,7 @@ from contact.plane import (
     stall_curve,
     stall_torque,
     steady,
+    threshold_factor,
     yaw_stability,
 )
 from tests.contact.plane_motors import MU, R_X, F, ball, beams
@@ -247,3 +249,31 @@ def test_the_spin_left_out_is_small():
     pressure = 1.5 * F / (math.pi * radius**2) * np.sqrt(1.0 - (r / radius) ** 2)
     assert moment[0] == pytest.approx(MU * np.trapezoid(pressure * 2.0 * math.pi * r**2, r), rel=1e-5)
     assert moment[0] < 5e-4 * MU * F * 5.3e-3
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"load": (5e-6, 0.0)}, {"load": (-5e-6, 0.0)}], ids=["free", "pushed", "pulled"]
+)
+def test_the_threshold_along_one_wave_is_that_of_the_scalar_law(changes):
+    """Along one line the scalar solver's threshold, whose force of rest has a closed form."""
+    slider = ball(**changes)
+    line = replace(slider, freedom="x", load=slider.load[0])
+    orbit = Orbit(frequency=2.2e6, normal=1e-9, tangential=-1j * R_X * 1e-9)
+    expected = threshold_along_x(line, orbit)
+    assert threshold_factor(slider, beams(1, 0)) == pytest.approx(expected, rel=6e-4)
+    # the same wave and load turned
+    turned_load = (0.0, slider.load[0])
+    assert threshold_factor(replace(slider, load=turned_load), beams(1, 0).turned(np.pi / 2)) == pytest.approx(
+        expected, rel=6e-4
+    )
+
+
+def test_a_load_across_the_wave_lowers_the_threshold_and_full_friction_needs_none():
+    limit = 0.08 * 0.87309e-3
+    free, across = (threshold_factor(ball(load=(0.0, share * limit)), beams(1, 0)) for share in (0.0, 0.3))
+    assert across < free
+    assert threshold_factor(ball(load=(0.0, 1.01 * limit)), beams(1, 0)) == 0.0
+    assert threshold_factor(ball(), beams(1, 0).scaled(0.0)) == np.inf
+    state = steady(ball(load=(0.0, 0.3 * limit)), beams(1, 0).scaled(1.01 * across), tolerance=1e-6)
+    assert state.velocity[1] < 0.0  # it yields to the force
+    assert steady(ball(load=(0.0, 0.3 * limit)), beams(1, 0).scaled(0.99 * across), tolerance=1e-6).held

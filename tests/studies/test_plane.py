@@ -65,6 +65,14 @@ def test_a_force_across_the_wave_is_answered_by_a_drift():
     assert drift == pytest.approx(8.2248723e-5 / (0.01 * LIMIT) * force, rel=1e-3)
 
 
+def test_the_threshold_of_a_run_is_that_along_the_wave():
+    table = scene({}).to_table()
+    table["slider"].pop("freedom")
+    table["wave"].pop("sources")
+    line, own = run(Scene.from_table("", table)), run(scene({}))
+    assert own.summary.threshold_amplitude_m == pytest.approx(line.summary.threshold_amplitude_m, rel=6e-4)
+
+
 def test_a_slope_is_a_force():
     force = 0.089e-3 * 9.81 * np.sin(np.radians(0.5))
     inclined, pushed = (run(scene({}, **keys)) for keys in ({"incline": [0.5, 0.0]}, {"load": [force, 0.0]}))
