@@ -6,7 +6,7 @@ Only the parts that the scene needs are imported and computed.  The tolerance bo
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -120,7 +120,8 @@ def _with_slider(model: Model, stators: Stators) -> Record:
         seconds={"stator": stators.seconds, "contact": time.perf_counter() - start_time - stators.seconds},
     )  # fmt: skip
     if motion is not None:
-        return _on_stator(record, model, motion, driven.ringing)
+        further = [each() for each in driven.surface.motions[1:]] if model.scene.planar else ()
+        return _on_stator(record, model, motion, driven.ringing, further)
     given = model.scene.wave
     wave = WaveBlock(frequency_Hz=given.frequency, surface_ratio=given.tangential_ratio)
     return replace(record, wave=wave, left_out=left_out(model))
@@ -171,13 +172,16 @@ def _surface_alone(model: Model, stators: Stators) -> Record:
     return _on_stator(record, model, motion)
 
 
-def _on_stator(record: Record, model: Model, motion: SurfaceMotion, ringing: RingUp | None = None) -> Record:
-    """Return a record with what the motion of its stator's surface adds."""
+def _on_stator(
+    record: Record, model: Model, motion: SurfaceMotion, ringing: RingUp | None = None,
+    further: Sequence[SurfaceMotion] = (),
+) -> Record:  # fmt: skip
+    """Return a record with what the motion of its stator's surface adds; ``further``: at its other frequencies."""
     scene, beam = model.scene, motion.beam is not None
     neglected = left_out(model, beam=beam, reason=motion.reason, ringing=ringing, trajectories=record.trajectories)
     if beam:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
-    electrical = electrical_block(scene.drive, motion)
+    electrical = electrical_block(scene.drive, motion, further)
     record = replace(
         record, scene=scene, wave=wave_block(scene, motion, ringing), electrical=electrical,
         points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(scene, motion),

@@ -10,13 +10,14 @@ the derivatives in all unknowns. This is first-order averaging, error O((f_n/f)^
 """
 
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import per_thread
-from contact.plane.balance_search import Found, HeavyBody, Search, Task, search_of, seek_balance
+from contact.plane.balance_search import SHORT, Found, HeavyBody, Search, Task, search_of, seek_balance
 from contact.plane.cycle import COLUMNS, cycle_means
 from contact.plane.disc_contacts import Sum, state_of, with_nodes, work_of
 from contact.plane.heights import NormalMeans, approaches
@@ -197,7 +198,7 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
     search = search_of(body, averaged.guess() if near is None else near, averaged.deformation)
     if averaged.closed.any() and averaged.seek(body, search, SEARCH, Task.REST) == Found.AT_REST:
         held = at_rest(averaged)
-        if held.held:
+        if held.held and not _pushed_on(averaged):
             return held
     answer, check = (COARSE_ANSWER, COARSE_CHECK) if tolerance >= COARSE else (ANSWER, CHECK)
     close = max(1e-13, 1e-4 * tolerance)
@@ -252,6 +253,21 @@ def dragged(averaged: Averaged, towards: np.ndarray) -> np.ndarray:
     velocities = averaged.rigid @ towards
     speed = np.linalg.norm(velocities, axis=1, keepdims=True)
     return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
+
+
+def _pushed_on(averaged):
+    """Return True if in one of several directions even contacts at their limits fall clearly short of the load.
+
+    The forces of rest are a convex set: one direction in which its farthest point falls short is enough.
+    """
+    size = averaged.basis.shape[1]
+    for each in product((-1.0, 0.0, 1.0), repeat=size):
+        if any(each):
+            along = np.array(each) / np.linalg.norm(each)
+            means = rest_force(averaged, averaged.basis @ along, SEARCH)
+            if averaged.residual(means, np.zeros(3)) @ along > SHORT * averaged.friction:
+                return True
+    return False
 
 
 def at_rest(averaged):

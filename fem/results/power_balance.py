@@ -45,6 +45,7 @@ class PowerBalance:
     # out - power lost between the lines|; over the apparent power |V I| / 2 of the sources and omega |F u| / 2 of the
     # forces
     residual: float
+    apparent: float  # that apparent power
 
     @property
     def radiated(self) -> float:
@@ -95,14 +96,15 @@ def power_balance(solution: Solution) -> PowerBalance:
         float(sum(getattr(each, name) for each in parts))
         for name in ("solid", "left", "right", "from_forces", "imbalance", "apparent")
     )
-    taken = circuit.power + from_forces
+    taken, apparent = circuit.power + from_forces, circuit.apparent_power + apparent
     return PowerBalance(
         input=taken,
         solid=solid,
         loads=loads,
         left=left,
         right=right,
-        residual=max(imbalance, abs(taken - solid - loads - left - right)) / (circuit.apparent_power + apparent),
+        residual=max(imbalance, abs(taken - solid - loads - left - right)) / apparent,
+        apparent=apparent,
     )
 
 

@@ -55,7 +55,7 @@ def answer(record: "Record") -> str:
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *points)]), ""]
     entries: list[tuple] = [*_wave(record), *_ripple(record), *_limits(record), *_uncertainty(record.uncertainty)]
-    entries += [*_heat(record.heat, _whose(record)), *comparison(record.measured)]
+    entries += [*_heat(record.heat), *comparison(record.measured)]
     bound = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         error = record.wave.relative_error
@@ -161,20 +161,11 @@ def _wave(record: "Record"):
     if wave.section_normal_m_per_V is not None:
         change = abs(wave.section_normal_m_per_V) / size - 1
         yield "diffraction", f"the plane section would give {percent(change)} {where}"
-    yield "admittance", _stated(electrical, "admittance_S") + _whose(record)
+    yield "admittance", _stated(electrical, "admittance_S")
     yield from _source(electrical, record.scene.drive)
 
 
-def _whose(record: "Record") -> str:
-    """Return the sources whose admittance and power are stated, where others have frequencies of their own."""
-    drive = record.scene.drive
-    if drive is None or not drive.at_other_frequencies:
-        return ""
-    stated = (name for name, size in drive.driven.items() if size and name not in drive.at_other_frequencies)
-    return f" of {', '.join(stated)} alone"
-
-
-def _heat(block: HeatBlock, whose: str):
+def _heat(block: HeatBlock):
     """Yield where the power goes at the largest level, and how warm a continuous drive makes the stator."""
     if not block:
         return
@@ -183,7 +174,7 @@ def _heat(block: HeatBlock, whose: str):
     power = quantity("heat.power_W")
     shares = [f"{power.with_unit(block[f'power_{key}_W'])} {name}" for name, key in named
               if block[f"power_{key}_W"] > 1e-4 * block.power_W]  # fmt: skip
-    yield "power", f"{power.with_unit(block.power_W)} at {block.voltage_V:g} V{whose}: {', '.join(shares)}"
+    yield "power", f"{power.with_unit(block.power_W)} at {block.voltage_V:g} V: {', '.join(shares)}"
     how = "a continuous drive" if block.duty is None else f"a drive with a duty of {100 * block.duty:.3g} %"
     if block.burst_rise_K is not None:
         burst = f"one burst warms the stator by {block.burst_rise_K:.2g} K; drive.duty gives the heat of many"

@@ -9,12 +9,7 @@ from studies.solve.heat import FAST, POLED, plate, thermal_constants
 
 def heat_warnings(record: Record) -> Iterator[str]:
     """Yield what the heat of a continuous drive, or of bursts, asks for."""
-    block, stator, others = record.heat, record.scene.stator, record.scene.drive.at_other_frequencies
-    if others:
-        yield (
-            f"power, heat and temperature leave out the sources at other frequencies, {', '.join(others)}: add those "
-            "of a run with each of them alone, its own frequency as drive.frequency"
-        )
+    block, stator = record.heat, record.scene.stator
     ambient, curie = stator.ambient, thermal_constants(stator.material)["curie_temperature"]
     how = "a continuous drive" if block.duty is None else f"a drive with a duty of {100 * block.duty:.3g} %"
     highest, rate = block.highest_rise_K, block.heating_rate_K_per_s or 0.0

@@ -39,7 +39,7 @@ def plane_rows(record: Record, driven: Contact, rated: float) -> tuple[tuple[Row
         remarks.append(f"the datasheet is incomplete: {' '.join(str(error).split())}")
     if record.electrical:
         power, inexact = record.electrical.power_W_per_V2 * rated**2, record.electrical.admittance_relative_error
-        rows.append(Row("power", "electrical power", power, "W", inexact, "mean, of the first frequency's sources"))
+        rows.append(Row("power", "electrical power", power, "W", inexact, "mean, of all sources"))
     rows.append(Row("power", "lost by slip", point.friction_power_W or 0.0, "W", None, "no load"))
     return tuple(rows), tuple(remarks)
 

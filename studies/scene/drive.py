@@ -212,7 +212,7 @@ class Drive(Block):
 
     @property
     def at_other_frequencies(self) -> tuple[str, ...]:
-        """Names of the sources that are not 0 and have another frequency than the first one: without their powers."""
+        """Names of the sources that are not 0 and have another frequency than the first one."""
         own: dict[str, Any] = dict(self.source_frequencies or ())
         first = self.frequencies[0] if own else self.frequency
         return tuple(name for name, size in self.driven.items() if size and own.get(name, self.frequency) != first)

@@ -1,4 +1,10 @@
-"""The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source."""
+"""The block ``electrical`` of run.json: admittance and power balance, powers per squared volt of the source.
+
+Sources of different frequencies exchange no power on average: with several of them each power is the sum over the
+frequencies, admittance and voltage are those of the first one's driven transducer.
+"""
+
+from collections.abc import Sequence
 
 from studies.record.blocks import ElectricalBlock
 from studies.record.point import Point
@@ -6,8 +12,28 @@ from studies.scene.drive import Drive
 from studies.solve.solved_stator import SolvedStator
 
 
-def electrical_block(drive: Drive, motion) -> ElectricalBlock:
-    """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V."""
+def electrical_block(drive: Drive, motion, further: Sequence = ()) -> ElectricalBlock:
+    """Return the admittance, the voltages and the powers of a `SurfaceMotion` for a source of 1 V.
+
+    ``further``: the motions at the further frequencies of the drive, in their order.
+    """
+    block = _of_one_frequency(drive, motion)
+    parts = [_of_one_frequency(drive, each) for each in further]
+    for key, value in block.items():
+        if key.startswith("power_") and key.endswith("_W_per_V2"):
+            block |= ElectricalBlock(**{key: value + sum(part[key] for part in parts)})
+    if parts:
+        block |= ElectricalBlock(
+            power_residual=max(part.power_residual for part in (block, *parts)),
+            admittance_relative_error=max(part.admittance_relative_error for part in (block, *parts)),
+        )
+    whole = block | _recovered(drive.recovery, motion.circuit)
+    sources = _sources(drive, (motion, *further))
+    return whole | ElectricalBlock(sources=sources) if len(sources) > 1 else whole
+
+
+def _of_one_frequency(drive: Drive, motion) -> ElectricalBlock:
+    """Return the admittance and the powers of a motion at one frequency."""
     circuit, balance = motion.circuit, motion.power
     block = ElectricalBlock(
         admittance_S=circuit.admittance,
@@ -28,15 +54,23 @@ def electrical_block(drive: Drive, motion) -> ElectricalBlock:
         block |= ElectricalBlock(
             power_source_W_per_V2=circuit.network.in_sources, power_network_W_per_V2=circuit.network.in_ladders
         )
-    block |= _recovered(drive.recovery, circuit)
-    if len(circuit.sources) > 1:
-        volts, amperes = circuit.voltages, circuit.currents
-        sources = {
-            circuit.names[k]: {"voltage_per_volt": complex(volts[k]), "current_A_per_V": complex(amperes[k])}
-            for k in sorted(circuit.sources)
-        }
-        block |= ElectricalBlock(sources=sources)
     return block
+
+
+def _sources(drive: Drive, motions: Sequence) -> dict[str, dict]:
+    """Return voltage, current and power of each source, from the motion at its frequency."""
+    frequencies, own, found = drive.frequencies, dict(drive.source_frequencies or ()), {}
+    first = motions[0].circuit
+    for name in (first.names[k] for k in sorted(first.sources)):
+        frequency = own.get(name, drive.frequency)
+        circuit = motions[frequencies.index(frequency) if frequency in frequencies else 0].circuit
+        k = circuit.names.index(name)
+        volts, amperes = circuit.voltages[k], circuit.currents[k]
+        found[name] = {
+            "voltage_per_volt": complex(volts), "current_A_per_V": complex(amperes),
+            "power_W_per_V2": float(0.5 * (volts * amperes.conjugate()).real),
+        }  # fmt: skip
+    return found
 
 
 def _recovered(recovery, circuit) -> ElectricalBlock:

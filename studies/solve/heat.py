@@ -7,6 +7,9 @@ Temperatures are those of `fem.heat`, uniform over the cross-section, and carry 
 are of a continuous drive, or with `drive.duty` of bursts with that share of its heat; of a lone burst
 (`drive.burst` without a duty) the rise of the mean temperature is stated.
 
+Powers of sources at several frequencies add. The heat of those that have not the first frequency lies below their own
+transducer's span in x.
+
 Not in it: friction of balls (below 1e-3 of these powers), heat of bulk waves that leave the section, and a half-space,
 whose temperature never becomes steady.
 """
@@ -73,7 +76,7 @@ def powers(record: Record) -> HeatBlock:
     """Return where the power goes at the largest level, W: dielectric, along the beam, into each end, into loads."""
     electrical, highest = record.electrical, max(record.scene.levels, default=0.0)
     solid = electrical.power_solid_W_per_V2 * highest**2
-    dielectric = min(_dielectric(record) * highest**2, max(solid, 0.0))
+    dielectric = min(sum(_dielectric(record).values()) * highest**2, max(solid, 0.0))
     return HeatBlock(
         power_W=electrical.power_W_per_V2 * highest**2,
         power_dielectric_W=dielectric,
@@ -84,40 +87,68 @@ def powers(record: Record) -> HeatBlock:
     )
 
 
-def _dielectric(record: Record) -> float:
-    """Return the dielectric loss per squared volt of the source, W/V^2."""
+def _dielectric(record: Record) -> dict[str, float]:
+    """Return the dielectric loss under each driven transducer per squared volt of the source, W/V^2."""
     scene, electrical = record.scene, record.electrical
     loss = scene.stator.dielectric_loss
     if loss is None:
         loss = crystal(scene.stator.material).dielectric_loss
-    return 0.5 * loss * abs(electrical.comb_voltage_per_volt) ** 2 * max(electrical.admittance_S.imag, 0.0)
+    if electrical.sources is None:
+        reactive = {scene.drive.transducer: abs(electrical.comb_voltage_per_volt) ** 2 * electrical.admittance_S.imag}
+    else:
+        reactive = {
+            name: (each["current_A_per_V"] * complex(each["voltage_per_volt"]).conjugate()).imag
+            for name, each in electrical.sources.items()
+        }
+    return {name: 0.5 * loss * max(float(power), 0.0) for name, power in reactive.items()}
 
 
 def sources(record: Record, share: float = 1.0) -> list[fem.HeatSource]:
     """Return the sources of heat in the stator at the largest level, driven for a share of the time."""
     scene, split = record.scene, powers(record)
     split = HeatBlock(**{key: share * power for key, power in split.items()})
-    length = scene.stator.length
-    heated = []
-    driven = [each for each in scene.transducer if each.name in scene.drive.driven]
-    for each in driven:
-        center, half = each.center_xy[0], each.half_length
-        span = max(center - half, 0.0), min(center + half, length)
-        heated.append(fem.HeatSource(start=span[0], stop=span[1], power=split.power_dielectric_W / len(driven)))
+    length, dielectric = scene.stator.length, _dielectric(record)
+    spans = {each.name: _span(each, length) for each in scene.transducer}
+    scale = split.power_dielectric_W / (sum(dielectric.values()) or 1.0)
+    heated = [_below(spans[name], scale * power) for name, power in dielectric.items()]
+    returned, along = (scene.stator.cooling or Cooling()).ends_heat_stator, 1.0
+    for name, part in _beside(record).items():
+        along -= part
+        ends = returned * (split.power_left_end_W + split.power_right_end_W)
+        heated.append(_below(spans[name], part * (split.power_along_beam_W + ends)))
     heated.append(
         fem.HeatSource(
             start=0.0,
             stop=length,
-            power=split.power_along_beam_W,
+            power=along * split.power_along_beam_W,
             density=_along(record),
             scale=0.5 * _wavelength(record),
         )
     )
-    returned = (scene.stator.cooling or Cooling()).ends_heat_stator
     end = min(END_LENGTH, 0.5 * length)
     for start, power in ((0.0, split.power_left_end_W), (length - end, split.power_right_end_W)):
-        heated.append(fem.HeatSource(start=start, stop=start + end, power=returned * power))
+        heated.append(fem.HeatSource(start=start, stop=start + end, power=along * returned * power))
     return [each for each in heated if each.power > 0.0]
+
+
+def _below(span: tuple[float, float], power: float) -> fem.HeatSource:
+    return fem.HeatSource(start=span[0], stop=span[1], power=power)
+
+
+def _beside(record: Record) -> dict[str, float]:
+    """Return the share of the power of each source at another frequency than the first, whose wave is not recorded."""
+    others, known = record.scene.drive.at_other_frequencies, record.electrical.sources
+    if not others or known is None:
+        return {}
+    whole = sum(each["power_W_per_V2"] for each in known.values())
+    return {name: max(known[name]["power_W_per_V2"], 0.0) / whole for name in others}
+
+
+def _span(transducer, length: float) -> tuple[float, float]:
+    """Return where a transducer begins and ends along x, m."""
+    angle, center = math.radians(transducer.angle), transducer.center_xy[0]
+    half = transducer.half_length * abs(math.cos(angle)) + 0.5 * transducer.aperture * abs(math.sin(angle))
+    return max(center - half, 0.0), min(center + half, length)
 
 
 def _wavelength(record: Record) -> float:

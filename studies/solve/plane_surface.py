@@ -22,9 +22,12 @@ def with_surface(driven: Contact, solve: Solve) -> Contact:
     Its error is the largest over the frequencies; ``solve`` is called once for each, the first time that its motion is
     needed.
     """
-    surface = _surface(driven.model, solve)
-    errors = [motion().relative_error(driven.scene.positions) for motion in surface.motions[1:]]
-    return replace(driven, surface=surface, stator_error=max([driven.stator_error, *errors]))
+    surface, solved = _surface(driven.model, solve), driven.solved
+    further = [motion() for motion in surface.motions[1:]]
+    errors = [each.relative_error(driven.scene.positions) for each in further]
+    if solved is not None and further:
+        solved = replace(solved, power=solved.power + sum(each.circuit.power for each in further))
+    return replace(driven, surface=surface, solved=solved, stator_error=max([driven.stator_error, *errors]))
 
 
 def surface_of_run(record: Record) -> StatorSurface:
@@ -39,6 +42,13 @@ def surface_of_run(record: Record) -> StatorSurface:
         return fem.one_blas_thread(solved_motion)(stator, record.scene.positions, tolerance=goal, slider=True)
 
     return _surface(model, solve)
+
+
+def further_motions(model: Model, tolerance: float) -> list[SurfaceMotion]:
+    """Return the motions of a stator at the further frequencies of its sources, solved to a relative tolerance."""
+    drive, positions = model.scene.drive, model.scene.positions
+    stators = [model.alone_with(drive.at_frequency(each)) for each in drive.frequencies[1:]]
+    return [solved_motion(each, positions, tolerance=tolerance, slider=True, missed=True) for each in stators]
 
 
 def _surface(model: Model, solve: Solve) -> StatorSurface:

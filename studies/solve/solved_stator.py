@@ -39,7 +39,7 @@ class SolvedStator:
     goal: float  # that the section was solved to
     frequency: float  # Hz
     admittance: complex  # S
-    power: float  # mean, from all sources into the stator, W per V^2
+    power: float  # mean, from all sources into the stator, of all frequencies, W per V^2
     currents: dict[str, complex]  # into the positive electrode of each transducer, A per V
 
     @classmethod

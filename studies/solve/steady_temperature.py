@@ -136,12 +136,22 @@ def _held(model: Model, temperature_degC: float, tolerance: float) -> float:
     )  # fmt: skip
     record = Record(
         scene=warm.scene, tolerance=tolerance, wave=wave_block(warm.scene, motion, None),
-        electrical=electrical_block(scene.drive, motion), surface=surface_columns(warm.scene, motion),
+        surface=surface_columns(warm.scene, motion),
+        electrical=electrical_block(scene.drive, motion, _further(warm, tolerance)),
     )  # fmt: skip
     if scene.stator.ends != "absorbing":
         return _plate(scene.stator).steady_rise(sum(each.power for each in sources(record, duty(scene.drive) or 1.0)))
     warmed = temperature(record)
     return 0.0 if warmed is None else float(warmed.at(scene.driven_transducer.center_xy[0]))
+
+
+def _further(model: Model, tolerance: float) -> list:
+    """Return the motions at the further frequencies of the sources."""
+    if len(model.scene.drive.frequencies) < 2:
+        return []
+    from studies.solve.plane_surface import further_motions
+
+    return further_motions(model, tolerance)
 
 
 def _response(model: Model, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -157,8 +167,9 @@ def _response(model: Model, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     ports, _ = converged_admittances(cold, at, max(tolerance, RESPONSE_TOLERANCE))
     pairs = zip(ports.matrix, ports.frequency, strict=True)
     powers = [fem.solve_circuit(y, ports.names, cold.transducers, cold.drive, f).power for y, f in pairs]
+    others = sum(each.circuit.power for each in _further(cold, tolerance))  # hardly depend on the temperature
     share = (duty(scene.drive) or 1.0) * max(scene.levels) ** 2
-    return np.asarray(ports.frequency), _plate(stator).resistance * share * np.array(powers)
+    return np.asarray(ports.frequency), _plate(stator).resistance * share * (np.array(powers) + others)
 
 
 def _plate(stator: Stator) -> fem.HeatedPlate:

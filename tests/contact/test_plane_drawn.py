@@ -9,8 +9,6 @@ from contact.plane import burst, mean_forces, steady
 from tests.contact.plane_motors import drawn
 from tests.oracles.contact_plane import PlaneContact, cycle_means, in_steps
 
-CUT = 2e-8  # of the speed: the oracle leaves out the first and the last 1e-5 of a contact, 1e-8 of a punch's force
-
 
 def forces_on_body(slider, waves, state, rtol):
     """Return the mean forces (F_x, F_y, moment) of the contacts at a steady state, and its loads, by the oracle."""
@@ -32,10 +30,13 @@ def forces_on_body(slider, waves, state, rtol):
     return total, loads
 
 
-def beyond_the_stated_error(seed, rtol):
-    """Return the deviation of a drawn steady state over twice its stated error and the oracle's; None where held."""
+def deviation(seed, tolerance, rtol):
+    """Return (deviation of a drawn steady state, its stated error, the oracle's error), m/s; None where held.
+
+    Those of both components and of the yaw rate are taken together, the yaw rate times the largest arm.
+    """
     slider, waves = drawn(seed)
-    state = steady(slider, waves, tolerance=1e-6)
+    state = steady(slider, waves, tolerance=tolerance)
     if state.held:
         return None
     free = {"xy": [0, 1], "xy yaw": [0, 1, 2], "axle": [2]}[slider.freedom]
@@ -51,14 +52,21 @@ def beyond_the_stated_error(seed, rtol):
     slope = (np.array(columns).T - damping)[np.ix_(free, free)]
     load = np.array([*slider.load, slider.torque])
     (fine, loads), (rough, _) = (forces_on_body(slider, waves, state, each) for each in (rtol, 30 * rtol))
-    assert loads.sum() == pytest.approx(slider.preload, rel=1e-6)
-    miss = np.abs(np.linalg.solve(slope, (load + damping @ at - fine)[free]))
-    own = np.abs(np.linalg.solve(slope, (fine - rough)[free]))
+    assert loads.sum() == pytest.approx(slider.preload, rel=1e-8)
+    miss = np.linalg.solve(slope, (load + damping @ at - fine)[free])
+    own = np.linalg.solve(slope, (fine - rough)[free])
     stated = np.array([*state.error, state.yaw_error])[free]
-    # both components count against the larger of both errors, as in `relative_error`
     size = np.array([1.0, 1.0, np.hypot(slider.x, slider.y).max()])[free]
-    bound = 2.0 * np.linalg.norm(size * stated) + np.linalg.norm(size * own) + CUT * state.reference
-    return float(np.linalg.norm(size * miss) / bound)
+    return tuple(float(np.linalg.norm(size * each)) for each in (miss, stated, own))
+
+
+def beyond_the_stated_error(seed, rtol, tolerance=1e-6):
+    """Return the deviation of a drawn steady state over twice its stated error and the oracle's; None where held."""
+    found = deviation(seed, tolerance, rtol)
+    if found is None:
+        return None
+    miss, stated, own = found
+    return miss / (2.0 * stated + own)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 4])
@@ -67,9 +75,20 @@ def test_a_drawn_steady_motion_is_within_its_error(seed):
     assert over is None or over < 1.0
 
 
+def test_contacts_that_nearly_hold_a_load_move():
+    """Three contacts that always touch: their forces of rest fall short of the load in one direction alone."""
+    slider, waves = drawn(22)
+    state = steady(slider, waves, tolerance=1e-6)
+    assert not state.held
+    miss, stated, own = deviation(22, 1e-6, 1e-8)
+    assert miss < 2.0 * stated + own < 1e-7 * waves.peak_speed
+
+
+# Constants of the error are those of the first sixty draws; the others were first computed when these stood
 @pytest.mark.slow
-def test_sixty_drawn_steady_motions_are_within_their_errors():
-    ratios = {seed: beyond_the_stated_error(seed, 1e-9) for seed in range(60)}
+@pytest.mark.parametrize("first", [0, 1000])
+def test_sixty_drawn_steady_motions_are_within_their_errors(first):
+    ratios = {seed: beyond_the_stated_error(seed, 1e-9) for seed in range(first, first + 60)}
     moving = {seed: each for seed, each in ratios.items() if each is not None}
     assert len(moving) > 40
     assert not {seed: each for seed, each in moving.items() if each >= 1.0}

@@ -144,7 +144,9 @@ class _Cycle:
             kappa = math.hypot(*w) / (c.c * z_rate)
             turn = (w[0] * w_rate[1] - w[1] * w_rate[0]) / (w @ w)
             begin = t + 1e-5 * self.tick
-            start = alpha + kappa / (1.0 + kappa) * turn * (begin - t)
+            rate = kappa / (1.0 + kappa) * turn
+            start = alpha + rate * (begin - t)
+            self.add(t, begin, lambda s: alpha + rate * (s - t))
         found = solve_ivp(
             rates, (begin, stop), [start, 0, 0, 0, 0], method="Radau", rtol=self.rtol, events=(gap, ends),
             atol=np.array([self.rtol, *(1e-3 * self.rtol * scale), 1e-3 * self.rtol * power]),
@@ -155,9 +157,23 @@ class _Cycle:
         self.sums += y[1:]
         opens, sticks = (each.size > 0 for each in found.t_events)
         if opens:
+            opening = brentq(c.approach, end, end + 1e-2 * self.tick, xtol=1e-22, rtol=1e-15)
+            self.add(end, opening, lambda s: y[0])
             return end, np.zeros(2), "open"
         e = c.c * c.approach(end) * np.array([math.cos(y[0]), math.sin(y[0])])
         return end, e, "stick" if sticks else "stop"
+
+    def add(self, a, b, alpha):
+        """Add the sums of slip in a known direction, at either end of a contact, where z is too small for Radau."""
+        c = self.contact
+        nodes, weights = np.polynomial.legendre.leggauss(12)
+        theta = 0.25 * math.pi * (nodes + 1.0)
+        for s, d in zip(
+            a + (b - a) * np.sin(theta) ** 2, (b - a) * np.sin(2 * theta) * 0.25 * math.pi * weights, strict=True
+        ):
+            z, z_rate, w, _ = c.kinematics(s)
+            n, p = np.array([math.cos(alpha(s)), math.sin(alpha(s))]), c.load(z)
+            self.sums += d * np.array([p, *(c.mu * p * n), c.mu * p * (n @ w - c.c * z_rate)])
 
     def follow(self, t, stop, e=None):
         """Follow the contact from an instant at which it hangs in the air (e None) or sticks with e; return e."""
@@ -191,12 +207,15 @@ def cycle_means(contact: PlaneContact, period: float, rtol: float = 1e-9) -> np.
     grid = np.linspace(0.0, period, 4096, endpoint=False)
     lowest = grid[int(np.argmin([contact.approach(t) for t in grid]))]
     e = None if contact.approach(lowest) <= 0.0 else np.zeros(2)
-    for _ in range(200):
+    last = 0.0
+    for count in range(200):
         run = _Cycle(contact, rtol)
         new = run.follow(lowest, lowest + period, e)
-        if e is None or math.hypot(*(new - e)) < 1e-10 * contact.c * contact.approach(lowest):
+        change = 0.0 if e is None else math.hypot(*(new - e))
+        if e is None or change < 1e-10 * contact.c * contact.approach(lowest):
             return run.sums / period
-        e = new
+        share = change / last if last > 0.0 else 0.0
+        e, last = new + (new - e) * (share / (1.0 - share) if count % 4 == 3 and share < 0.999 else 0.0), change
     raise RuntimeError("the contact does not repeat")
 
 

@@ -12,9 +12,15 @@ import pytest
 
 import contact
 from studies import Scene, SceneError, run, sweep
+from studies.model.resolve import build
 from studies.motor import load_line, trajectory
 from studies.record import Record
-from studies.remarks.heat_warnings import heat_warnings
+from studies.scene.stator_keys import Cooling
+from studies.solve import heat
+from studies.solve.electrical import electrical_block
+from studies.solve.plane_surface import further_motions
+from studies.solve.surface_blocks import surface_columns, wave_block
+from studies.solve.surface_motion import solved_motion
 from studies.study_list import driven_contact
 
 BALL = {
@@ -206,8 +212,43 @@ def test_sources_at_their_own_frequencies():
     assert Scene.load("rotor").drive.frequencies == (2.2e6,)
     assert drive.at_other_frequencies == ("front",)
     assert Scene.load("rotor").drive.at_other_frequencies == ()
-    record = Record(scene=Scene.load("twente-planar"), tolerance=1e-3, points=())
-    assert "leave out the sources at other frequencies, front" in next(heat_warnings(record))
+
+
+def test_powers_and_heat_of_sources_at_their_own_frequencies_add():
+    """Against the sources of runs with each of them alone, its own frequency as drive.frequency."""
+
+    def motions_and_model(**drive):
+        model = build(Scene.load("twente-planar").replace(drive=drive) if drive else Scene.load("twente-planar"))
+        at = model.scene.positions
+        return solved_motion(model.alone, at, tolerance=5e-2, slider=True, missed=True), model
+
+    motion, model = motions_and_model()
+    further = further_motions(model, 5e-2)
+    electrical = electrical_block(model.scene.drive, motion, further)
+    given = {"source_frequencies": None, "voltage": [60.0]}
+    alone = [
+        motions_and_model(**given, frequency=2.2e6, sources={"left": 1.0, "front": 0.0}),
+        motions_and_model(**given, frequency=2.3e6, sources={"left": 0.0, "front": 1.0}),
+    ]  # fmt: skip
+    blocks = [electrical_block(each.scene.drive, one) for one, each in alone]
+    for key in ("power_W_per_V2", "power_radiated_W_per_V2", "power_solid_W_per_V2"):
+        assert electrical[key] == pytest.approx(sum(each[key] for each in blocks), rel=1e-9)
+    assert electrical.power_residual < 1e-9  # an undriven turned transducer has rounding over rounding
+    powers = [each["power_W_per_V2"] for each in electrical.sources.values()]
+    assert powers == pytest.approx([each.power_W_per_V2 for each in blocks], rel=1e-9)
+    record = Record(
+        scene=model.scene, tolerance=1e-3, points=(), electrical=electrical, wave=wave_block(model.scene, motion, None),
+        surface=surface_columns(model.scene, motion),
+    )  # fmt: skip
+    heated, front = heat.sources(record), model.scene.transducer[1]
+    assert heat.powers(record).power_W == pytest.approx(3600.0 * sum(each.power_W_per_V2 for each in blocks), rel=1e-9)
+    across = [each for each in heated if each.start == pytest.approx(front.center_xy[0] - 0.5 * front.aperture)]
+    assert len(across) == 2  # dielectric loss, and what its beam loses
+    assert all(each.stop - each.start == pytest.approx(front.aperture) for each in across)
+    ends = 3600.0 * electrical.power_radiated_W_per_V2 * (model.scene.stator.cooling or Cooling()).ends_heat_stator
+    assert sum(each.power for each in heated) == pytest.approx(
+        3600.0 * electrical.power_solid_W_per_V2 + ends, rel=1e-9
+    )
 
 
 def test_arrows_of_a_rotor_are_its_velocities():
