@@ -75,7 +75,6 @@ WARNED = {
     "crossed": ("side faces",),
     "lithium-niobate-128yx": ("moves sideways",),
     "silicon-slider": ("overtones of the wave", "leaks into bulk waves", "adhesion"),
-    "twente-planar": ("leave out the sources at other frequencies",),
 }
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 UNTOLD = ("seconds", "expected", "results")  # lines that differ from machine to machine

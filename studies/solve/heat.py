@@ -94,13 +94,14 @@ def _dielectric(record: Record) -> dict[str, float]:
     if loss is None:
         loss = crystal(scene.stator.material).dielectric_loss
     if electrical.sources is None:
-        reactive = {scene.drive.transducer: abs(electrical.comb_voltage_per_volt) ** 2 * electrical.admittance_S.imag}
+        power = abs(electrical.comb_voltage_per_volt) ** 2 * electrical.admittance_S.imag
+        reactive = {str(scene.drive.transducer): power}
     else:
         reactive = {
             name: (each["current_A_per_V"] * complex(each["voltage_per_volt"]).conjugate()).imag
             for name, each in electrical.sources.items()
         }
-    return {name: 0.5 * loss * max(float(power), 0.0) for name, power in reactive.items()}
+    return {name: 0.5 * loss * max(float(each), 0.0) for name, each in reactive.items()}
 
 
 def sources(record: Record, share: float = 1.0) -> list[fem.HeatSource]:
