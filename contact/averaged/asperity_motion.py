@@ -101,24 +101,22 @@ class RoughBalls:
         waves = self._of_each(orbits)
         balls = self._reach(max(abs(each.normal) for each in waves))
         reference = max(reference_speed(0.0, (each,)) for each in waves)
-        values: list[float] = []
-        for doubling in range(DOUBLINGS + 1):
-            velocity, heights = balls.solve(waves, doubling, values[-1] if values else 0.0)
-            values.append(velocity)
-            if doubling:
-                velocity, error = balls.refined(values)
-                if error <= tolerance * max(abs(velocity), reference):
-                    break
+        solved = balls.solve(waves, 0)
+        for doubling in range(1, DOUBLINGS + 1):
+            before, solved = solved, balls.solve(waves, doubling, solved)
+            velocity, error = balls.refined(before.velocity, solved.velocity)
+            if error <= tolerance * max(abs(velocity), reference):
+                break
         answer = Answer(value=velocity, error=error, reasons=(balls.said,))
-        each_ball = zip(heights, waves, self._parting, strict=True)
+        each_ball = zip(solved.heights, waves, self._parting, strict=True)
         hops = all(height - abs(wave.normal) <= part for height, wave, part in each_ball)
         regime = "stick" if answer.value == 0.0 else "intermittent" if hops else "slip"
-        return RoughMotion(answer.judged(tolerance, max(abs(velocity), reference) or 1.0), heights, regime)
+        return RoughMotion(answer.judged(tolerance, max(abs(velocity), reference) or 1.0), solved.heights, regime)
 
-    def coarse_velocity(self, orbits: Sequence[Orbit], near: float = 0.0) -> float:
+    def coarse_velocity(self, orbits: Sequence[Orbit]) -> float:
         """Return the velocity in m/s of the first tables, for its differences between similar waves."""
         waves = tuple(orbits)
-        return self._reach(max(abs(each.normal) for each in waves)).solve(waves, 0, near)[0]
+        return self._reach(max(abs(each.normal) for each in waves)).solve(waves, 0).velocity
 
     def threshold(self, orbits: Orbit | Sequence[Orbit], speed: float, *, tolerance: float) -> float:
         """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand."""
@@ -139,7 +137,7 @@ class RoughBalls:
 
         def left(factor):
             scaled = tuple(each.scaled(factor) for each in waves)
-            heights = self._reach(max(abs(each.normal) for each in scaled)).solve(scaled, 1)[1]
+            heights = self._reach(max(abs(each.normal) for each in scaled)).solve(scaled, 1).heights
             troughs = (h - abs(each.normal) for h, each in zip(heights, scaled, strict=True))
             return max(part - trough for part, trough in zip(self._parting, troughs, strict=True))
 
@@ -171,7 +169,7 @@ class RoughBalls:
             if trough >= self._carries:
                 return self._balls
             share = slider.preload / len(self.samples)
-            if all(each.force(trough) >= share for each in set(self._balls.balls)):
+            if all(each.carries(share, trough) for each in set(self._balls.balls)):
                 self._carries = trough
                 return self._balls
             deepest = self._lowest + DEEPER * (deepest - self._lowest)

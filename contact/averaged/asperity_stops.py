@@ -5,6 +5,7 @@ stop (`asperity_cycle`). A mean field with the elastic law has one stop, of the 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,14 @@ REPEATS = 1e-9  # change of a deformation from one cycle to the next over the la
 CLOSE = 1e-6  # of the velocity over its range
 
 
+class Balanced(NamedTuple):
+    """Steady motion of a slider whose mean forces vanish."""
+
+    velocity: float  # m/s
+    heights: tuple[float, ...]  # mean approach of each ball, m
+    rate: float = 0.0  # of the force that is left over the speed, N s/m; 0: unknown
+
+
 class Stops:
     """Balls up to a deepest approach in m, with a stop for each asperity."""
 
@@ -26,10 +35,10 @@ class Stops:
         self.slider, self.balls, self.lowest, self.deepest = slider, balls, lowest, deepest
         self._tables: dict[int, list[Table]] = {}
 
-    def solve(self, waves: tuple[Orbit, ...], doubling: int, _near: float = 0.0) -> tuple[float, tuple[float, ...]]:
-        """Return the velocity in m/s and the mean approaches in m, with so many doublings of steps and rows."""
+    def solve(self, waves: tuple[Orbit, ...], doubling: int, _near: Balanced | None = None) -> Balanced:
+        """Return the steady motion with so many doublings of steps and rows."""
         heights = self._heights(waves, doubling)
-        return self._velocity(waves, doubling, heights), heights
+        return Balanced(self._velocity(waves, doubling, heights), heights)
 
     @property
     def said(self) -> str:
@@ -37,10 +46,10 @@ class Stops:
         number = sum(table.touch.size for table in self._at(0))
         return f"cycle means of {number} asperities, a stop each"
 
-    def refined(self, values: list[float]) -> tuple[float, float]:
-        """Return the velocity and its error from those of rising numbers of steps."""
+    def refined(self, before: float, last: float) -> tuple[float, float]:
+        """Return velocity and error from those of a number of steps and twice as many."""
         # about the square of the step: of a smooth mean a third of the change would be the error
-        return values[-1], 0.5 * abs(values[-1] - values[-2])
+        return last, 0.5 * abs(last - before)
 
     def _at(self, doubling: int) -> list[Table]:
         """Return the tables with so many doublings of their rows."""

@@ -82,13 +82,16 @@ def _sum_of_displacements(path, low, high):
 
 
 @compiled
-def _meeting(path, e, wall, y, low, high):
-    """Return the angle between two at which a wall meets the anchor, from the gap's sign there; `high` + 1 if none."""
+def _meeting(path, e, wall, y, low, high, near):
+    """Return the angle between two at which a wall meets the anchor; `high` + 1 if it does not.
+
+    Newton's method starts from `near` if that is between them.
+    """
     sign = 1.0 - 2.0 * wall
     if e + np.cos(high) - sign * (_displacement(path, high) - y) >= 0.0:
         return high + 1.0
     a, b = low, high
-    theta = 0.5 * (low + high)
+    theta = near if low < near < high else 0.5 * (low + high)
     for _ in range(NEWTON):
         cosine, sine = np.cos(theta), np.sin(theta)
         gap = e + cosine - sign * (path.along * cosine - path.behind * sine - path.drift * theta - y)
@@ -115,7 +118,7 @@ def _slipping(path, wall, theta):
 
 
 @compiled
-def _next_slip(path, e, y, theta, end):
+def _next_slip(path, e, y, theta, end, near):
     """Return (wall, start, stop) of the next slip of an anchor that sticks at an angle; wall -1 if there is none."""
     mover, first, last = -1, end, end
     for wall in range(2):
@@ -123,7 +126,7 @@ def _next_slip(path, e, y, theta, end):
             low, high = _slipping(path, wall, theta)
             while low < first:
                 stop = min(high, end)
-                at = _meeting(path, e, wall, y, max(low, theta), stop)
+                at = _meeting(path, e, wall, y, max(low, theta), stop, near[wall])
                 if at <= stop:
                     if at < first:
                         mover, first, last = wall, at, stop
@@ -133,8 +136,11 @@ def _next_slip(path, e, y, theta, end):
 
 
 @compiled
-def mean_deformation(path, e):
-    """Return the mean of x - y at a depth e > -1, over a cycle that repeats; zero while it does not touch."""
+def mean_deformation(path, e, near):
+    """Return the mean of x - y at a depth e > -1 over a cycle that repeats, zero while it does not touch.
+
+    Also the angles at which each wall met the anchor first; `near` are those of a depth nearby.
+    """
     if e < 1.0:
         end = math.acos(-e)
         theta = -end
@@ -149,10 +155,14 @@ def mean_deformation(path, e):
         theta, mover, stop = path.stop[1], -1, 0.0
         end = theta + 2.0 * math.pi
         y = _displacement(path, theta) + e + np.cos(theta)
-    total = 0.0
+    total, met = 0.0, near
     while theta < end:
         if mover < 0:
-            mover, start, stop = _next_slip(path, e, y, theta, end)
+            mover, start, stop = _next_slip(path, e, y, theta, end, near)
+            if mover == 0:
+                met = start, met[1]
+            elif mover == 1:
+                met = met[0], start
             total += _sum_of_displacements(path, theta, start) - y * (start - theta)
             theta = start
         if mover >= 0:
@@ -160,7 +170,7 @@ def mean_deformation(path, e):
             total += sign * (e * (stop - theta) + np.sin(stop) - np.sin(theta))
             theta, mover = stop, -1
             y = _displacement(path, theta) - sign * (e + np.cos(theta))
-    return total / (2.0 * math.pi)
+    return total / (2.0 * math.pi), met
 
 
 @compiled
@@ -189,11 +199,13 @@ def mean_memory(table, k, height, path, cells):
         last = max(last, 0.5 * gap)
     last = min(last, deepest)
     total, above, before, shallow = 0.0, force_at(table, k, height + A), 0.0, -1.0
+    near = 10.0 * math.pi, 10.0 * math.pi
     if last > -1.0:
         for cell in range(1, cells + 1):
             # finer near the crest, where layers hardly touch
             e = (last + 1.0) * (cell / cells) ** 1.5 - 1.0
-            deformation, below = mean_deformation(path, e), force_at(table, k, height - A * e)
+            deformation, near = mean_deformation(path, e, near)
+            below = force_at(table, k, height - A * e)
             total += (above - below) * (deformation - before) / (e - shallow)
             above, before, shallow = below, deformation, e
     return total - above  # what is deeper is moved by the upper wall alone, once in a cycle

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from contact.averaged.asperity_stops import Balanced
 from contact.averaged.memory_cycle import Heavy, memory_motion
 from contact.law.force_table import ForceTable, joined
 from contact.orbit import Orbit
@@ -20,13 +21,9 @@ class Memory:
         distinct = self._distinct = list(dict.fromkeys(balls))
         self._which = np.array([distinct.index(each) for each in balls])
         self._tables: dict[int, ForceTable] = {}
-        self._rates = [0.0] * 16  # of the force that is left over the velocity, of the last answer
 
-    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: float = 0.0) -> tuple[float, tuple[float, ...]]:
-        """Return the velocity in m/s and the mean approaches in m, with so many doublings of cells and rows.
-
-        The search starts from the velocity `near`, if it is not zero.
-        """
+    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None = None) -> Balanced:
+        """Return the steady motion with so many doublings of cells and rows; the search starts from another one."""
         slider = self.slider
         heavy = Heavy(
             slider.friction_coefficient, slider.limit_slope, slider.load, slider.tangential_damping,
@@ -37,22 +34,20 @@ class Memory:
             size = abs(wave.normal)
             along = wave.tangential * (wave.normal.conjugate() / size if size > 0.0 else 1.0)
             motion[:] = max(size, FLAT * abs(along) / slider.limit_slope), along.real, along.imag
-        heights, found = np.empty(len(waves)), np.array([near, self._rates[doubling]])
+        heights, found = np.empty(len(waves)), np.array([near.velocity, near.rate] if near else [0.0, 0.0])
         if np.any(motions[:, 0] > 0.0):
             memory_motion(self._at(doubling), self._which, motions, heavy, CELLS * 2**doubling, heights, found)
-            self._rates[doubling] = float(found[1])
             if not any(wave.normal for wave in waves):
                 found[0] = 0.0  # a friction limit that stays as it is holds as much forwards as backwards
-        return float(found[0]), tuple(map(float, heights))
+        return Balanced(float(found[0]), tuple(map(float, heights)), float(found[1]))
 
     @property
     def said(self) -> str:
         """What the answers are."""
         return "cycle means with the memory of Mindlin and Deresiewicz in the force of the rough balls"
 
-    def refined(self, values: list[float]) -> tuple[float, float]:
-        """Return the velocity and its error from those of rising numbers of cells, which err by their square."""
-        before, last = values[-2:]
+    def refined(self, before: float, last: float) -> tuple[float, float]:
+        """Return velocity and error from those of a number of cells and twice as many, which err by their square."""
         if min(abs(before), abs(last)) == 0.0:
             return last, abs(last - before)
         return last + (last - before) / 3.0, ERROR * abs(last - before)

@@ -162,9 +162,9 @@ class RoughBall:
         cap = np.minimum(np.maximum(u, 0.0), self.merged)
         return self.stiffness * np.sqrt(cap) * (cap + 1.5 * np.maximum(u - self.merged, 0.0))
 
-    def force(self, z: float) -> float:
-        """Return the force of all at an approach z in m, N."""
-        return float(self.forces(self.at(z).approaches).sum())
+    def carries(self, force: float, z: float) -> bool:
+        """Return whether the force of all at an approach z in m is at least one in N."""
+        return float(self.forces(self.at(z).approaches).sum()) >= force
 
     def force_table(self, deepest: float, doubling: int) -> ForceTable:
         """Return the force of all up to an approach in m, from `ROWS` solutions doubled so many times.

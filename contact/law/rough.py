@@ -16,7 +16,7 @@ one sphere differs from the next, and only a sample (`law.asperities`) tells by 
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,12 +34,13 @@ FEWEST = 10.0  # asperities in contact below which the mean field is not that of
 COVERED = 0.4  # random places one after another fill 0.547 of a plane with discs
 FIRST = 4.5  # standard deviations between the mean planes from which on asperities are counted to carry: 1e-5 of a load
 START, GRADED = 6.0, 3.0  # standard deviations: where a table starts, and from where on its steps grow
-STEP_OF_ROWS, FINEST = 0.3, 64  # of asinh of the approach in a first table, and its smallest part
+STEP_OF_ROWS, FINEST = 0.2, 64  # of asinh of the approach in a first table, and its smallest part
 RINGS = 160  # rings of pressure; 320 change the approach by 2e-5
 REACH = 7.0  # standard deviations above the mean plane beyond which asperities carry nothing
 FAR = -12.0  # t below which the series of a tail has rounding errors only
 STEP = 0.04  # of the variable of integration of a tail; 0.08 gives 1e-9
 TAILS = 64  # rows of the table of tails a standard deviation: 4e-7 of a tail
+LATEST = 16  # fields under forces, and tables, that are kept
 CLOSE = 1e-12  # relative change of the largest pressure or approach at which Newton's method ends
 
 
@@ -113,6 +114,13 @@ def disc_displacement(radius, r) -> np.ndarray:
     # (1 - m) K(m), which vanishes at m = 1
     first = (1.0 - m) * ellipkm1(np.maximum(1.0 - m, 1e-300))
     return 4.0 / math.pi * larger * (ellipe(m) - np.where(inside, 0.0, first))
+
+
+@cache
+def _influence(rings: int) -> np.ndarray:
+    """Return E w at the middle of equal rings under unit pressures on each, m; it scales with the outermost radius."""
+    edges = np.linspace(0.0, 1.0, rings + 1)
+    return np.diff(disc_displacement(edges[None, :], 0.5 * (edges[1:] + edges[:-1])[:, None]), axis=1)
 
 
 class Field(NamedTuple):
@@ -220,11 +228,11 @@ class MeanField:
         self.modulus = parameter_check.positive("effective_modulus", effective_modulus, "Pa")
         self.roughness, self.rings = roughness, rings
         self._solved: dict[int, Field] = {}
+        self._under: dict[float, Field] = {}
+        self._tables: dict[tuple[float, int], ForceTable] = {}
         self._edges = np.linspace(0.0, 1.0, rings + 1)
-        middle = self.middle = 0.5 * (self._edges[1:] + self._edges[:-1])
-        # displacements scale with the outermost radius
-        discs = disc_displacement(self._edges[None, :], middle[:, None])
-        self._influence = np.diff(discs, axis=1) / effective_modulus
+        self.middle = 0.5 * (self._edges[1:] + self._edges[:-1])
+        self._influence = _influence(rings) / effective_modulus
 
     def at(self, z: float, near: Field | None = None) -> Field:
         """Return the field at an approach z of the mean planes in m; it is negative where few asperities touch.
@@ -283,9 +291,13 @@ class MeanField:
         return -FIRST * self.roughness.rms
 
     def parting(self, _radius: float) -> float:
-        """Return the approach of the mean planes in m at which half of all balls touch nothing.
+        """Return the approach of the mean planes in m at which half of all balls touch nothing."""
+        return self._parting
 
-        So it is where ln 2 asperities of a Poisson process are expected to touch, of surfaces that are not dented:
+    @cached_property
+    def _parting(self) -> float:
+        """Where ln 2 asperities of a Poisson process are expected to touch, of surfaces that are not dented.
+
         2 pi R eta sigma times the mean of what is higher than the separation.
         """
         rough = self.roughness
@@ -308,6 +320,8 @@ class MeanField:
         the mean plane, and growing beyond as the force becomes a power of z. Each doubling halves the step, and keeps
         the fields that are solved.
         """
+        if (deepest, doubling) in self._tables:
+            return self._tables[deepest, doubling]
         scale, step = GRADED * self.roughness.rms, STEP_OF_ROWS / 2**doubling
         first = math.floor(math.asinh(-START / GRADED) / step)
         last = math.ceil(math.asinh(max(deepest, 0.0) / scale) / step)
@@ -321,7 +335,8 @@ class MeanField:
         cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
         force = np.exp(low + t * (rise + t * (square + t * cubic)))
         slope = force * (rise + t * (2.0 * square + 3.0 * t * cubic)) / (step * np.hypot(z, scale))
-        return ForceTable(force[None], spacing * slope[None], z[:1], np.array([spacing]))
+        table = ForceTable(force[None], spacing * slope[None], z[:1], np.array([spacing]))
+        return _kept(self._tables, (deepest, doubling), table)
 
     def _field(self, number: int) -> Field:
         """Return the field at one of the approaches of the finest table, solved once."""
@@ -333,16 +348,38 @@ class MeanField:
         return self._solved[number]
 
     def approach(self, force: float) -> float:
-        """Return the approach of the mean planes in m under a force in N, by Newton's method on its logarithm."""
+        """Return the approach of the mean planes in m under a force in N."""
+        return self.under(force).approach
+
+    def under(self, force: float) -> Field:
+        """Return the field under a force in N, by Newton's method on its logarithm; the latest are kept."""
         parameter_check.positive("force", force, "N")
-        z = float(approach(force / stiffness(self.radius, self.modulus, SPHERE.shape), SPHERE))
+        if force in self._under:
+            return self._under[force]
+
+        def smooth(force):
+            return float(approach(force / stiffness(self.radius, self.modulus, SPHERE.shape), SPHERE))
+
+        field = min(self._under.values(), key=lambda each: abs(each.force - force), default=None)
+        z = smooth(force) + (field.approach - smooth(field.force) if field else 0.0)
+        largest = 2.0 * self.roughness.rms + 0.2 * smooth(force)
         for _ in range(100):
-            field = self.at(z)
+            field = self.at(z, field)
             step = math.log(force / field.force) * field.force / field.stiffness
-            z += max(min(step, 2.0 * self.roughness.rms), -2.0 * self.roughness.rms)
             if abs(step) <= CLOSE * (abs(z) + self.roughness.rms):
-                return z
-        raise ConvergenceError("not converged", f"the approach of a rough sphere under {force:.4g} N")
+                break
+            z += max(min(step, largest), -largest)
+        else:
+            raise ConvergenceError("not converged", f"the approach of a rough sphere under {force:.4g} N")
+        return _kept(self._under, force, field)
+
+
+def _kept(latest: dict, key, value):
+    """Return a value that is kept, in the place of the oldest of `LATEST`."""
+    if len(latest) >= LATEST:
+        del latest[next(iter(latest))]
+    latest[key] = value
+    return value
 
 
 class FieldBall:
@@ -360,9 +397,9 @@ class FieldBall:
         self.merged = np.array([math.inf])
         self._last: Field | None = None
 
-    def force(self, z: float) -> float:
-        """Return the force at an approach z in m, N."""
-        return self.field.at(z, self._last).force
+    def carries(self, force: float, z: float) -> bool:
+        """Return whether the force at an approach z in m is at least one in N."""
+        return z >= self.field.approach(force)
 
     def at(self, z: float, near: np.ndarray | None = None) -> State:
         """Return the approach at which a smooth ball has the force, and its derivative."""

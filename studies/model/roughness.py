@@ -82,7 +82,7 @@ def touching(slider: Slider) -> float:
     if within < FEWEST:  # the rough ball's mean plane lies hardly deeper than the smooth one's
         return within
     with as_run_errors(f"slider.roughness with an rms of {block.rms * 1e9:.3g} nm:"):
-        return field.at(field.approach(slider.preload_force / balls)).touching
+        return field.under(slider.preload_force / balls).touching
 
 
 def drawn_asperities(slider: Slider, amplitude: float) -> float:
@@ -122,6 +122,7 @@ def reach_of(slider: Slider, amplitude: float) -> float:
     return math.sqrt(2.0 * slider.radius * (2.0 * amplitude + rest + 8.0 * rms))
 
 
+@lru_cache(16)
 def contact_body(slider: Slider) -> contact.Slider:
     """Return the smooth slider on all its balls, with the tangential law that its rough balls take."""
     return contact.Slider(

@@ -273,5 +273,6 @@ def test_a_field_as_one_ball():
     ball = field.ball(R, E, deepest)
     (u,), (rate,) = ball.at(z)
     assert 4 / 3 * E * np.sqrt(R) * u**1.5 == pytest.approx(PRELOAD, rel=1e-4)
-    assert ball.force(z) == pytest.approx(PRELOAD, rel=1e-4)
+    assert ball.carries(0.999 * PRELOAD, z)
+    assert not ball.carries(1.001 * PRELOAD, z)
     assert rate == pytest.approx((ball.at(z + step).approaches[0] - ball.at(z - step).approaches[0]) / 2e-12, rel=1e-3)
