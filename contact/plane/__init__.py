@@ -14,7 +14,7 @@ _PUBLIC = {
     "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
-    "trajectory": "PlaneTrajectory",
+    "burst_path": "PlaneTrajectory",
     "plane_waves": "PlaneWave PlaneWaves SurfaceWaves places",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

@@ -16,13 +16,13 @@ from contact.exceptions import ConvergenceError, InputError
 from contact.passing_wave import refuse_infinite_mass
 from contact.plane.averaged import ANSWER, CHECK
 from contact.plane.averaged_path import AveragedPath
+from contact.plane.burst_path import PlaneTrajectory
 from contact.plane.fixed_steps import FixedSteps
 from contact.plane.full_motion import SATURATED, FullMotion, begun_later, motion_at_rest, with_heights
 from contact.plane.plane_equations import Body
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
 from contact.plane.scaling import averaging_error, refuse_slow_beat, resonance_ratios, scaled
 from contact.plane.steady_state import refuse
-from contact.plane.trajectory import PlaneTrajectory
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "stepped", "averaged")

@@ -88,7 +88,7 @@ def check(scene: Scene) -> None:
     if scene.slider.normal_law is not None:
         slider_of(scene.slider)
     if scene.slider.roughness is not None:
-        from studies.model.roughness import check_roughness
+        from studies.model.roughness_of_balls import check_roughness
 
         check_roughness(scene.slider)
 

@@ -97,7 +97,7 @@ class Contact:
 
     @cached_property
     def slider(self):
-        """The `contact.Slider`; refused of rough balls, which `studies.model.roughness` makes."""
+        """The `contact.Slider`; refused of rough balls, which `studies.model.roughness_of_balls` makes."""
         if self.surface is not None:
             from studies.model.plane import plane_slider
 

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import contact
-from studies.model.roughness import FEWEST, drawn_asperities, orbits_of_each, rough_balls, touching
+from studies.model.roughness_of_balls import FEWEST, drawn_asperities, orbits_of_each, rough_balls, touching
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.plots import COLOURS, curve, family, finished, logarithmic, titled, upper_half

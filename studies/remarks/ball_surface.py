@@ -139,7 +139,7 @@ def ball_surface_at(record: Record, point: Point) -> Effects:
             yield FIELD, "velocity", median / field - 1.0, how
     yield from _split(record, point)
     if slider.tangential_law == "elastic" and block is not None:
-        from studies.model.roughness import orbits_of_each, rough_balls
+        from studies.model.roughness_of_balls import orbits_of_each, rough_balls
 
         driven = contact_of_run(record)
         largest = max(abs(each.normal) for each in driven.at(max(record.scene.levels)))
@@ -233,7 +233,7 @@ def of_patch(record: Record) -> Iterator[str]:
     block = record.scene.slider.roughness
     if block is None or block.file is None:
         return
-    from studies.model.roughness import patch_of
+    from studies.model.roughness_of_balls import patch_of
 
     patch = patch_of(block)
     along, across = (each * 1e6 for each in patch.size)
@@ -264,6 +264,6 @@ def _rms(record: Record) -> float:
     block = record.scene.slider.roughness
     if block is None:
         return RMS
-    from studies.model.roughness import realised_rms
+    from studies.model.roughness_of_balls import realised_rms
 
     return realised_rms(block)

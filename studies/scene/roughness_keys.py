@@ -1,4 +1,4 @@
-"""The block of the roughness of a slider's balls; `studies.model.roughness` makes mean fields and samples of it."""
+"""The block of the roughness of a slider's balls; `roughness_of_balls` makes its mean fields and samples."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar

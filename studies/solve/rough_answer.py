@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import contact
-from studies.model.roughness import orbits_of_each, rough_balls
+from studies.model.roughness_of_balls import orbits_of_each, rough_balls
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.point import Point

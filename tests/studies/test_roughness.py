@@ -6,7 +6,7 @@ import pytest
 import contact
 from studies import Scene, SceneError, run, sweep
 from studies.evidence import rough_balls
-from studies.model.roughness import STRIDE
+from studies.model.roughness_of_balls import STRIDE
 from studies.remarks.ball_surface import ratio
 
 AMPLITUDES = ["3 nm", "8 nm"]
