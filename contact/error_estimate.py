@@ -7,7 +7,7 @@ max(|v|, omega |u_x|/10). The true error is at most twice the stated one in 98 o
 
 Some errors are completed elsewhere: the effect of an undamped bounce, of a motion that is not reached from rest and of
 a slider that is just held is added in `answers.steady` and `averaged.sweep_kernel`, that of an irregular long run in
-`periodic.settling`, that of a burst compared with its exact solution in `answers.burst_methods`, the search of a load
+`periodic.settling`, that of a burst compared with its exact solution in `answers.stepped_burst`, the search of a load
 line in `answers.load_and_stall`. The parts of an averaged burst are added up in `averaged.burst`; that of a
 slider which tilts or loads the wave is the residual of its equations and `richardson` of the number of harmonics
 (`averaged.coupled_motion`).
@@ -42,7 +42,7 @@ FLOOR = 0.01
 HELD_ORBITS = 0.5
 # Factors of a burst's error in fixed steps, of which only the first cycles were checked. CALIBRATION: on the ratio of
 # true and stated error there; LEAST_SHARE: the least of that product, 1 for the coarsest two step sizes (level 1 of
-# `burst_methods.STEPS`), which agree by chance most easily; BEYOND: on the estimate of the whole burst; UNCHECKED: on
+# `stepped_burst.STEPS`), which agree by chance most easily; BEYOND: on the estimate of the whole burst; UNCHECKED: on
 # an estimate without check. `tests/benchmarks/stepped_error.py` measured them.
 CALIBRATION, LEAST_SHARE, BEYOND, UNCHECKED = 3.0, 0.5, 1.5, 5.0
 # The same for an averaged burst, and AVERAGED_FLOOR: smallest error of its step size and quadrature over the tolerance
@@ -138,7 +138,7 @@ def stepped_error(difference: float, fine: int, coarse: int, expected: float = 0
     """Return the error of the finer of two runs with fixed time steps; `fine`, `coarse`: steps per cycle.
 
     The difference may vanish by chance, since events fall anywhere in a step: pass the largest of many. `expected` is
-    the smallest error for which the finer number of steps was seen to be enough (`answers.burst_methods.STEPS`, times
+    the smallest error for which the finer number of steps was seen to be enough (`answers.stepped_burst.STEPS`, times
     the reference speed).
     """
     return richardson(difference, fine / coarse, STEPPED_ORDER) + FLOOR * expected

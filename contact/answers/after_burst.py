@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.answers.burst_methods import ring_down, silence
+from contact.answers.rest_motion import silence
+from contact.answers.ring_down import ring_down
 from contact.codes import Recorded
 from contact.envelope import Envelope
 from contact.events.motion import Motion

@@ -23,9 +23,11 @@ import numpy as np
 
 from contact import parameter_check
 from contact.answers.after_burst import Afterwards, Series, follow_after
-from contact.answers.burst_methods import METHODS, Burst, rest_problem, run
+from contact.answers.burst_methods import METHODS, run
+from contact.answers.burst_question import Burst
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.quasi_static import quasi_static
+from contact.answers.rest_motion import rest_problem
 from contact.choice import Answer, Answered, refused
 from contact.codes import At, Recorded
 from contact.envelope import Envelope

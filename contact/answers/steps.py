@@ -15,16 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from contact import parameter_check
-from contact.answers.burst_methods import (
-    EXACT_CYCLES,
-    rest,
-    rest_problem,
-    ring_down,
-    shaped_steps,
-    silence,
-    spent,
-    stepped_refusals,
-)
+from contact.answers.event_driven_burst import EXACT_CYCLES
+from contact.answers.rest_motion import rest, rest_problem, silence
+from contact.answers.ring_down import ring_down, shaped_steps, spent
+from contact.answers.stepped_burst import stepped_refusals
 from contact.choice import Answer
 from contact.codes import Event, Recorded, Regime
 from contact.envelope import Envelope

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import parameter_check
-from contact.answers.burst_methods import rest, rest_problem, silence
+from contact.answers.rest_motion import rest, rest_problem, silence
 from contact.averaged.event_equilibrium import balanced
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.body import at_phase

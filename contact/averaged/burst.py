@@ -67,7 +67,7 @@ def refuse_unless_applicable(slider: Slider, orbits: Orbits, stiffest: float = S
 
 
 def averaged_run(burst, motion, checked):
-    """Return (motion, record, error, check, statistics) of a `burst_methods.Burst` of at least 3 cycles.
+    """Return (motion, record, error, check, statistics) of a `burst_question.Burst` of at least 3 cycles.
 
     `motion` is the motion at phase 0; it is advanced to the end of the burst. The record has (v, z_s); z_s excludes
     the motion within a cycle. `error` is that of v at the end, scaled. `checked` are numbers of cycles after which the

@@ -23,8 +23,8 @@ from contact.exceptions import ConvergenceError
 
 # Nodes per segment, truncation error of a segment, its longest length over that of the problem, and the largest Newton
 # step that ends a search: for an answer and for the estimate of its error. QUICK serves tolerances from QUICK_TOLERANCE
-# on: its two levels differ as those of `burst_methods.ORDERS`. Their velocities were within 8e-11 and 2e-8 of that of
-# FINE for 1 to 300 balls at 3 to 10 nm.
+# on: its two levels differ as those of `event_driven_burst.ORDERS`. Their velocities were within 8e-11 and 2e-8 of that
+# of FINE for 1 to 300 balls at 3 to 10 nm.
 FINE, COARSE = (16, 1e-12, 1.0, 1e-12), (10, 1e-8, 1.0, 1e-12)
 QUICK, QUICK_TOLERANCE = ((12, 1e-9, 1.0, 1e-10), (8, 1e-5, 0.8, 1e-10)), 1e-8
 # Largest number of cycles to follow before the search if it fails from the averaged equilibrium. It failed at first in

@@ -35,7 +35,7 @@ def rows_of(
 ) -> list[dict]:
     """Return one row per run: curve, setting, seconds, error over v, complaint, and whether it is silently wrong."""
     import contact
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.stepping.time_stepping import steps
 
     seed = Seed()

@@ -22,7 +22,8 @@ import time
 import numpy as np
 
 import contact
-from contact.answers.burst_methods import ANSWER, rest, rest_problem
+from contact.answers.event_driven_burst import ANSWER
+from contact.answers.rest_motion import rest, rest_problem
 from tests import seed_motor
 from tests.contact.motors import steady_map
 from tests.seed_motor import FREQUENCY

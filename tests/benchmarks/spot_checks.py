@@ -1,4 +1,4 @@
-"""True over stated error of bursts whose error is seen in a part of their cycles: `burst_methods.SPOT_FACTOR`.
+"""True over stated error of bursts whose error is seen in a part of their cycles: `event_driven_burst.SPOT_FACTOR`.
 
     python -m tests.benchmarks.spot_checks [DRAWS]
 
@@ -11,7 +11,9 @@ import sys
 import numpy as np
 
 from contact import ConvergenceError
-from contact.answers import burst_methods
+from contact.answers.burst_question import Burst
+from contact.answers.event_driven_burst import SPOT_FACTOR, spot_checked
+from contact.answers.rest_motion import rest, rest_problem
 from contact.error_estimate import reference_speed
 from contact.orbit import towards_plus
 from tests.motors import aimed, around_the_seed
@@ -22,14 +24,14 @@ MAX_CYCLES, MAX_TURNED = 3000, 2e5
 def ratio(slider, orbits, cycles):
     """Return (true error over the stated one, stated error relative to the reference speed), None if not checked so."""
     _, driven = towards_plus(orbits)
-    problem = burst_methods.rest_problem(slider, driven)
+    problem = rest_problem(slider, driven)
     if problem.segments * cycles > MAX_TURNED:
         return None
-    request = burst_methods.Burst(slider, driven, problem, cycles, max(1, cycles // 2), 1e-3, None)
+    request = Burst(slider, driven, problem, cycles, max(1, cycles // 2), 1e-3, None)
     try:
-        finest = burst_methods.rest(slider, driven, problem, nodes=20, truncation=1e-13)
+        finest = rest(slider, driven, problem, nodes=20, truncation=1e-13)
         finest.turn(cycles)
-        found = burst_methods.spot_checked(request)
+        found = spot_checked(request)
     except ConvergenceError:
         return None
     if found is None or found.error == 0.0:
@@ -51,6 +53,6 @@ if __name__ == "__main__":
                     print(f"{kind} {number}: {found[0]:.2f} of a stated error of {found[1]:.1e}")
         print(
             f"{kind}: {len(ratios)} draws, largest ratio {max(ratios):.2f} (without the factor at most "
-            f"{burst_methods.SPOT_FACTOR * max(ratios):.1f}), median {np.median(ratios):.3f}",
+            f"{SPOT_FACTOR * max(ratios):.1f}), median {np.median(ratios):.3f}",
             flush=True,
         )

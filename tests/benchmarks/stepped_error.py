@@ -1,13 +1,13 @@
 r"""Stated against true error of bursts in fixed steps, whose first cycles the exact method checks.
 
-Every level of `burst_methods.STEPS` that applies to the families `aimed` and `around_the_seed` of `tests/motors.py`, in
+Every level of `stepped_burst.STEPS` that applies to the families `aimed` and `around_the_seed` of `tests/motors.py`, in
 bursts of 300 to 5000 cycles. The check has the first third, at most 1000 cycles. For each pair of `CALIBRATION` and
 `LEAST_SHARE` it prints how many are further off than once and twice the stated error.
 
     python -m tests.benchmarks.stepped_error --draws aimed --number 400
     python -m tests.benchmarks.stepped_error --draws calibration --number 200
 
-`--parts` tests the error of long bursts instead, which is seen in parts of them (`burst_methods.STEPPED_PARTS`), at
+`--parts` tests the error of long bursts instead, which is seen in parts of them (`STEPPED_PARTS`), at
 three tolerances in bursts of 3100 to 12 000 cycles, at most the given number of segments.
 """
 
@@ -17,7 +17,9 @@ from itertools import product
 import numpy as np
 
 from contact import ConvergenceError, error_estimate
-from contact.answers import burst_methods as methods
+from contact.answers.burst_question import Burst
+from contact.answers.rest_motion import rest, rest_problem
+from contact.answers.stepped_burst import STEPS, WINDOW, stepped_refusals, steps_checked_in_parts
 from contact.codes import Recorded
 from contact.orbit import towards_plus
 from contact.stepping.time_stepping import steps
@@ -31,20 +33,20 @@ FACTORS = (2.0, 3.0, 4.0), (1.0, 0.5, 0.35, 0.25)
 def compared(slider, orbits, cycles):
     """Yield (level, true error, estimate, largest true error and estimate in the first cycles), over the reference."""
     _, driven = towards_plus(orbits)
-    problem = methods.rest_problem(slider, driven)
-    burst = methods.Burst(slider, driven, problem, cycles, 1, 1e-4, None)
-    levels = [k for k, (n, _) in enumerate(methods.STEPS) if not methods.stepped_refusals(slider, problem, n)][:LEVELS]
-    exact = methods.rest(slider, driven, problem, nodes=14, truncation=1e-11).turn(cycles, stride=1)
+    problem = rest_problem(slider, driven)
+    burst = Burst(slider, driven, problem, cycles, 1, 1e-4, None)
+    levels = [k for k, (n, _) in enumerate(STEPS) if not stepped_refusals(slider, problem, n)][:LEVELS]
+    exact = rest(slider, driven, problem, nodes=14, truncation=1e-11).turn(cycles, stride=1)
     exact, found = exact[:, Recorded.VELOCITY], {}
     for k in levels:
-        motion = methods.rest(slider, driven, problem, nodes=16, truncation=1e-12)
-        found[k] = steps(problem, motion.state, cycles, methods.STEPS[k][0])[:, Recorded.VELOCITY]
+        motion = rest(slider, driven, problem, nodes=16, truncation=1e-12)
+        found[k] = steps(problem, motion.state, cycles, STEPS[k][0])[:, Recorded.VELOCITY]
     reference, every = burst.reference(exact[-1]), max(1, cycles // 48)
     late = np.append(np.arange(cycles // 2, cycles, every), cycles - 1)
-    first = np.arange(every - 1, min(methods.WINDOW, cycles // 3), every)
+    first = np.arange(every - 1, min(WINDOW, cycles // 3), every)
     for k in levels[1:]:
         apart, off = np.abs(found[k] - found[k - 1]), np.abs(found[k] - exact)
-        pair, expected = (methods.STEPS[k][0], methods.STEPS[k - 1][0]), methods.STEPS[k][1] * reference
+        pair, expected = (STEPS[k][0], STEPS[k - 1][0]), STEPS[k][1] * reference
         whole = error_estimate.stepped_error(np.max(apart[late]), *pair, expected)
         stated = error_estimate.stepped_error(np.max(apart[first]), *pair)
         yield k, off[-1] / reference, whole / reference, np.max(off[first]) / reference, stated / reference
@@ -53,14 +55,14 @@ def compared(slider, orbits, cycles):
 def in_parts(slider, orbits, cycles, number):
     """Yield (tolerance, true error over the stated one) of one long burst at three tolerances."""
     _, driven = towards_plus(orbits)
-    problem = methods.rest_problem(slider, driven)
+    problem = rest_problem(slider, driven)
     cycles = int(min(max(cycles, 3100), 9000) * np.random.default_rng(number).uniform(1.0, 1.33))
-    if problem.segments * cycles > MAX_SEGMENTS or methods.stepped_refusals(slider, problem, methods.STEPS[1][0]):
+    if problem.segments * cycles > MAX_SEGMENTS or stepped_refusals(slider, problem, STEPS[1][0]):
         return
-    exact = methods.rest(slider, driven, problem, nodes=14, truncation=1e-11)
+    exact = rest(slider, driven, problem, nodes=14, truncation=1e-11)
     exact.turn(cycles)
     for tolerance in PARTS_TOLERANCES:
-        found = methods.steps_checked_in_parts(methods.Burst(slider, driven, problem, cycles, 1, tolerance, None))
+        found = steps_checked_in_parts(Burst(slider, driven, problem, cycles, 1, tolerance, None))
         if found is not None and found.error > 0.0:
             yield tolerance, abs(found.run[0].state[2] - exact.state[2]) / found.error
 

@@ -106,7 +106,7 @@ def _by_way(found):
 
 def _burst_truth(slider, orbits, cycles):
     """Return v at the burst's end by the finest event-exact motion, m/s."""
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.orbit import towards_plus
 
     side, driven = towards_plus(orbits)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Orbit, burst, mean_motion, steady
-from contact.answers.burst_methods import BURST_METHODS, Burst, rest_problem
+from contact.answers.burst_methods import BURST_METHODS
+from contact.answers.burst_question import Burst
+from contact.answers.rest_motion import rest_problem
 from contact.averaged import riding_stage
 from contact.averaged.averaged_state import AveragedMotion, Span, Stage
 from contact.averaged.equilibrium import work_arrays

@@ -1,9 +1,15 @@
 """Stated errors of bursts against the exact method at its finest, on draws that are aimed at their weak spots."""
 
+from itertools import pairwise
+
 import pytest
 
 from contact import ConvergenceError, Envelope, burst, error_estimate
-from contact.answers import burst_methods
+from contact.answers.burst_methods import BURST_METHODS, METHODS
+from contact.answers.burst_question import Burst
+from contact.answers.event_driven_burst import ORDERS, spot_checked
+from contact.answers.rest_motion import rest, rest_problem
+from contact.choice import Method
 from contact.error_estimate import reference_speed
 from contact.orbit import towards_plus
 from tests.contact.motors import orbit, slider
@@ -13,8 +19,8 @@ from tests.motors import aimed, around_the_seed
 def finest(body, orbits, cycles):
     """Return the velocity at the burst's end with 20 nodes."""
     side, driven = towards_plus(orbits)
-    problem = burst_methods.rest_problem(body, driven)
-    motion = burst_methods.rest(body, driven, problem, nodes=20, truncation=1e-13)
+    problem = rest_problem(body, driven)
+    motion = rest(body, driven, problem, nodes=20, truncation=1e-13)
     motion.turn(cycles)
     return side * float(motion.state[2]) * problem.speed
 
@@ -92,12 +98,12 @@ def test_averaging_that_fails_is_seen_in_the_first_cycles(monkeypatch, number):
     # these were 6 to 50 times off by what two averaged runs and the two orders tell
     body, orbits, _, cycles, tolerance = aimed(number)
     side, driven = towards_plus(orbits)
-    problem = burst_methods.rest_problem(body, driven)
-    asked = burst_methods.Burst(body, driven, problem, cycles, cycles, tolerance, None)
+    problem = rest_problem(body, driven)
+    asked = Burst(body, driven, problem, cycles, cycles, tolerance, None)
     true = finest(body, orbits, cycles) * side / problem.speed
 
     def over_stated():
-        (motion, _), error, *_ = burst_methods.BURST_METHODS["averaged"].follow(asked)
+        (motion, _), error, *_ = BURST_METHODS["averaged"].follow(asked)
         return abs(float(motion.state[2]) - true) / error
 
     assert over_stated() < 2.0
@@ -106,7 +112,7 @@ def test_averaging_that_fails_is_seen_in_the_first_cycles(monkeypatch, number):
 
 
 def test_two_exact_runs_that_are_compared_share_neither_nodes_nor_segments():
-    for coarse, fine in zip(burst_methods.ORDERS[:-1], burst_methods.ORDERS[1:], strict=True):
+    for coarse, fine in pairwise(ORDERS):
         assert coarse[0] != fine[0]
         assert coarse[2] != fine[2]
 
@@ -117,8 +123,8 @@ def test_a_check_of_a_part_sees_what_becomes_an_error_of_the_velocity_later(numb
     body, orbits, cycles = around_the_seed(number)
     cycles = min(cycles, 3000)
     side, driven = towards_plus(orbits)
-    problem = burst_methods.rest_problem(body, driven)
-    found = burst_methods.spot_checked(burst_methods.Burst(body, driven, problem, cycles, cycles, 1e-6, None))
+    problem = rest_problem(body, driven)
+    found = spot_checked(Burst(body, driven, problem, cycles, cycles, 1e-6, None))
     true = abs(found.run[0].state[2] * problem.speed - side * finest(body, orbits, cycles)) / problem.speed
     assert 0.02 * found.error < true < 0.3 * found.error  # 0.4 and 0.6 by the velocity alone
 
@@ -138,7 +144,7 @@ def test_another_method_answers_where_the_exact_one_fails_unless_it_was_asked_fo
     def fails(_burst):
         raise ConvergenceError("not converged", "no digits")
 
-    monkeypatch.setitem(burst_methods.BURST_METHODS, "exact", burst_methods.Method(fails, lambda _: ()))
+    monkeypatch.setitem(BURST_METHODS, "exact", Method(fails, lambda _: ()))
     asked = {"duration": 40 / 2.2e6, "after": 0.0, "samples": 2, "tolerance": 1e-2}
     found = burst(slider(), orbit(10e-9), **asked)
     assert found.method == "averaged"
@@ -150,7 +156,7 @@ def test_another_method_answers_where_the_exact_one_fails_unless_it_was_asked_fo
 @pytest.mark.parametrize(
     "changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"stick_band": 1e-4}, {"friction_coefficient": 0.0}]
 )
-@pytest.mark.parametrize("method", burst_methods.METHODS)
+@pytest.mark.parametrize("method", METHODS)
 def test_a_refusal_names_every_reason_and_one_way_that_works(changed, method):
     shape = Envelope(time=[0.0, 1e-5], amplitude=[0.0, 1.0], phase=[0.0, 0.0])
     asked = {"duration": 2e-5, "after": 0.0, "tolerance": 1e-3, "samples": 2}

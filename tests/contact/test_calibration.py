@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst
-from contact.answers.burst_methods import STEPS, largest_divisor, rest_problem, stepped_refusals
+from contact.answers.burst_question import largest_divisor
+from contact.answers.rest_motion import rest_problem
+from contact.answers.stepped_burst import STEPS, stepped_refusals
 from contact.error_estimate import reference_speed
 from tests.contact.calibration import ContactChecked, checked, kept, pessimism
 from tests.contact.motors import orbit, slider

@@ -69,7 +69,7 @@ def test_root_of_a_rising_cubic():
 @pytest.mark.parametrize(("A", "allowed"), [(3e-9, 1.5e-5), (4.3e-9, 2e-5), (10e-9, 1.5e-5), (20e-9, 1e-6)])
 def test_48_steps_per_cycle_keep_five_digits(A, allowed):
     # Oracle: the event-exact way
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.stepping.time_stepping import steps
 
     problem = rest_problem(slider(), (orbit(A),))
@@ -98,7 +98,7 @@ def test_the_last_part_of_a_parabola(v0, v1, bulge):
 def test_slip_and_stick_are_followed_to_high_order():
     # Oracle: the event-exact way at 3 nm, cycle by cycle, each with two slips; 7e-6 of the friction's impulse with
     # edges of first order
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.stepping.time_stepping import steps
 
     problem = rest_problem(slider(), (orbit(3e-9),))

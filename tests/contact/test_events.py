@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from contact import ConvergenceError
-from contact.answers.burst_methods import rest, rest_problem
+from contact.answers.rest_motion import rest, rest_problem
 from contact.codes import Event, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
 from contact.events.motion import Motion

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst, steady, threshold_amplitude, threshold_factor
-from contact.answers.burst_methods import rest_problem
+from contact.answers.rest_motion import rest_problem
 from contact.answers.thresholds import release_amplitude
 from contact.averaged.event_equilibrium import opposed
 from contact.error_estimate import reference_speed

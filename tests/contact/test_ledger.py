@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact import burst, contact_history, steady
-from contact.answers.burst_methods import rest, rest_problem, silence
 from contact.answers.ledger import Ledger, ledger, together
+from contact.answers.rest_motion import rest, rest_problem, silence
 from contact.body import Point
 from contact.codes import Regime, Shape
 from contact.law import elastic

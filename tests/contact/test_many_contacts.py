@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import FallingFriction, Orbit, burst, contact_history, steady
-from contact.answers.burst_methods import rest, rest_problem
+from contact.answers.rest_motion import rest, rest_problem
 from contact.events import many_contacts
 from tests.contact.motors import slider
 from tests.seed_motor import BODY, DAMPERS
@@ -145,7 +145,7 @@ def test_segments_grow_again_after_a_rough_place():
 
 # Property: what is compiled from `COMPILED_CONTACTS` on is what Python does for fewer
 def test_regimes_and_energies_of_many_contacts_are_those_of_few(monkeypatch):
-    from contact.answers.burst_methods import rest_problem
+    from contact.answers.rest_motion import rest_problem
     from contact.events import energy, transitions
     from contact.events.collocation import collocation
     from contact.events.motion import Motion

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact.answers.burst_methods import rest, rest_problem
+from contact.answers.rest_motion import rest, rest_problem
 from tests.contact.motors import orbit, slider
 
 # what depends on how the motion is cut into stretches; a curve of the memory is as long as its stretch

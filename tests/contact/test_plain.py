@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from contact import PassingWave, Pillars, UserLaw, mean_motion, pillar_motion
-from contact.answers.burst_methods import rest, rest_problem
+from contact.answers.rest_motion import rest, rest_problem
 from contact.averaged.averaged_state import Span
 from contact.averaged.riding import quadrature
 from contact.averaged.transient import response

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Envelope, Orbit, Slider, burst, cycles_for, step
-from contact.answers.burst_methods import rest_problem
+from contact.answers.rest_motion import rest_problem
 from contact.problem import largest_resonance
 from tests.contact.motors import orbit, slider, stop_motor
 from tests.oracles.contact_stop import extrapolated

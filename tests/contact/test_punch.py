@@ -93,7 +93,7 @@ def test_every_door_has_the_same_steady_state():
 
 @pytest.mark.parametrize(("A", "per_cycle"), [(3e-9, 48), (10e-9, 48), (20e-9, 48)])
 def test_fixed_steps_keep_five_digits(A, per_cycle):
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.stepping.time_stepping import steps
 
     problem = rest_problem(slider(**PUNCH), trio(A))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import Orbit, burst, steady
-from contact.answers import burst_methods
+from contact.answers.rest_motion import rest, rest_problem
 from contact.error_estimate import reference_speed
 from contact.orbit import towards_plus
 from contact.periodic import settling
@@ -50,8 +50,8 @@ def test_a_bounce_that_dies_out_slowly_is_followed_until_it_has(cycles, load):
     wave = Orbit(frequency=f, normal=3 * body.rest_approach(1), tangential=-1.6j * body.rest_approach(1))
     answer = steady(body, wave, tolerance=1e-3)
     side, driven = towards_plus((wave,))
-    problem = burst_methods.rest_problem(body, driven)
-    begin = burst_methods.rest(body, driven, problem, nodes=14, truncation=1e-10)
+    problem = rest_problem(body, driven)
+    begin = rest(body, driven, problem, nodes=14, truncation=1e-10)
     rows = steps(problem, begin.state.copy(), int(10 * cycles), 192)
     truth = side * float(rows[-int(cycles) :, 2].mean()) * problem.speed
     error = abs(answer.velocity - truth) / reference_speed(truth, (wave,))
@@ -82,7 +82,7 @@ def test_a_hysteretic_motion_that_repeats_has_the_error_of_another_order():
     problem, begin = settling.start_at_rest(body, pair, 1.0)
     run = settling.run_from(problem, begin, settling.relaxation_rate(problem))
     assert run.period
-    finer = burst_methods.rest(body, pair, problem, nodes=20, truncation=1e-13)
+    finer = rest(body, pair, problem, nodes=20, truncation=1e-13)
     finer.turn(run.passed)
     finer.begin()
     finer.turn(run.period)

@@ -43,7 +43,7 @@ def test_a_shape_that_does_not_fit_is_refused(changed, sentence):
 
 
 def test_a_motion_without_its_deformations_is_refused_before_the_kernel_reads_beyond():
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.events import event_driven
     from tests.contact.motors import orbit, slider
 

@@ -21,12 +21,14 @@ from contact import (
     steady,
     step,
 )
-from contact.answers import burst_methods, steps
 from contact.answers import load_and_stall as stalls
+from contact.answers.rest_motion import rest, rest_problem, silence
+from contact.answers.steps import QUIET_SPANS
 from contact.error_estimate import averaged_stall_error
 from contact.events.energy import EnergySum
 from contact.events.motion import Motion
 from contact.orbit import towards_plus
+from contact.stepping.time_stepping import steps
 from tests.contact.motors import orbit, slider, stop_motor, way_to_rest
 from tests.motors import aimed
 from tests.oracles.contact_stop import TRAVEL, V, extrapolated
@@ -103,10 +105,10 @@ def test_the_error_of_a_step_holds(cycles, shaped):
     shape = Envelope(time=[0.0, 30 / f], amplitude=[0.0, 1.0], phase=[0.0, 0.0]) if shaped else None
     found = step(body, wave, cycles=cycles, envelope=shape)
     side, driven = towards_plus((wave,))
-    problem = burst_methods.rest_problem(body, driven)
-    motion = burst_methods.rest(body, driven, problem, nodes=20, truncation=1e-13, factor=0.0 if shaped else 1.0)
+    problem = rest_problem(body, driven)
+    motion = rest(body, driven, problem, nodes=20, truncation=1e-13, factor=0.0 if shaped else 1.0)
     if shaped:
-        rows = burst_methods.steps(problem, motion.state, cycles, 384, envelope=shape)
+        rows = steps(problem, motion.state, cycles, 384, envelope=shape)
         during = 2.0 * np.pi * float(np.sum(rows[:, 2]))
     else:
         motion.turn(cycles)
@@ -125,11 +127,11 @@ def test_no_slip_is_missed_after_the_burst(draw, parting, cycles):
         wave = tuple(each.scaled(min(1.0, 1.2 * body.rest_approach(len(wave)) / reach)) for each in wave)
     found = step(body, wave, cycles=cycles)
     side, driven = towards_plus(wave)
-    problem = burst_methods.rest_problem(body, driven)
-    motion = burst_methods.rest(body, driven, problem, nodes=16, truncation=1e-12)
+    problem = rest_problem(body, driven)
+    motion = rest(body, driven, problem, nodes=16, truncation=1e-12)
     motion.turn(cycles)
     moved = float(motion.sums[EnergySum.DISPLACEMENT])
-    still = burst_methods.silence(motion)
+    still = silence(motion)
     still.move(0.0, 400.0 * problem.omega / body.tangential_resonance(len(wave)), np.empty(0))
     load = math.copysign(body.load, problem.load) / (body.friction_coefficient * body.normal_stiffness)
     on = way_to_rest(
@@ -163,10 +165,10 @@ def test_a_step_ends_where_the_springs_of_unequal_contacts_carry_just_the_load()
 def test_a_hysteretic_step_ends_near_where_its_ring_dies_out(cycles):
     body = slider(law="hysteretic", normal_damping=2.0, tangential_damping=0.5)
     found = step(body, orbit(8e-9), cycles=cycles)
-    problem = burst_methods.rest_problem(body, (orbit(8e-9),))
-    motion = burst_methods.rest(body, (orbit(8e-9),), problem, nodes=16, truncation=1e-12)
+    problem = rest_problem(body, (orbit(8e-9),))
+    motion = rest(body, (orbit(8e-9),), problem, nodes=16, truncation=1e-12)
     motion.turn(cycles)
-    still, half = burst_methods.silence(motion), 0.5 * problem.omega / body.tangential_resonance(1)
+    still, half = silence(motion), 0.5 * problem.omega / body.tangential_resonance(1)
     for k in range(40):
         still.move(k * half, (k + 1) * half, np.empty(0))
     travel = float(motion.sums[EnergySum.DISPLACEMENT] + still.sums[EnergySum.DISPLACEMENT]) * problem.length
@@ -260,7 +262,7 @@ def test_a_ring_that_touches_the_slip_limit_for_ever_ends_when_the_bounce_has_di
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Motion, "move", move)
         found = step(even, wave, cycles=cycles)
-    assert 2 * steps.QUIET_SPANS < len(spans) < 300
+    assert 2 * QUIET_SPANS < len(spans) < 300
     # the ring is left at the slip limit
     assert found.ring == pytest.approx(even.limit_slope * even.rest_approach(1), rel=1e-4)
     # by integration without events to its extrapolated error

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Orbit, burst, steady, threshold_amplitude
-from contact.answers.burst_methods import rest, rest_problem
+from contact.answers.rest_motion import rest, rest_problem
 from contact.averaged.closed_forms import closed_form
 from contact.error_estimate import reference_speed
 from tests.contact.motors import orbit, slider

@@ -14,7 +14,7 @@ import studies.__main__ as command
 
 def kernel(words):
     import numpy as np
-    from contact.answers.burst_methods import rest, rest_problem
+    from contact.answers.rest_motion import rest, rest_problem
     from contact.stepping.time_stepping import steps
     from tests.contact.motors import orbit, slider
 

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import contact
-from contact.answers.burst_methods import rest_problem, stepped_refusals
+from contact.answers.rest_motion import rest_problem
 from contact.answers.steady import SteadyState
+from contact.answers.stepped_burst import stepped_refusals
 from contact.body import normal_amplitude, tangential_amplitude
 from contact.events.collocation import collocation
 from contact.events.motion import Motion
