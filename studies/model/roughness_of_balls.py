@@ -155,6 +155,33 @@ def rough_balls(slider: Slider, amplitude: float) -> tuple[contact.RoughBalls, .
     )
 
 
+def limits_of(
+    slider: Slider, orbits: tuple, amplitude: float, speed: float, *, tolerance: float, count: int | None = None
+) -> list[tuple[float, float]]:
+    """Return threshold and release of the first of `rough_balls`, or of all, as levels on orbits for a level of 1.
+
+    The threshold is the level at which the slider runs at a ``speed`` in m/s. The search starts with balls for waves of
+    an ``amplitude`` in m, and again with a larger one until their asperities reach as far as the limits.
+
+    Parameters
+    ----------
+    count : int, optional
+        1 for the first of the balls alone.
+    """
+    orbits, size = orbits_of_each(slider, orbits), max(abs(each.normal) for each in orbits)
+    while True:
+        largest = amplitude / size
+        waves = tuple(each.scaled(largest) for each in orbits)
+        found = [
+            (largest * balls.threshold(waves, speed, tolerance=tolerance), largest * balls.release(waves))
+            for balls in rough_balls(slider, amplitude)[:count]
+        ]
+        furthest = size * float(np.max(found))
+        if furthest <= amplitude or not math.isfinite(furthest):
+            return found
+        amplitude = furthest
+
+
 def orbits_of_each(slider: Slider, orbits: tuple) -> tuple:
     """Return the orbit of each ball of `rough_balls`; a mere number of balls moves alike."""
     return tuple(orbits) * (slider.share if slider.roughness.sampled else 1)

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import contact
-from studies.model.roughness_of_balls import FEWEST, drawn_asperities, orbits_of_each, rough_balls, touching
+from studies.model.roughness_of_balls import FEWEST, drawn_asperities, limits_of, orbits_of_each, rough_balls, touching
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.plots import COLOURS, curve, family, finished, logarithmic, titled, upper_half
@@ -169,15 +169,7 @@ def _rough(driven: Contact, slider: Slider, at: list[float]) -> list[Read]:
     orbits, size = orbits_of_each(slider, driven.orbits), max(abs(each.normal) for each in driven.orbits)
     largest, found = _first_release(driven), []
     with slider_keys(), as_run_errors("slider.roughness:"):
-        while True:  # the asperities of a sample are those within the reach of its largest wave
-            waves = scaled(orbits, largest)
-            limits = [
-                (largest * balls.threshold(waves, STARTS, tolerance=SCATTER), largest * balls.release(waves))
-                for balls in rough_balls(slider, largest * size)
-            ]
-            if np.max(limits) <= largest or not math.isfinite(np.max(limits)):
-                break
-            largest = float(np.max(limits))
+        limits = limits_of(slider, driven.orbits, largest * size, STARTS, tolerance=SCATTER)
         for own, balls in zip(limits, rough_balls(slider, max(at, default=largest) * size), strict=True):
             waves = [scaled(orbits, level) for level in at]
             speeds = (abs(balls.velocity(each, tolerance=SCATTER).value) for each in waves)

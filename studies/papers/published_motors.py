@@ -3,10 +3,11 @@
 Method: the ball of Kurosawa, Takahashi and Higuchi on 128YX lithium niobate (1998), both the contact alone at the
 stated amplitude and the whole chain from 180 V; the motor of the seed paper; three rotors (`published_rotors`); the
 silicon slider of Raj and Behera (2025); motors whose silicon sliders load the wave (`published_sliders`). The face of
-one of them was seen to move: its texture is fitted to that motion, and thrust and speed of another motor are
-predicted with it. A published value is a number, or a range if the paper only bounds it. Quantities that a paper
-needs but does not state, or states as "about", are swept in every combination and make the band beside the
-measurement. The value inside the band is our assumption, and agreement means only that nothing contradicts it.
+one of them was seen to move: its texture is fitted to that motion, and thrust and speed of another motor are predicted
+with it, in a band that its unknown preload and friction keep wide (`published_sliders`). A published value is a
+number, or a range if the paper only bounds it. Quantities that a paper needs but does not state, or states as "about",
+are swept in every combination and make the band beside the measurement. The value inside the band is our assumption,
+and agreement means only that nothing contradicts it.
 Expected: the speed at the published amplitude lies within its band; the band of predictions from the voltage is as
 wide as the unknown number of fingers makes it.
 Run time: about 60 s.

@@ -5,6 +5,15 @@ values is computed and makes the band. Sources as their authors name them: M. K.
 the reports of KAKEN 22360101 and 15H03943; T. Shigematsu, M. K. Kurosawa and K. Asai, IEEE Trans. UFFC 50 (2003) 376;
 T. Shigematsu and M. K. Kurosawa, *Friction drive of an SAW motor, Part I*, IEEE Trans. UFFC (2008), abstract, who saw
 the slider's own face move; R. Takasaki's thrust is predicted with the texture that this motion fits.
+
+What keeps that prediction wide, each alone: the preload of Takasaki's motor, which no source at hand states (30 to 100
+N move the thrust 2.4 times), the friction coefficient (0.1 to 0.3: 1.8 times) and the last digit of the face's 10 nm
+(9.5 to 10 nm: 1.6 times), for from a scatter of 80 to 150 nm the face moves by 9.7 to 10.2 nm. Its tangential motion
+does not narrow the friction: the published 10 nm ask for more than 0.3 (6.6 nm there, 2.7 nm at 0.1), the delay of at
+most 60 degrees for at most 0.1. The authors' own model had this difficulty: "the friction coefficient drastically
+changes the tangential displacement" (Part III, IEEE Trans. UFFC 55 (2008), abstract). With one preload for both, 1.1
+m/s and 6.4 to 8 N together ask for a friction of 0.1, a face of 9.5 nm and 139 N (6.9 N); with 0.18 the slider of 1.1
+m/s has 2.2 to 5 N.
 """
 
 import math

@@ -143,18 +143,15 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
     Neither is computed on a loaded wave, where a threshold takes about as long as 30 levels; in the plane no release.
     """
     if driven.rough:
-        from studies.solve.rough_answer import rough_threshold
+        from studies.solve.rough_answer import rough_limits
 
         if driven.scene.burst is not None:
             driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
-        return _limit(driven, "threshold", rough_threshold(driven)), math.inf
+        return _limits(driven, rough_limits(driven)), math.inf
     if driven.holding:
         from studies.solve.adhesive_answer import adhesive_limits
 
-        limits = SummaryBlock()
-        for name, factor in adhesive_limits(driven).items():
-            limits |= _limit(driven, name, factor)
-        return limits, math.inf
+        return _limits(driven, adhesive_limits(driven)), math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
     if driven.scene.planar:
@@ -169,10 +166,15 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
     threshold, release = (
         factor_of(driven.slider, driven.orbits) for factor_of in (contact.threshold_factor, contact.release_factor)
     )
+    return _limits(driven, {"threshold": threshold, "release": release}) | _each_release(driven), threshold
+
+
+def _limits(driven: Contact, factors: dict[str, float]) -> SummaryBlock:
+    """Return limits, given as factors on the orbits by name."""
     limits = SummaryBlock()
-    for name, factor in (("threshold", threshold), ("release", release)):
+    for name, factor in factors.items():
         limits |= _limit(driven, name, factor)
-    return limits | _each_release(driven), threshold
+    return limits
 
 
 def _limit(driven: Contact, name: str, factor: float) -> SummaryBlock:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import contact
-from studies.model.roughness_of_balls import orbits_of_each, rough_balls
+from studies.model.roughness_of_balls import limits_of, orbits_of_each, rough_balls
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.point import Point
@@ -51,19 +51,27 @@ def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer
     return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
 
 
-def rough_threshold(driven: Contact) -> float:
-    """Return the factor on the orbits at which the slider runs at `STARTS`; infinite if it never does."""
+def rough_limits(driven: Contact) -> dict[str, float]:
+    """Return the factors on the orbits at which the slider runs at `STARTS`, and at which its first ball leaves.
+
+    Of a sample they are those of the scene's own; without a level there are none.
+    """
     level = max(driven.scene.levels)
     if level <= 0.0:
-        return math.inf
+        return {}
     with slider_keys(), as_run_errors(f"slider.roughness: the amplitude for {1e3 * STARTS:g} mm/s:"):
-        return level * _balls(driven)[0].threshold(
-            scaled(orbits_of_each(driven.scene.slider, driven.orbits), level), STARTS, tolerance=SCATTER
+        (limits,) = limits_of(
+            driven.scene.slider, driven.orbits, _amplitude(driven), STARTS, tolerance=SCATTER, count=1
         )
+    return dict(zip(("threshold", "release"), limits, strict=True))
 
 
 def _balls(driven: Contact) -> tuple:
     """Return the balls of the scene's own sample first, or of its mean field."""
-    slider = driven.scene.slider
+    return rough_balls(driven.scene.slider, _amplitude(driven))
+
+
+def _amplitude(driven: Contact) -> float:
+    """Return the amplitude in m for which balls are made, at least the largest of the scene."""
     largest = max(driven.scene.levels) * max(abs(each.normal) for each in driven.orbits)
-    return rough_balls(slider, STEP ** math.ceil(math.log(max(largest, 1e-12), STEP)))
+    return STEP ** math.ceil(math.log(max(largest, 1e-12), STEP))

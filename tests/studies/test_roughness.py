@@ -170,6 +170,16 @@ def test_a_sweep_gives_the_points_of_runs():
         assert velocity == pytest.approx(alone, rel=1e-6)
 
 
+def test_a_run_states_the_release_of_its_own_ball(sampled):
+    """Also where its levels end below: the ball's asperities then reach as far as the release needs."""
+    ball = contact.RoughBalls(rough_balls.ball(), [contact.Roughness(rms=3e-9).drawn(5, 9e-6)])
+    orbit = contact.Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j)
+    assert sampled.summary.release_amplitude_m == pytest.approx(1e-9 * ball.release(orbit), rel=3e-3)
+    low = run(scene(rms="3 nm", seed=5).replace(wave={"normal_amplitude": "0.5 nm"}), tolerance=1e-2)
+    assert low.summary.release_amplitude_m == pytest.approx(sampled.summary.release_amplitude_m, rel=3e-3)
+    assert low.summary.threshold_amplitude_m == pytest.approx(sampled.summary.threshold_amplitude_m, rel=3e-3)
+
+
 def test_few_asperities_are_refused():
     """An independent program counts 3 with 20 nm and 10 um."""
     rule = "slider.roughness.rms of 20 nm: 3 asperities carry a ball: the mean field does not apply; give a seed, the"
