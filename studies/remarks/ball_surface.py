@@ -19,6 +19,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,8 +41,9 @@ STEPS, BALANCED = 20, 1e-6  # of the search for tilts; moment over the preload a
 ON_A_LINE = 0.999  # correlation of the balls' places above which they stand on one line
 ROUGHNESS, MEMORY = "roughness of the balls", "memory of the tangential contact"
 FIELD = "single asperities instead of their mean field"
-STARTS, CLEAN, WET = (
+STARTS, LOST, CLEAN, WET = (
     f"{ROUGHNESS}: where they start",
+    f"{ROUGHNESS}: their adhesion",
     "adhesion of clean smooth balls",
     "meniscus of water at the balls",
 )
@@ -101,13 +103,21 @@ def ball_surface(record: Record) -> Effects:
         median, lowest, highest, _ = np.array(ratio(alpha, 0.0)) / _own(slider, 0.0)
         how = f"{rms * 1e9:g} nm assumed, {alpha:.2g} of the approach at rest"
         yield STARTS, "the threshold", float(median) - 1.0, f"{how}; eight balls: {lowest:.3g} to {highest:.3g}"
-    if slider.adhesion is not None:
+    own: Any = slider.adhesion
+    if own is not None and own.work is None:
         return
+    work, model = (ADHESION, "DMT") if own is None else (own.work, own.model)
     asperity = (block and block.asperity_radius) or contact.Roughness(rms=rms).asperity_radius
-    number = body.effective_modulus * rms**1.5 / (ADHESION * math.sqrt(asperity))
+    number = body.effective_modulus * rms**1.5 / (work * math.sqrt(asperity))
+    model = "JKR" if model == "JKR" else "DMT"  # of Maugis between both
+    pull = contact.AdhesiveSphere(radius=slider.radius, modulus=body.effective_modulus, work=work, model=model).pull_off
+    if own is not None:
+        if number > REMOVED:
+            how = f"which {rms * 1e9:.3g} nm, assumed, remove (number of Fuller and Tabor {number:.2g})"
+            yield LOST, "the preload", -balls * pull / preload, f"{work:g} J/m^2, {how}"
+        return
     removed = f"which a roughness of {rms * 1e9:.3g} nm removes" if number > REMOVED else "which their roughness leaves"
-    pull = contact.AdhesiveSphere(radius=slider.radius, modulus=body.effective_modulus, work=ADHESION).pull_off
-    how = f"{ADHESION:g} J/m^2, {removed} (number of Fuller and Tabor {number:.2g})"
+    how = f"{work:g} J/m^2, {removed} (number of Fuller and Tabor {number:.2g})"
     yield CLEAN, "the preload", balls * pull / preload, how
     meniscus = contact.meniscus_force(slider.radius, WATER)
     yield WET, "the preload", balls * meniscus / preload, "4 pi gamma R; none in vacuum"
@@ -115,7 +125,7 @@ def ball_surface(record: Record) -> Effects:
 
 def ball_surface_at(record: Record, point: Point) -> Effects:
     """Yield the changes of the velocity at a point by roughness and by the tangential law."""
-    speed, slider = point.velocity_m_per_s, record.scene.slider
+    speed, slider = point.velocity_m_per_s or point.rotation_rpm, record.scene.slider
     if not _on_balls(record) or not speed or not point.normal_amplitude_m:
         return
     alpha, block = _alpha(record), slider.roughness
@@ -204,13 +214,14 @@ def _balanced_velocity(body, orbits, places: np.ndarray) -> float | None:
 def smooth_balls(record: Record) -> Iterator[str]:
     """Yield a warning that the balls are computed smooth and dry, where their surfaces change the answer by 10 %."""
     sizes = {each.effect: each.size for each in record.model_error}
-    told = (STARTS, ROUGHNESS, MEMORY, OTHER_BALL, FIELD, SPLIT, WET)
+    told = (STARTS, LOST, ROUGHNESS, MEMORY, OTHER_BALL, FIELD, SPLIT, WET)
     decisive = {name: sizes[name] for name in told if abs(sizes.get(name, 0.0)) >= DECIDES}
     sentences = {
         FIELD: "single asperities would change the velocity of their mean field by about {percent:+.0f} %",
         OTHER_BALL: "another ball of this roughness runs up to {percent:.0f} % faster or slower",
         SPLIT: "loads of the balls by statics would change the velocity by about {percent:+.0f} %",
         STARTS: "with a roughness of {rms:g} nm they start at about {factor:.2g} times the threshold",
+        LOST: "a roughness of {rms:g} nm takes their adhesion away, {percent:+.0f} % of the preload",
         ROUGHNESS: "a roughness of {rms:g} nm changes the velocity at the largest level by about {percent:+.0f} %",
         MEMORY: 'slider.law = "hysteretic" by about {percent:+.0f} %',
         WET: "a meniscus of water would pull with {size:.2g} times the preload",

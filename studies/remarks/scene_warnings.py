@@ -13,6 +13,7 @@ LIFTED = 0.999  # relative to the weight; a preload contains the weight, so that
 MAX_USUAL_LENGTH = 1.0  # m; a longer stator is probably a unit error
 MIN_USUAL_FREQUENCY = 10e3  # Hz, of a prescribed wave; audible ones are probably a unit error
 MAX_USUAL_RADIUS = 0.02  # m; limit for the radius of a ball in a scene without a stator
+MAX_USUAL_WORK = 5.0  # J/m^2: twice the surface energy of clean metals; of oxides in air 0.02 to 0.1
 MAX_USUAL_FRICTION = 1.5  # dry contacts in air; only clean metals in vacuum exceed it
 # m/s, surface waves from soft polymers to diamond with a margin; beyond them a unit is wrong
 USUAL_VELOCITIES = (200.0, 20e3)
@@ -82,7 +83,9 @@ def _pillars(slider: Slider) -> Iterator[str]:
 
 
 def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
-    """Yield warnings about an unusual radius, distance or friction coefficient."""
+    """Yield warnings about an unusual radius, distance, friction coefficient or work of adhesion."""
+    if slider.adhesion is not None and (work := slider.adhesion.work or 0.0) > MAX_USUAL_WORK:
+        yield f"slider.adhesion.work is {work:g} J/m^2: solids have 0.01 to {MAX_USUAL_WORK:g}"
     if slider.static_coefficient > MAX_USUAL_FRICTION:
         yield (
             f"slider.friction_coefficient is {slider.static_coefficient:g}: dry contacts have 0.05 to "

@@ -102,3 +102,20 @@ def test_what_does_not_go_with_it_is_refused(changes, sentence):
 def test_what_needs_the_slider_in_time_refuses_it():
     with pytest.raises(SceneError, match=r'adhesion\.model must be "DMT" or "meniscus" here'):
         _ = Contact.prescribed(build(scene())).slider
+
+
+@pytest.mark.parametrize(("model", "share"), [("JKR", 0.270), ("DMT", 0.360)])
+def test_the_budget_says_that_roughness_takes_dry_adhesion_away(model, share):
+    """Pull-off over the preload and Fuller's and Tabor's number, 66.5 at 3 nm, of an independent program."""
+    found = run(scene(model, amplitudes=["10 nm"]), tolerance=1e-2)
+    (effect,) = (each for each in found.model_error if each.effect == "roughness of the balls: their adhesion")
+    assert effect.size == pytest.approx(-share, abs=1e-3)
+    assert "number of Fuller and Tabor 67" in effect.source
+    assert any("takes their adhesion away" in each for each in found.warnings)
+    strong = run(scene(model, amplitudes=["10 nm"], adhesion={"work": 1.0, "model": model}), tolerance=1e-2)
+    assert all(each.effect != "roughness of the balls: their adhesion" for each in strong.model_error)
+
+
+def test_a_work_that_no_solid_has_is_warned_of():
+    found = run(scene(amplitudes=["10 nm"], adhesion={"work": 50.0, "model": "JKR"}), tolerance=1e-2)
+    assert any("slider.adhesion.work is 50 J/m^2: solids have 0.01 to 5" in each for each in found.warnings)
