@@ -219,7 +219,7 @@ def _refuse_freedom(scene: Scene) -> None:
     if not scene.planar:
         scene.refuse("slider.freedom", 'must be "xy" or "xy yaw", or slider.axis given: this study follows the plane')
     key = "slider.freedom" if scene.slider.axis is None else "slider.axis"
-    taking = "run, sweep, fit, design, datasheet, study load_line and study trajectory"
+    taking = "run, sweep, fit, design, datasheet, study load_line, trajectory and positioning"
     rule = f"must be absent here, the answer is that of motion along x; {taking} take sliders in the plane"
     scene.refuse(key, rule)
 

@@ -13,8 +13,12 @@ that of the ring (22 um/s for ``twente``), and its position by up to 44 nm per m
 `--loop KEY=VALUE` sets the loop (resolution, noise, delay, period, force, force_at, preload, limit, hold, seed) and the
 parameters of the controller. A second panel shows the steps of bursts of a few cycles: within one elastic deformation
 of the contacts, the slider moves back when the wave has decayed. The scatter between steps follows from the tolerances
-in [uncertain]. Expected: rest within 2 nm of the target, and the steps of `contact.step`. Run time: about 20 s, plus
-twice the time of the stator.
+in [uncertain].
+
+A slider in the plane makes steps along x and y by bursts of its sources instead; the part that goes across and the turn
+are stated with their errors, and `--target` is the size of a step along each axis (`studies.motor.plane_positioning`).
+Expected: rest within 2 nm of the target, and the steps of `contact.step`. Run time: about 20 s, plus twice the time of
+the stator; in the plane two minutes.
 """
 
 import logging
@@ -41,13 +45,14 @@ from studies.scene import Scene
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
 from studies.solve.stroke_speed import slider_range
-from studies.study_list import Answered, Finding, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, driven_contact, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 
 QUICK = {"cycles": (8, 25, 100)}
 CYCLES = (2, 4, 8, 12, 16, 25, 36, 50, 72, 100, 150, 200)
 DEFAULT_TARGET = 1e-5  # m
+PLANE_TOLERANCE = 1e-2  # of the steps in the plane, at least
 MAX_REST_ERROR = 2e-9  # m, for the error at rest to be confirmed
 MAX_POSITION_ERROR = 1e-10  # m, of the positions that are computed
 LENGTH, TIME, GAIN = Quantity("m", zero=True), Quantity("s", zero=True), Quantity(negative=True)
@@ -80,6 +85,11 @@ def run(
         Of the slider velocity, for the stator.
     """
     settings, make_controller = read_loop(loop or [], controller)
+    if scene.planar:
+        for option, given in (("--loop", loop), ("--controller", controller != "two_phase")):
+            if given:
+                raise SceneError(option, "must be absent with a slider in the plane, whose steps are without a sensor")
+        return _in_plane(scene, target, tolerance)
     distance = None if target is None else _read_target(target, scene)
     first = first_drive(scene, tolerance=tolerance)
     one_way = scene.wave is None and not other_drives(scene)
@@ -119,6 +129,19 @@ def run(
     answer += _errors_in_words(motor, error, averaging)
     answer += steps_in_words(steps, difference, scatter)
     return _panels(motor, moves, steps), _findings(moves, error, difference), answer
+
+
+def _in_plane(scene: Scene, target: str | float | None, tolerance: float) -> Answered:
+    """Return the steps of a slider in the plane along its axes."""
+    from studies.motor.plane_positioning import plane_positioning
+
+    size = DEFAULT_TARGET if target is None else toml_value(target) if isinstance(target, str) else target
+    distance = Quantity("m").read("--target", size)
+    tolerance = max(tolerance, PLANE_TOLERANCE)
+    driven = driven_contact(scene, tolerance=tolerance, planar=True)
+    if driven.scene.slider.axis is not None:
+        driven.scene.refuse("slider.axis", "must be absent: a slider on an axle has no steps along x and y")
+    return plane_positioning(driven, distance, tolerance)
 
 
 def _findings(moves: dict[str, Move], error: float, difference: float) -> list[Finding]:
@@ -244,6 +267,10 @@ def _errors_in_words(motor: AveragedMotor, error: float, averaging: tuple[float,
 @of_record
 def figure(record: Panel, ax):
     """Draw the remaining distance to the target for both moves, or the steps of short bursts."""
+    if record.name.endswith("_in_plane"):
+        from studies.motor.plane_positioning import draw
+
+        return draw(record, ax)
     data = record.data
     if record.name == "single_steps":
         across, up = quantity.drive_cycles, quantity.burst_step_m

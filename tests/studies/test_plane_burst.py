@@ -7,10 +7,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+import contact
 from contact import Envelope, plane
 from studies import Scene, SceneError, run
 from studies.model.plane import StatorSurface
 from studies.model.resolve import build
+from studies.motor import plane_positioning, positioning
 from studies.record import Record
 from studies.record.run_pictures import pictures
 from studies.solve import plane_burst
@@ -141,3 +143,40 @@ def test_an_unknown_way_of_solution_is_refused():
         run(with_method(burst_scene(), "quasi-static"))
     with pytest.raises(SceneError, match="must be absent in the plane: a burst follows the slider there"):
         burst_scene(travel=True)
+
+
+def test_steps_in_two_axes(monkeypatch):
+    """Waves along x and y: each step is that of the scalar kernels along its own axis, and nothing goes across."""
+    monkeypatch.setattr(plane_positioning, "DURATIONS", (2e-4, 4e-4))
+    both = scene({}, {"direction": 90}, **DAMPED)
+    record = positioning.run(both, target="30 nm")
+    steps = record.panel("steps_in_plane").data
+    along, across = (np.asarray(steps["pose"][f"wave {number}"]) for number in (1, 2))
+    line = contact.Slider(
+        radius=1e-3, mass=0.089e-3, preload=0.87309e-3, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
+        tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0,
+        normal_damping=0.5, tangential_damping=0.0,
+    )  # fmt: skip
+    orbit = contact.Orbit(frequency=2.2e6, normal=10e-9, tangential=-6.7e-9j)
+    step = contact.step(line, orbit, cycles=880)  # 0.4 ms
+    assert along[1, 0] == pytest.approx(step.displacement, rel=3e-2)
+    assert across[:, 1] == pytest.approx(along[:, 0], rel=1e-6)
+    assert np.abs(along[:, 1]).max() < 1e-15
+    own = record.panel("move_in_plane").data
+    ends = [np.array([own[key]["wave 2"][-1] for key in ("x_m", "y_m")])]
+    assert ends[0] == pytest.approx([30e-9, 30e-9], rel=2e-2)
+    together = np.asarray(steps["pose"]["wave 1 and wave 2"])
+    assert together[:, 0] == pytest.approx(together[:, 1], rel=1e-6)
+    assert together[1, 0] < 0.9 * along[1, 0]  # one friction for both
+    for panel in record.panels:
+        figure, ax = plt.subplots()
+        positioning.figure(panel, ax)
+        assert ax.get_xlabel()
+        plt.close(figure)
+
+
+def test_what_steps_in_the_plane_do_not_take_is_refused():
+    with pytest.raises(SceneError, match="--loop must be absent with a slider in the plane"):
+        positioning.run(scene({}, {"direction": 90}), loop=["noise=0"])
+    with pytest.raises(SceneError, match="--target"):
+        positioning.run(scene({}, {"direction": 90}), target="-3 um")
