@@ -215,7 +215,8 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
     averaged.seek(body, search, check, Task.CHECK)
     means = Means(search.means, averaged.total(search.means), True)
-    return Root(search.unknown, means, search.matrix, _error(averaged, search, means, tolerance), False)
+    error = _error(averaged, search, means, tolerance)
+    return Root(search.unknown + body.basis @ search.step, means, search.matrix, error, False)
 
 
 def _error(averaged, search, means, tolerance):

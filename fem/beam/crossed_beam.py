@@ -93,10 +93,11 @@ class CrossedBeam:
 
         The beam of a group at an oblique angle is interpolated if there are many points, except near its own fingers.
         """
-        total: np.ndarray = np.zeros(())
-        for group, beam in self._active:
-            total = total + group.rotated(self._of_group(group, beam.motion, x, y))
-        return total
+        return sum(self.motions(x, y), np.zeros(()))
+
+    def motions(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> list[np.ndarray]:
+        """`motion` of the beam of each direction, those of groups without a voltage left out."""
+        return [group.rotated(self._of_group(group, beam.motion, x, y)) for group, beam in self._active]
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """Sum of the beams' errors over max(|u_x|, |u_z|) at each point."""

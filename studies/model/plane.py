@@ -117,6 +117,16 @@ class StatorSurface:
         amplitudes = [motion().at(places).T for motion in self.motions]
         return plane.SurfaceWaves(frequencies=self.frequencies, amplitudes=np.array(amplitudes))
 
+    def beams(self, x: np.ndarray, y: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        """Return (number of the frequency, amplitudes (n, 3)) of each beam that crosses another of its frequency."""
+        a, b = self.center
+        places = [(float(each + a), float(other + b)) for each, other in zip(x, y, strict=True)]
+        found = []
+        for number, motion in enumerate(self.motions):
+            beams = motion().beams_at(places)
+            found += [(number, each.T) for each in beams[1:]]  # the phase of the first one is that of all
+        return found
+
 
 @dataclass(frozen=True, kw_only=True)
 class Sum:

@@ -29,6 +29,7 @@ LOGGER = logging.getLogger(__name__)
 DURATION = 0.02  # s of each burst
 QUICK = {"duration": 0.004}
 SAMPLES = 60  # instants of each burst, and of the coast
+ROUNDING = 1e-12  # of the largest speed or way of a leg: a component below it is rounding
 SLOW = 1e-3  # m/s: speed from which on the way of the coast is compared
 SMALLEST = 1e-12  # m: length of a path that is none
 COUPLED = 0.25  # relative change of a velocity by the other source, below which the axes count as decoupled
@@ -90,7 +91,7 @@ def _findings(driven, sources, level: float, legs: list[Leg], tolerance: float):
             "Each source moves the slider along its own wave, whatever the others do.",
             "steady velocity under all sources less the sum of those under each, over that sum",
             float(np.hypot(*(together - apart)) / np.hypot(*apart)), low=-1.0, high=COUPLED,
-            remark="; ".join(f"{name}: ({si(v[0], 'm/s', 4)}, {si(v[1], 'm/s', 4)})"
+            remark="; ".join(f"{name}: {_pair(v, 'm/s', float(np.hypot(*v)))}"
                              for name, v in zip((*sources, "all"), velocities, strict=True)),
         )  # fmt: skip
     coast, slider = legs[-1], driven.slider
@@ -112,12 +113,18 @@ def _length(leg: Leg) -> float:
     return float(np.hypot(*np.diff(leg.pose[:, :2], axis=0).T).sum())
 
 
+def _pair(values, unit: str, scale: float) -> str:
+    """Return both components; one that is rounding against a scale is 0."""
+    return f"({', '.join(si(0.0 if abs(each) < ROUNDING * scale else float(each), unit, 4) for each in values)})"
+
+
 def _answer(legs: list[Leg]) -> list[tuple[str, str]]:
     lines = []
     for each in legs:
         (x, y, yaw), (v_x, v_y, rate) = each.end
-        where = f"({si(x, 'm', 4)}, {si(y, 'm', 4)}), yaw {math.degrees(yaw):.4g} deg"
-        how = f"({si(v_x, 'm/s', 4)}, {si(v_y, 'm/s', 4)}), {rate:.4g} rad/s"
+        way, speed = (float(np.hypot(*part.T).max()) for part in (each.pose[:, :2], each.rates[:, :2]))
+        where = f"{_pair((x, y), 'm', way)}, yaw {math.degrees(yaw):.4g} deg"
+        how = f"{_pair((v_x, v_y), 'm/s', speed)}, {rate:.4g} rad/s"
         lines.append(
             (each.name, f"{si(float(np.ptp(each.time)), 's', 3)}: to {where} at {how}, +-{si(each.error, 'm', 1)}")
         )

@@ -35,6 +35,10 @@ class Point(Values):
     mean_rotation_rpm: Number = None
     lowest_velocity_m_per_s: Number = None
     highest_velocity_m_per_s: Number = None
+    lowest_lateral_velocity_m_per_s: Number = None
+    highest_lateral_velocity_m_per_s: Number = None
+    lowest_rotation_rpm: Number = None
+    highest_rotation_rpm: Number = None
     mean_velocity_relative_error: Number = None
     velocity_at_burst_end_m_per_s: Number = None
     displacement_m: Number = None

@@ -1,10 +1,15 @@
 """The answer of a slider that moves in the plane at one level of the drive: velocity, yaw rate, torque, drift.
 
 A load that is a number acts against the velocity that the slider has without it. The error of the stator becomes one of
-the velocity by the changes of `velocity_error`: of all amplitudes, and of those along the surface alone.
+the velocity by the changes of `velocity_error`: of all amplitudes, of those along the surface alone, and of their phase
+against u_z. Of waves of one frequency that cross, the phase between them at the slider decides the direction: an error
+of a wave over its amplitude is as large an error of its phase in rad, and each wave but the first is changed by it.
+
+The velocity is that of the pose; a wavelength of travel turns the phase through all values (`plane_ripple`).
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +17,7 @@ import numpy as np
 
 import contact
 from contact import plane
-from studies.model.plane import opposing
+from studies.model.plane import StatorSurface, opposing
 from studies.model.scene_errors import slider_keys
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
@@ -103,7 +108,7 @@ def _answer(driven: Contact, level: float, tolerance: float, bursting: bool) -> 
     motor = PlaneMotor.of(driven, level, tolerance)
     state = motor.state()
     from_contact, answer, trajectory = state.relative_error, state.answer, None
-    by_amplitude, from_stator = _stator_part(motor, state, driven.stator_error)
+    by_amplitude, from_stator = _stator_part(motor, state, driven, level)
     point = moving_point(motor, state) | _derivatives(motor, state)
     point |= Point(amplitude_sensitivity=by_amplitude if driven.stator_error else None)
     if bursting and driven.scene.burst is not None:
@@ -157,17 +162,31 @@ def _derivatives(motor: PlaneMotor, state) -> Point:
     return point
 
 
-def _stator_part(motor: PlaneMotor, state, error: float) -> tuple[float, float]:
+def _stator_part(motor: PlaneMotor, state, driven: Contact, level: float) -> tuple[float, float]:
     """Return the relative change of the velocity over that of all amplitudes, and the error that the stator's makes."""
+    error = driven.stator_error
     if error == 0.0:
         return 0.0, 0.0
     waves, step = motor.waves, max(error, contact.MIN_WAVE_STEP)
-    along = replace(waves, amplitudes=waves.amplitudes * np.array([1.0 + step, 1.0 + step, 1.0]))
     reference = contact.speed_scale(contact_speed(motor.slider, state.velocity, state.yaw_rate), waves.peak_speed)
-    changes = []
-    for each in (waves.scaled(1.0 + step), waves.scaled(1.0 - step), along):
-        other = motor.state(each)
+
+    def change(amplitudes: np.ndarray) -> float:
+        other = motor.state(replace(waves, amplitudes=amplitudes))
         moved = contact_speed(motor.slider, other.velocity - state.velocity, other.yaw_rate - state.yaw_rate)
-        changes.append(moved / (step * reference))
-    larger, smaller, tangential = changes
-    return max(larger, smaller), (max(larger, smaller) + tangential) * error
+        return moved / (step * reference)
+
+    larger, smaller = (change(waves.amplitudes * factor) for factor in (1.0 + step, 1.0 - step))
+    tangential, phase = (
+        change(waves.amplitudes * np.array([factor, factor, 1.0])) for factor in (1.0 + step, np.exp(1j * step))
+    )
+    between = sum(change(each) for each in _phases_between(driven, level, motor.slider, waves, step))
+    return max(larger, smaller), (max(larger, smaller) + math.hypot(tangential, phase) + between) * error
+
+
+def _phases_between(driven: Contact, level: float, slider: contact.Slider, waves, step: float) -> Iterator[np.ndarray]:
+    """Yield the amplitudes with the phase changed by ``step`` (rad) of each wave that crosses one of its frequency."""
+    if isinstance(driven.surface, StatorSurface):
+        for number, beam in driven.surface.beams(np.atleast_1d(slider.x), np.atleast_1d(slider.y)):
+            amplitudes = waves.amplitudes.copy()
+            amplitudes[number] += (np.exp(1j * step) - 1.0) * level * beam
+            yield amplitudes

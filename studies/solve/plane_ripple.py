@@ -55,13 +55,17 @@ def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnsw
     reference = contact.speed_scale(float(np.mean(speeds)), motor.waves.peak_speed)
     errors = [_apart(each) for each in (along, across, rates)]
     error = contact_speed(motor.slider, np.array(errors[:2]), errors[2])
-    turn = Point(mean_rotation_rpm=PER_MINUTE * float(rates.mean()) if driven.scene.slider.turns else None)
+    turn = Point()
+    if driven.scene.slider.turns:
+        mean, lowest, highest = (PER_MINUTE * float(each) for each in (rates.mean(), rates.min(), rates.max()))
+        turn = Point(mean_rotation_rpm=mean, lowest_rotation_rpm=lowest, highest_rotation_rpm=highest)
     relative = Point(mean_velocity_relative_error=float(answer.point.relative_error + error / reference))
     if motor.slider.freedom == "axle":
         return turn | relative
     point = Point(
         mean_velocity_m_per_s=float(along.mean()), mean_lateral_velocity_m_per_s=float(across.mean()),
         lowest_velocity_m_per_s=float(along.min()), highest_velocity_m_per_s=float(along.max()),
+        lowest_lateral_velocity_m_per_s=float(across.min()), highest_lateral_velocity_m_per_s=float(across.max()),
     )  # fmt: skip
     return point | relative | turn
 

@@ -51,6 +51,12 @@ class SurfaceMotion:
         """Return u_x, u_y and u_z in m per V at positions (x, y) in m, complex, shape (3, positions)."""
         return np.array([each for each, _ in self._evaluated_at(positions)]).T
 
+    def beams_at(self, positions) -> list:
+        """Return the motion of the beam of each direction at positions (x, y) in m, each as `at`."""
+        if isinstance(self.beam, fem.CrossedBeam):
+            return self.beam.motions(*np.transpose(positions))
+        return [self.at(positions)]
+
     def along(self, x, y: float):
         """Return u_x, u_y and u_z at many x in m on a line of constant y, complex, shape (3, len(x))."""
         return self._both(x, y)[0]

@@ -6,6 +6,7 @@ extrapolation), which agree to 3e-8 of the velocity; closed forms; rotations of 
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -118,6 +119,45 @@ def test_the_place_in_the_pattern_of_two_waves_decides_the_direction():
     along, across = point.mean_velocity_m_per_s, point.mean_lateral_velocity_m_per_s
     assert along == pytest.approx(across, rel=5 * point.mean_velocity_relative_error)
     assert point.lowest_velocity_m_per_s < 0.0 < point.highest_velocity_m_per_s
+    assert point.lowest_lateral_velocity_m_per_s < 0.0 < point.highest_lateral_velocity_m_per_s
+
+
+def test_the_error_of_the_phase_between_crossing_waves_is_in_that_of_the_velocity():
+    """Against the change of the velocity of P3 by a phase of the wave along y, with its sources known apart."""
+    from contact import plane
+    from studies.model.plane import StatorSurface, prescribed_surface
+    from studies.solve.plane_answer import plane_point_answer
+
+    level, error = 10e-9, 1e-3
+    crossing = scene({}, {"direction": 90, "phase": 90})
+    apart = [prescribed_surface(scene(*each).wave) for each in (({},), ({"direction": 90},))]
+
+    class Beams:  # the motion of a stator whose beams cross
+        def __init__(self, together):
+            self.together = together
+
+        def beams_at(self, places):
+            rows = [surface.at(*np.transpose(places)).amplitudes[0].T for surface in apart]
+            rows[1] = 1j * rows[1]  # ahead by 90 degrees
+            return rows if not self.together else [sum(rows)]
+
+        def at(self, places):
+            return sum(self.beams_at(places))
+
+    def stated(together):
+        surface = StatorSurface(center=(0.0, 0.0), frequencies=(2.2e6,), motions=(lambda: Beams(together),))
+        driven = replace(driven_contact(crossing, planar=True), surface=surface, stator_error=error)
+        return plane_point_answer(driven, level, 1e-6).from_stator
+
+    slider = driven_contact(crossing, planar=True).slider
+    velocities = []
+    for phase in (0.0, 1e-3):
+        x, y = (each.at(np.zeros(1), np.zeros(1)).amplitudes * level for each in apart)
+        waves = plane.SurfaceWaves(frequencies=(2.2e6,), amplitudes=x + 1j * np.exp(1j * phase) * y)
+        velocities.append(plane.steady(slider, waves, tolerance=1e-7, method="averaged").velocity)
+    turned = np.linalg.norm(velocities[1] - velocities[0]) / np.linalg.norm(velocities[0])
+    assert stated(together=False) - stated(together=True) == pytest.approx(turned, rel=1e-3)
+    assert turned > 0.4 * error  # the phase decides the direction
 
 
 def test_levels_scale_all_waves():
