@@ -1,4 +1,4 @@
-r"""Events that end a segment: the first guard that vanishes, its rate there, and the regimes that follow."""
+r"""What happens at separation, touch, slip and stick: the guard that ends a segment, and the regime that follows."""
 
 import numpy as np
 
