@@ -29,7 +29,7 @@ _PUBLIC = {
     "mesh.mesh_piece": "MeshPiece",
     "geometry": (
         "Bond cell_signs covers fingers_off_stator Layer one_electrode outer_gaps plane_rule repeated_names Stator "
-        "Transducer"
+        "strips_of Transducer"
     ),
     "layout": "check_beside_pieces check_layout check_plan check_turned LENGTH_UNITS TURNED turned_rules",
     "analytic.wave_compliance": ("bound_compliance film_shift spring_shift travelling_compliance wave_compliance"),
@@ -78,9 +78,10 @@ _PUBLIC = {
     "solve.p_matrix_from_field": "cascade_admittance p_matrix PMatrix",
     "solve.piece_scattering": "Reflector reflector",
     "beam.surface_beam": "BeamError SurfaceBeam",
-    "beam.beam_of_section": "beam_refusal surface_beam",
+    "beam.beam_of_section": "aperture_beam beam_refusal surface_beam",
     "beam.crossed_beam": "crossed_beam CrossedBeam",
     "beam.parallel_groups": "rows_of",
+    "beam.strip_beam": "strip_beam StripBeam",
     "exceptions": "ConvergenceError InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }

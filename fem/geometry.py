@@ -12,8 +12,9 @@ reflects; a chirp changes the local period along the transducer.  Such fingers a
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -38,6 +39,9 @@ CELLS = {
     "EWC": ("-+-", ((5 / 32, 1 / 8), (13 / 32, 1 / 8), (25 / 32, 1 / 4))),
 }
 MAX_CHIRP = 1.0  # the local period at one end is then three times that at the other
+# Strips along y of an apodised or slanted transducer: largest number of one, and default of a slanted one.  The
+# admittance of a slant of 0.2 over 10 periods changes by 2e-3 from 8 strips to 16 (tests/fem/beam/test_strips.py).
+MAX_STRIPS, SLANT_STRIPS = 256, 8
 # Finger edges of a mesh and of a transducer are equal if they differ by less than this fraction of the pitch.
 SAME_FINGER = 1e-3
 # Largest outer gap of a transducer, as a fraction of the bare surface up to its neighbour: both gaps together fit.
@@ -215,6 +219,13 @@ class Transducer(Parameters):
         True reflects the cells in x.
     chirp : float
         Change of the local period from the left end to the right one over ``period``, which is its mean.
+    overlaps : tuple of float, optional
+        For each finger, how far it reaches over ``aperture``: the fingers "+", which come from +y, to y = -a W/2, the
+        fingers "-" to y = a W/2.  Beyond its tip a dummy finger of the other electrode goes on.  By default all are 1.
+    slant : float
+        Change of the period from y = -W/2 to y = W/2 over ``period``, which is that of the middle.
+    slant_strips : int
+        Number of strips along y with one period each, that stand for a slanted transducer.
     center_y : float
         y of the centre of the fingers, measured from the stator's middle line, in m.  It affects only the beam, not the
         solution of the section.
@@ -236,6 +247,9 @@ class Transducer(Parameters):
     cell: Annotated[str, Words(("plain", *CELLS))] = "plain"
     mirrored: bool = False
     chirp: Annotated[float, Number(negative=True, least=-MAX_CHIRP, most=MAX_CHIRP)] = 0.0
+    overlaps: tuple[float, ...] | None = None
+    slant: Annotated[float, Number(negative=True, least=-MAX_CHIRP, most=MAX_CHIRP)] = 0.0
+    slant_strips: Annotated[int, Count(most=MAX_STRIPS)] = SLANT_STRIPS
     center_y: Annotated[float, Number("m", negative=True)] = 0.0
     angle: Annotated[float, Number("rad", negative=True)] = 0.0
 
@@ -251,6 +265,9 @@ class Transducer(Parameters):
             each = {2: "two", 3: "three", 4: "four"}[per_period]
             rule = f"must have {count} signs, {each} for each of the {self.finger_pairs} finger_pairs"
             yield "pattern", f"{rule}, got {len(pattern)}: {shown(pattern)}"
+        overlaps = getattr(self, "overlaps", None)  # a scene has another key for it
+        if overlaps is not None and (len(overlaps) != count or not all(0.0 <= each <= 1.0 for each in overlaps)):
+            yield "overlaps", f"must be {count} numbers from 0 to 1, one for each finger, got {len(overlaps)}"
         if pattern is not None and set(pattern) == {"0"}:
             yield "pattern", f"must leave at least one finger, got {shown(pattern)}"
 
@@ -258,6 +275,25 @@ class Transducer(Parameters):
     def signs(self) -> str:
         """One of "+-0o" per finger, from left to right."""
         return self.pattern or cell_signs(self.cell, self.split, self.mirrored) * self.finger_pairs
+
+    @property
+    def uniform_along_y(self) -> bool:
+        """True if all fingers are straight along y and reach over the whole aperture."""
+        return self.slant == 0.0 and (self.overlaps is None or min(self.overlaps) == 1.0)
+
+    def at_strip(self, low: float, high: float) -> "Transducer":
+        """Transducer that stands for this one at low < y < high, m: signs and period as in the middle of the strip."""
+        relative = (low + high) / self.aperture  # 2 y / W
+        overlaps = self.overlaps or (1.0,) * len(self.signs)
+        signs = "".join(
+            "-" if sign == "+" and relative < -a else "+" if sign == "-" and relative > a else sign
+            for sign, a in zip(self.signs, overlaps, strict=True)
+        )
+        return replace(
+            self, pattern=None if signs == replace(self, pattern=None).signs else signs,
+            period=self.period * (1.0 + self.slant * relative / 2), aperture=high - low, center_y=(low + high) / 2,
+            overlaps=None, slant=0.0,
+        )  # fmt: skip
 
     @property
     def per_period(self) -> int:
@@ -351,6 +387,46 @@ def chirped(periods: np.ndarray, count: int, chirp: float) -> np.ndarray:
     The local period, over the mean one, is 1 + chirp (u / count - 1/2) at u periods.
     """
     return periods - count / 2 + chirp * (periods**2 / count - periods) / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class LateralStrip:
+    """Part of the surface between two lines y, and the transducers that stand for those of the scene there."""
+
+    low: float  # y, m
+    high: float
+    transducers: tuple[Transducer, ...]
+
+
+def strips_of(transducers: tuple[Transducer, ...]) -> tuple[LateralStrip, ...]:
+    """Return the strips along y between whose borders all fingers are uniform, from -y to +y.
+
+    Raises
+    ------
+    InputError
+        If a transducer is turned or beside the middle line, or there are more than `MAX_STRIPS`.
+    """
+    borders: set[float] = set()
+    for each in transducers:
+        if each.angle or each.center_y:
+            rule = "must lie along x on the middle line beside an apodised or slanted one"
+            raise InputError("transducer", rule, owner=each.name)
+        relative = {1.0, *(each.overlaps or ())} - {0.0}
+        relative |= set((np.arange(1, each.slant_strips) * 2 / each.slant_strips - 1).tolist()) if each.slant else set()
+        borders |= {round(sign * a * each.aperture / 2, 12) for a in relative for sign in (-1.0, 1.0)}
+    lines = sorted(borders)
+    if len(lines) > MAX_STRIPS:
+        rule = f"must be at most {MAX_STRIPS} strips of different fingers along y, got {len(lines) - 1}"
+        raise InputError("transducer", rule)
+    return tuple(
+        LateralStrip(
+            low=low, high=high,
+            transducers=tuple(
+                each.at_strip(low, high) for each in transducers if max(-low, high) <= each.aperture / 2 + 1e-12
+            ),
+        )
+        for low, high in pairwise(lines)
+    )  # fmt: skip
 
 
 def plane_rule(plane: int, layers: int) -> str:

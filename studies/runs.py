@@ -177,7 +177,7 @@ def _on_stator(
     further: Sequence[SurfaceMotion] = (),
 ) -> Record:  # fmt: skip
     """Return a record with what the motion of its stator's surface adds; ``further``: at its other frequencies."""
-    scene, beam = model.scene, motion.beam is not None
+    scene, beam = model.scene, motion.spreads
     neglected = left_out(model, beam=beam, reason=motion.reason, ringing=ringing, trajectories=record.trajectories)
     if beam:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))

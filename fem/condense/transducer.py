@@ -19,6 +19,7 @@ from fem.condense.reaction_moments import finger_dipole
 from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import LineSpace
 from fem.geometry import Stator, Transducer, outer_gaps
+from fem.parameters import InputError
 
 ROUNDED = 9  # digits of a finger's width and of its gaps over the narrowest width
 
@@ -225,6 +226,10 @@ def transducer_superelements(
     """Pieces of transducers from left to right, between their outer gaps; equal ones are the same object."""
     made: dict[tuple, FingerColumns] = {}
     pieces = []
+    for each in transducers:
+        if not each.uniform_along_y:
+            rule = "must be uniform along y in one section: the answer of an apodised or slanted one is a sum of strips"
+            raise InputError("transducer", rule, owner=each.name)
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         own = (transducer.cell, transducer.mirrored, transducer.chirp)
         key = (transducer.signs, transducer.pitch, transducer.metallisation, *own, gaps)

@@ -220,7 +220,7 @@ def frequency_band(
 def _refuse_narrow_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     """Raise an InputError for uneven fingers, or less than half a gap of bare surface beside a transducer."""
     for transducer in transducers:
-        if not transducer.even:
+        if not (transducer.even and transducer.uniform_along_y):
             rule = "must have equal fingers, equally spaced, in a band of frequencies: solve one at a time"
             raise InputError("transducer", rule, owner=transducer.name)
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):

@@ -123,11 +123,12 @@ def surface_power(fields: PortFields) -> float:
 def _alone(stator: Stator, transducer: Transducer) -> tuple[Stator, Transducer]:
     """Place the transducer in the middle of a section with absorbing ends.
 
-    Name, position and aperture are normalised, so that equal transducers share an entry of the cache.
+    Name, position and aperture are normalised, so that equal transducers share an entry of the cache; an apodised or
+    slanted one stands for its middle line.
     """
     length = (transducer.finger_pairs + 2) * transducer.period
     return replace(stator, length=length, ends="absorbing", pieces=()), replace(
-        transducer, name="alone", center=length / 2, aperture=1.0, termination="open"
+        transducer, name="alone", center=length / 2, aperture=1.0, termination="open", overlaps=None, slant=0.0
     )
 
 

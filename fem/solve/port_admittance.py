@@ -10,7 +10,7 @@ from fem.circuit import Drive
 from fem.condense.electrode_conditions import is_port
 from fem.discretize.mesh_refinement import refine_stator
 from fem.exceptions import ConvergenceError, InputError, refuse_above
-from fem.geometry import Stator, Transducer
+from fem.geometry import Stator, Transducer, strips_of
 from fem.solve.band_solution import Band, frequency_band
 from fem.solve.driven_stator import check_driven
 from fem.threads import one_blas_thread
@@ -94,6 +94,10 @@ def port_admittance(
     >>> ports.names, ports.matrix.shape, bool(ports.matrix[0, 0].real > 0)
     (('left',), (1, 1), True)
     """
+    if not all(each.uniform_along_y for each in transducers):
+        if finite_apertures:
+            raise InputError("transducer", "must be uniform along y with finite apertures: strips receive plane waves")
+        return _of_strips(stator, transducers, frequency, tolerance)
     frequencies = np.asarray(frequency, dtype=float)
     limits = (float(frequencies.min()), float(frequencies.max())) if frequencies.size > 1 else None
     apertures = aperture_solver(stator, mirror_width, limits=limits) if finite_apertures else None
@@ -113,6 +117,23 @@ def port_admittance(
     result = PortAdmittance(names=fields.names, frequency=frequencies, matrix=matrix, relative_error=error)
     refuse_above(error, tolerance, "the admittances are", reached=result)
     return result
+
+
+def _of_strips(stator, transducers, frequency, tolerance: float) -> PortAdmittance:
+    """Sum of the admittances of strips (`fem.beam.strip_beam`, equation 1)."""
+    frequencies, names = np.asarray(frequency, dtype=float), _check_ports(transducers)
+    names = tuple(each.name for each in sorted(transducers, key=lambda each: each.center) if each.name in names)
+    matrix, errors = np.zeros((*frequencies.shape, len(names), len(names)), dtype=complex), 0.0
+    for strip in strips_of(transducers):
+        if not any(map(is_port, strip.transducers)):
+            continue
+        part = port_admittance(stator, strip.transducers, frequency=frequency, tolerance=tolerance)
+        at = [names.index(name) for name in part.names]
+        rows, columns = np.ix_(at, at)
+        matrix[..., rows, columns] += part.matrix
+        errors += part.relative_error * abs(part.matrix).max()
+    error = float(errors / abs(matrix).max())
+    return PortAdmittance(names=names, frequency=frequencies, matrix=matrix, relative_error=error)
 
 
 def _difference(fine: PortFields, coarse: PortFields) -> tuple[float]:

@@ -144,15 +144,29 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
 
     def polygon(layer: str, comb: str, left: float, right: float, low: float, high: float) -> Polygon:
         box = np.array([[left, low], [right, low], [right, high], [left, high]])
+        if layer == "fingers":  # of a slanted transducer all places along the wave grow with y
+            box[:, 0] *= 1.0 + block.slant * box[:, 1] / block.aperture
         corners = np.array(block.center_xy) + box @ np.array([along, across])
         return Polygon(layer=layer, transducer=block.name, comb=comb, corners=corners)
 
-    for (left, right), sign in zip(edges.tolist(), signs, strict=True):
+    overlaps = block.overlaps or (1.0,) * len(signs)
+    for (left, right), sign, overlap in zip(edges.tolist(), signs, overlaps, strict=True):
         # overlap with the busbar, so that rounding cannot separate finger and busbar
         extension = gap + busbar / 2
         low, high = half_aperture + extension * (sign == "-"), half_aperture + extension * (sign == "+")
-        if sign != "0":
-            yield polygon("fingers", sign, left, right, -low, high)
+        tip = overlap * half_aperture  # beyond it, and a gap, a dummy finger of the other comb comes to meet it
+        if sign == "+":
+            yield polygon("fingers", "+", left, right, -tip, high)
+        elif sign == "-":
+            yield polygon("fingers", "-", left, right, -low, tip)
+        elif sign == "o":
+            yield polygon("fingers", "o", left, right, -low, high)
+        outer = half_aperture + extension
+        if sign in "+-" and tip + gap < half_aperture:
+            ends = (tip + gap, outer) if sign == "-" else (-outer, -tip - gap)
+            yield polygon("fingers", "+" if sign == "-" else "-", left, right, *ends)
+    reach = 1.0 + abs(block.slant) / 2
+    first, last = reach * first, reach * last
     for sign, side_sign in (("+", 1.0), ("-", -1.0)):
         if sign not in signs:
             continue

@@ -137,7 +137,8 @@ def free_span(extents, x: float, length: float, clear: float = 0.0) -> tuple[flo
 
 def _transducer(block: Transducer, period: float):
     x, y = block.center_xy
-    own = {"center": x, "center_y": y, "angle": math.radians(block.angle % 360), "period": period}
+    own: dict[str, Any] = {"center": x, "center_y": y, "angle": math.radians(block.angle % 360), "period": period}
+    own["overlaps"] = block.overlaps
     return fem.Transducer(**block.arguments(fem.Transducer) | own)
 
 
@@ -156,7 +157,7 @@ def drive(block: Drive):
     return fem.Drive(sources=block.driven, impedance=block.source_impedance, match=tuple(ladder))
 
 
-def section_reason(block: Stator, whole, positions, even: bool = True) -> str:
+def section_reason(block: Stator, whole, positions, transducers: tuple = ()) -> str:
     """Return why the plane section is used instead of the finite aperture; empty where the beam is to be computed.
 
     Between reflecting ends the beam takes several times as long as the section.  It is then computed by default only
@@ -169,14 +170,16 @@ def section_reason(block: Stator, whole, positions, even: bool = True) -> str:
         Of this block, with its meshed pieces.
     positions : sequence of (float, float) or None
         Of the contacts, m; None without a slider.
-    even : bool
-        Whether the fingers of each transducer are equal and equally spaced.
+    transducers : tuple
+        Blocks or ``fem.Transducer`` objects, some of which may be uneven, apodised or slanted.
     """
     if block.diffraction is not None:
         return "" if block.diffraction else "stator.diffraction is false"
     if positions is None:
         return "stator.diffraction is absent, and the scene has no slider"
-    refusal = fem.beam_refusal(whole, even=even)
+    refusal = fem.beam_refusal(whole, even=all(each.even for each in transducers))
+    if not refusal and whole.ends != "absorbing" and not all(each.uniform_along_y for each in transducers):
+        return "between reflecting ends the beams of strips are not computed"
     if refusal or whole.ends == "absorbing" or any(y for _, y in positions):
         return refusal
     return (

@@ -100,6 +100,9 @@ class Model:
         if self.scene.crossed:
             rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
             raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view accept rotated ones")
+        if self.scene.in_strips:
+            rule = "must be neither apodised nor slanted here: this answer is that of one section along x"
+            raise SceneError("transducer", f"{rule}; sawmotor run, sweep and export of masks accept such ones")
         return self.transducers
 
     @property
@@ -134,8 +137,7 @@ class Model:
 
     def spreads(self, positions: tuple | None) -> bool:
         """Return True if finite apertures are computed for contacts at ``positions`` (x, y), m; None without slider."""
-        even = all(each.even for each in self.scene.transducer)
-        return not fem_objects.section_reason(self.scene.stator, self.plain, positions, even)
+        return not fem_objects.section_reason(self.scene.stator, self.plain, positions, self.scene.transducer)
 
     @property
     def alone(self) -> "Model":
@@ -177,6 +179,8 @@ class Model:
 
         ``spread``: True for finite apertures; None as `diffracts` says.
         """
+        if self.scene.in_strips:
+            return fem.port_admittance(self.stator, self.transducers, frequency=frequency, tolerance=tolerance)
         return fem.port_admittance(
             self.stator, self.section_transducers, frequency=frequency, tolerance=tolerance,
             finite_apertures=self.diffracts if spread is None else spread, mirror_width=self.scene.stator.mirror_width,

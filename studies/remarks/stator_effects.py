@@ -14,6 +14,7 @@ Sources:
 import math
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -65,6 +66,7 @@ def _left_out_beam(record: Record):
         or block.diffraction is not False
         or block.ends != "absorbing"
         or record.scene.crossed
+        or record.scene.in_strips
         or record.scene.piece
     ):
         return None
@@ -104,7 +106,7 @@ def _aperture(record: Record, left_out) -> Effects:
             how = "the beam of the finite aperture, computed for this line, over the plane section"
             yield "finite aperture", AMPLITUDE, float(worst), how
             return
-    if motion.beam is None:
+    if not motion.spreads:
         spreads = [_spread(record, each, *zip(*positions, strict=True)) for each in record.scene.driven_transducers]
         worst = max(np.concatenate(spreads) - 1, key=abs)
         how = "angular spectrum of the driven aperture, on the cut's slowness curve"
@@ -114,10 +116,31 @@ def _aperture(record: Record, left_out) -> Effects:
         yield from _crossed(record, positions)
         return
     beam, at = motion.beam, tuple(zip(*positions, strict=True))
+    if record.scene.in_strips:
+        yield from _own_apertures(record, at)
+        images = beam.first_images(*at, block.width) / abs(beam.motion(*at)[2])
+        how = "first images of the strips' beams in both side faces, which are assumed to reflect everything in phase"
+        yield "side faces", AMPLITUDE, float(images.max()), how
+        return
     other = beam.with_side_faces(None if block.mirror_width else block.width)
     worst = max(abs(other.motion(*at)[2] / motion.at(positions)[2]) - 1, key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", AMPLITUDE, float(worst), how
+
+
+def _own_apertures(record: Record, at: tuple) -> Effects:
+    """Yield what the finite aperture does to the charges, which the beams of strips leave out; ``at``: x and y, m."""
+    model = model_of(record.scene)
+    if not fem.isotropic_about_normal(model.solid):
+        return
+    uniform = tuple(replace(each, overlaps=None, slant=0.0) for each in model.transducers)
+    with suppress(fem.BeamError, fem.ConvergenceError):
+        wave = fem.driven_wave(
+            model.stator, uniform, frequency=record.wave.frequency_Hz, drive=model.drive, tolerance=math.inf
+        )
+        own, cut = fem.surface_beam(wave).motion(*at)[2], fem.aperture_beam(wave, wave.solution).motion(*at)[2]
+        how = "the same transducers with uniform fingers, whose charges know their aperture, over those of the section"
+        yield "finite aperture in the charges", AMPLITUDE, float(max(abs(own / cut) - 1, key=abs)), how
 
 
 def _crossed(record: Record, positions) -> Effects:
@@ -160,11 +183,12 @@ def _finger_ends(record: Record, left_out) -> Effects:
     motion, positions = record.surface_motion, record.scene.contact_positions
     beam, effect, ceramic = motion.beam or left_out, "charge at the finger ends", "in lead zirconate titanate"
     covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
-    charge_error = None if beam is None or covered else beam.charge_error(*at)
+    whole = record.scene.crossed or record.scene.in_strips
+    charge_error = None if beam is None or covered or record.scene.in_strips else beam.charge_error(*at)
     if charge_error is not None:
         yield effect, AMPLITUDE, float(charge_error.max()), "change by fewer steps of the charge along the fingers"
         return
-    if motion.beam is None or covered or record.scene.crossed:
+    if motion.beam is None or covered or whole:
         yield effect, AMPLITUDE, UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     stator = model_of(record.scene).plain
@@ -210,7 +234,7 @@ def amplitude_per_power(record: Record) -> float | None:
     sample_x = right + half_wavelength if driven.center < wave.length / 2 else left - half_wavelength
     is_free = 0 <= sample_x <= wave.length and not wave.covered(sample_x)
     several = record.electrical.sources is not None
-    if several or scene.stator.ends != "absorbing" or not is_free or not power > 0:
+    if several or scene.in_strips or scene.stator.ends != "absorbing" or not is_free or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
     return float(abs(wave.rayleigh_motion(sample_x)[1])) / math.sqrt(per_width / record.wave.frequency_Hz)

@@ -181,7 +181,10 @@ def _driven(model: Model, tolerance: float) -> tuple[list[dict], dict, float, fl
     """Return the parts of a driven stator, the keywords for `left_out`, the operations and the bytes of the blocks."""
     scene, slider, (along, _) = model.scene, model.scene.slider, model.first_section((0.0, 0.0))
     stator, transducers = along.stator, along.transducers
-    sections = len(model.groups) if scene.crossed else 1
+    strips = fem.strips_of(transducers) if scene.in_strips else ()
+    sections = len(strips) or (len(model.groups) if scene.crossed else 1)
+    if strips:  # the middle one has all transducers
+        transducers = strips[len(strips) // 2].transducers
     resolutions = [*fem.planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and resolutions[-1] + 1 < len(fem.LEVELS):
         resolutions.append(resolutions[-1] + 1)  # resonances between reflecting ends amplify the error
@@ -202,6 +205,8 @@ def _driven(model: Model, tolerance: float) -> tuple[list[dict], dict, float, fl
     if scene.crossed:
         grouping = "one for each group of parallel transducers; the sizes are those of the first"
         facts.append(f"{sections} sections, {grouping}")
+    if strips:
+        facts.append(f"{sections} strips along y, a section each; the sizes are those of the middle one")
     facts += [
         "two discretisations, whose difference is the error; a third if it exceeds the tolerance",
         f"fields {', '.join(finest.section.solid.fields)}; finite elements under the fingers, in "
@@ -211,7 +216,7 @@ def _driven(model: Model, tolerance: float) -> tuple[list[dict], dict, float, fl
     operations = sections * sum(_operations(sizes[k]) for k in resolutions)
     block_bytes = sections * sum(sorted(sizes[k].block_bytes for k in resolutions)[-2:])
     positions = None if slider is None else slider.contact_positions
-    reason = section_reason(scene.stator, stator, positions, all(each.even for each in scene.transducer))
+    reason = section_reason(scene.stator, stator, positions, scene.transducer)
     if not reason:
         how = "guided modes at every wavenumber across the aperture, evaluated under the slider"
         parts.append({"name": "beam", "facts": [how]})

@@ -136,6 +136,24 @@ def check_uneven(scene) -> Refused:
             )
 
 
+def check_strips(scene) -> Refused:
+    """Refuse what apodised and slanted transducers do not take."""
+    if scene.stator is None:
+        return
+    for index, each in enumerate(scene.transducer):
+        if each.uniform_along_y:
+            continue
+        key = f"transducer.{index}.{'apodisation' if each.apodisation is not None else 'slant'}"
+        if scene.crossed:
+            yield key, f"must be absent {fem.TURNED}"
+        if scene.piece:
+            yield key, "must be absent with a [[piece]], which is as wide as the stator"
+        if scene.stator.sides == "mirror":
+            yield key, "must be absent with stator.sides = mirror: the beams of strips take no images"
+        if scene.source.burst is not None:
+            yield key, f"must be absent with {scene.source.block}.burst, whose ring-up is that of one section"
+
+
 def check_turned(scene) -> Refused:
     """Refuse rotated or off-axis transducers where their beams cannot be computed."""
     if scene.stator is None or not scene.crossed:
@@ -243,6 +261,7 @@ CHECKS = (
     check_electrodes,
     check_turned,
     check_uneven,
+    check_strips,
     check_direction,
     check_slider,
     check_pieces,

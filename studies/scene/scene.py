@@ -107,6 +107,11 @@ class Scene(Block):
         """Whether one section along x does not suffice: a transducer is rotated, or its centre has y != 0."""
         return any(each.turned for each in self.transducer)
 
+    @property
+    def in_strips(self) -> bool:
+        """Whether a transducer is apodised or slanted: its answers are sums of strips along y."""
+        return any(not each.uniform_along_y for each in self.transducer)
+
     def refuse_pillars(self, rule: str) -> None:
         """Raise a SceneError with a rule if there is a slider on pillars."""
         if self.on_pillars:

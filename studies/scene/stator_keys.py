@@ -529,6 +529,10 @@ class Stator(Block):
             yield "dielectric_loss", "must be absent with an isotropic solid: no electric field is solved for"
 
 
+# How far the fingers of an apodised transducer reach, from its left end, 0, to its right end, 1
+WINDOWS = {"cosine": lambda u: math.sin(math.pi * u), "hamming": lambda u: 0.54 - 0.46 * math.cos(2 * math.pi * u)}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):
     """Two interleaved combs of fingers on the surface; one block for each transducer."""
@@ -585,12 +589,47 @@ class Transducer(Block):
         "Change of the local period from the left end of the transducer to the right one, over period, its mean; "
         "0.1: from 0.95 to 1.05 of it.",
     ] = 0.0
+    apodisation: Annotated[
+        str | tuple[float, ...] | None,
+        choice(*WINDOWS) | Listed(Quantity(least=0.0, most=1.0)),
+        "How far each finger reaches over the aperture, from 0 to 1: one number for each, or cosine or hamming over "
+        "the length of the transducer. Fingers + end at y = -a aperture/2, fingers - at a aperture/2, and dummy "
+        "fingers of the other electrode go on from there. Absent: 1.",
+    ] = None
+    slant: Annotated[
+        float,
+        FIELD,
+        "Change of the period from one side of the aperture to the other (-y to y) over period, that of the middle.",
+    ] = 0.0
+    slant_strips: Annotated[
+        int, FIELD, "Number of strips along y, of one period each, that stand for a slanted transducer."
+    ] = 8
     angle: Annotated[
         float,
         Quantity("deg", negative=True),
         "Rotation about the surface normal, from x towards y. A rotated transducer, or one beside the middle line, "
         "requires a solid isotropic about z, absorbing ends and sides, and diffraction.",
     ] = 0.0
+
+    def check_apodisation(self) -> Any:
+        numbers = self.apodisation
+        if isinstance(numbers, tuple) and len(numbers) != self.fingers:
+            yield "apodisation", f"must be one number for each of the {self.fingers} fingers, got {len(numbers)}"
+        if isinstance(numbers, tuple) and not any(numbers):
+            yield "apodisation", "must let one finger at least reach over the middle line, got zeros"
+
+    @property
+    def overlaps(self) -> tuple[float, ...] | None:
+        """How far each finger reaches over the aperture, 0 to 1; None if all reach over it whole."""
+        if not isinstance(self.apodisation, str):
+            return self.apodisation
+        places = [(number + 0.5) / self.fingers for number in range(self.fingers)]
+        return tuple(round(WINDOWS[self.apodisation](u), 9) for u in places)
+
+    @property
+    def uniform_along_y(self) -> bool:
+        """Whether all fingers are straight along y and reach over the whole aperture."""
+        return self.slant == 0.0 and self.apodisation is None
 
     @property
     def center_xy(self) -> tuple[float, float]:

@@ -4,6 +4,7 @@ The frequencies are those of a band START:STOP:N of the user (in MHz without a u
 text), or by default those of the driven transducer's passband.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -83,5 +84,29 @@ def group_delay(at, transfer, approximate: float):
 
 
 def expected(model: Model):
-    """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    return fem.layered_estimate(model.stator, model.driven, model.scene.frequency)
+    """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends.
+
+    Of an apodised or slanted one, that of its strips in parallel.
+    """
+    stator, frequency = model.stator, model.scene.frequency
+    if not model.scene.in_strips:
+        return fem.layered_estimate(stator, model.driven, frequency)
+    own = [each for strip in fem.strips_of(model.transducers) for each in strip.transducers]
+    own = [each for each in own if each.name == model.driven.name and {"+", "-"} <= set(each.signs)]
+    return Parallel(parts=tuple(fem.layered_estimate(stator, each, frequency) for each in own))
+
+
+@dataclass(frozen=True)
+class Parallel:
+    """Estimates of transducers that are connected in parallel."""
+
+    parts: tuple
+
+    @property
+    def capacitance(self) -> float:
+        """Sum of the capacitances, F."""
+        return sum(each.capacitance for each in self.parts)
+
+    def conductance(self, frequency):
+        """Return the sum of the radiation conductances in S at frequencies in Hz."""
+        return sum(each.conductance(frequency) for each in self.parts)

@@ -77,10 +77,13 @@ def response(
 
 def groups(model: Model, frequencies: np.ndarray) -> list[np.ndarray]:
     """Return rising frequencies in Hz as the bands that `port_admittances` solves, or each by itself."""
-    block, transducers = model.stator, model.section_transducers
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     bands = np.split(frequencies, np.searchsorted(frequencies, edges))
-    if len(frequencies) <= MAX_SINGLE * len(bands) or not _takes_bands(block, transducers, ()):
+    strips = [each.transducers for each in fem.strips_of(model.transducers)] if model.scene.in_strips else []
+    sections = strips or [model.section_transducers]
+    if len(frequencies) <= MAX_SINGLE * len(bands) or not all(
+        _takes_bands(model.stator, each, ()) for each in sections
+    ):
         return np.split(frequencies, len(frequencies))
     return bands
 

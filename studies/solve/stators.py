@@ -236,5 +236,5 @@ class Stators:
 
     def _in_band(self, stator: Model, positions: Any) -> bool:
         """Return whether a stator is solved as one of a band: with frequency limits and without finite apertures."""
-        plain = bool(self.limits) and not (stator.scene.crossed or stator.scene.piece)
+        plain = bool(self.limits) and not (stator.scene.crossed or stator.scene.in_strips or stator.scene.piece)
         return plain and not stator.spreads(positions if self.slider else None)

@@ -24,7 +24,7 @@ def wave_block(scene: Scene, motion: SurfaceMotion, ringing) -> WaveBlock:
     components = motion.at(positions)
     tangential, lateral, normal = map(complex, components[:, 0])
     block = WaveBlock(frequency_Hz=wave.frequency, normal_m_per_V=normal, tangential_m_per_V=tangential)
-    if motion.beam is not None:
+    if motion.spreads:
         tangential, normal = map(complex, wave.motion(motion.in_section(position)))
         block |= WaveBlock(
             lateral_m_per_V=lateral,

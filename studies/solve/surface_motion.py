@@ -19,6 +19,7 @@ from studies.scene.stator_keys import Stator
 
 if TYPE_CHECKING:
     from fem.beam.crossed_beam import CrossedBeam
+    from fem.beam.strip_beam import StripBeam
     from fem.beam.surface_beam import SurfaceBeam
     from fem.results.driven_answer import SurfaceWave
 
@@ -31,11 +32,16 @@ class SurfaceMotion:
     """Motion of a driven stator's surface."""
 
     wave: "SurfaceWave" = field(repr=False)  # of the section
-    # Of the finite aperture; None where the section is used instead
-    beam: "SurfaceBeam | CrossedBeam | None" = field(default=None, repr=False)
-    reason: str = ""  # why there is no beam; empty where there is one
+    # Of the finite aperture, or of strips along y; None where one section is used instead
+    beam: "SurfaceBeam | CrossedBeam | StripBeam | None" = field(default=None, repr=False)
+    reason: str = ""  # why no waves spread as beams; empty where they do
     # Motion and error by position (x, y), of those that have been evaluated
     evaluated: dict = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @property
+    def spreads(self) -> bool:
+        """Whether the waves spread as beams of finite apertures."""
+        return self.beam is not None and not self.reason
 
     @property
     def circuit(self):
@@ -105,7 +111,7 @@ class SurfaceMotion:
 
     def surface_mode_at(self, position: tuple[float, float]) -> complex:
         """Return the surface mode's part of u_z at a position (x, y) beside the transducers."""
-        if self.beam is None:
+        if self.beam is None or self.reason:
             return complex(self.wave.rayleigh_motion(position[0])[1])
         return complex(self.beam.surface_mode.motion(*position)[2])
 
@@ -145,6 +151,8 @@ def solved_motion(
         with as_run_errors():
             if scene.crossed:
                 return crossed_motion(model, positions, solve)
+            if scene.in_strips:
+                return strip_motion(model, positions, solve, slider=slider)
             wave = solve(model.stator, model.transducers, model.drive, tuple(dict.fromkeys(x for x, _ in positions)))
             return surface_motion(wave, scene.stator, positions, slider=slider)
     except fem.BeamError as error:
@@ -163,6 +171,20 @@ def crossed_motion(model: Model, positions, solve) -> SurfaceMotion:
     return SurfaceMotion(wave=beam.wave, beam=beam)
 
 
+def strip_motion(model: Model, positions, solve, *, slider: bool) -> SurfaceMotion:
+    """Return the motion of a scene with apodised or slanted transducers, a sum over strips along y.
+
+    The strips' waves spread as beams under the conditions of `surface_motion`.
+    """
+    scene = model.scene
+    reason = section_reason(scene.stator, model.stator, positions if slider else None, scene.transducer)
+    beam = fem.strip_beam(
+        model.stator, model.transducers, frequency=scene.frequency, drive=model.drive, solve=solve,
+        places=tuple(dict.fromkeys(x for x, _ in positions)), spreads=not reason,
+    )  # fmt: skip
+    return SurfaceMotion(wave=beam.wave, beam=beam, reason=reason)
+
+
 def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> SurfaceMotion:
     """Return the motion of a solved stator (fem.SurfaceWave) at positions (x, y) in m: that of the beam or the section.
 
@@ -171,8 +193,7 @@ def surface_motion(wave, block: Stator, positions, *, slider: bool = True) -> Su
     the error that it adds to the section's is larger than what it changes.
     """
     fields = wave.solution.fields
-    even = all(each.even for each in fields.transducers)
-    reason = section_reason(block, fields.stator, positions if slider else None, even)
+    reason = section_reason(block, fields.stator, positions if slider else None, fields.transducers)
     if reason:
         return SurfaceMotion(wave=wave, reason=reason)
     spread = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))

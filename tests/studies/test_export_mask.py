@@ -161,6 +161,34 @@ def test_chirped_transducers_and_cells_of_three_are_drawn():
     }
 
 
+def test_apodised_and_slanted_transducers_are_drawn():
+    """Tips and dummy fingers about a gap; sides that run apart with y."""
+    own = {"center": "15 mm", "finger_pairs": 2, "period": "1 mm", "metallisation": 0.5, "aperture": "8 mm"}
+    overlaps = [1.0, 0.5, 0.25, 1.0]
+    scene = Scene.load("twente-left").replace(
+        transducer=[
+            own | {"name": "left", "apodisation": overlaps},
+            own | {"name": "b", "center": "60 mm", "slant": 0.4},
+        ]
+    )
+    made = mask(scene, Sizes(busbar=1e-3, end_gap=0.2e-3, pad=0.0))
+    fingers = [each for each in made.polygons if each.layer == "fingers"]
+    spans = [
+        (each.comb, round(float(each.corners[:, 1].min()) * 1e3, 6), round(float(each.corners[:, 1].max()) * 1e3, 6))
+        for each in fingers
+        if each.transducer == "left"
+    ]
+    assert spans == [
+        ("+", -4.0, 4.7), ("-", -4.7, 2.0), ("+", 2.2, 4.7), ("+", -1.0, 4.7), ("-", -4.7, -1.2), ("-", -4.7, 4.0),
+    ]  # fmt: skip
+    slanted = [each.corners for each in fingers if each.transducer == "b"]
+    low, high = slanted[0][np.argsort(slanted[0][:, 1])].reshape(2, 2, 2)
+    for y, corners in ((-4.0e-3, low), (4.7e-3, high)):
+        edges = 60e-3 + np.array([-0.875e-3, -0.625e-3]) * (1 + 0.4 * y / 8e-3)
+        np.testing.assert_allclose(np.sort(corners[:, 0]), edges, atol=6e-9)
+    assert made.gap > 0.0
+
+
 def test_dxf_has_named_layers_and_the_same_polygons(tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
     path = tmp_path / "mask.dxf"

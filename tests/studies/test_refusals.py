@@ -122,6 +122,13 @@ transducer.0.cell=dart | transducer.0.cell must be "plain" or "DART" or "EWC" ..
 transducer.0.cell=DART; transducer.0.split=true | transducer.0.split must be absent with the cell DART
 transducer.0.mirrored=true | transducer.0.mirrored must be absent with the cell plain
 transducer.0.cell=EWC; transducer.0.pattern=+-+ | transducer.0.pattern must have 30 signs, three for each
+transducer.0.apodisation=kaiser | transducer.0.apodisation must be
+transducer.0.apodisation=[1, 0.5] | transducer.0.apodisation must be one number for each of the 20 fingers, got 2
+transducer.0.apodisation=[1, 2] | transducer.0.apodisation.1 must be between 0 and 1, got 2.0
+transducer.0.apodisation=cosine; drive.burst=1 ms | transducer.0.apodisation must be absent with drive.burst
+transducer.0.slant=0.1; stator.sides=mirror | transducer.0.slant must be absent with stator.sides = mirror
+transducer.0.slant=0.1; transducer.1.angle=30; stator.ends=absorbing | transducer.0.slant must be absent where
+transducer.0.slant_strips=0 | transducer.0.slant_strips must be an integer from 1 to 256
 transducer.0.chirp=1.2 | transducer.0.chirp must be between -1 and 1, got 1.2
 transducer.0.chirp=0.1; stator.diffraction=true | transducer.0.chirp must be absent with stator.diffraction = true
 transducer.0.cell=DART; transducer.0.angle=30; stator.ends=absorbing | transducer.0.cell must be absent where

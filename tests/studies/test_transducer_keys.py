@@ -128,3 +128,26 @@ def test_a_cell_of_three_fingers_and_a_chirp_run_and_are_written():
     mirrored = run(chip("transducer.0.cell=DART", "transducer.0.mirrored=true"), tolerance=3e-2)
     plain = answer("transducer.0.cell=DART")
     assert abs(mirrored.electrical["admittance_S"] / plain[0]["admittance_S"] - 1) > 1e-4
+
+
+def test_apodised_and_slanted_transducers_run_are_written_and_swept():
+    """Plane strips between free ends, beams between absorbing ones; both ways to the admittances agree."""
+    for more in (("transducer.0.apodisation=cosine",), ("transducer.1.slant=0.1", "transducer.1.slant_strips=3")):
+        scene = chip(*more, "stator.diffraction=false", slider=True)
+        record = run(scene, tolerance=3e-2)
+        again = run(Scene.from_table("", tomllib.loads(document(record.scene.to_table()))), tolerance=3e-2)
+        assert again.points[0]["velocity_m_per_s"] == record.points[0]["velocity_m_per_s"]
+        assert record.scene.stator.diffraction is False
+        assert record.electrical["power_residual"] < 1e-6
+        model = Model(record.scene)
+        ports = model.port_admittance(record.scene.frequency, 3e-2)
+        volts = record.surface_motion.circuit.voltages
+        driven = complex((ports.matrix @ volts)[0] / volts[0])
+        assert driven == pytest.approx(record.electrical["admittance_S"], rel=3e-2)
+    plain = run(chip("stator.diffraction=false", slider=True), tolerance=3e-2)
+    assert abs(record.points[0]["velocity_m_per_s"] / plain.points[0]["velocity_m_per_s"] - 1) > 1e-5
+    spread = run(chip("transducer.0.apodisation=cosine", "stator.ends=absorbing", slider=True), tolerance=3e-2)
+    assert spread.scene.stator.diffraction is True
+    assert spread.surface_motion.spreads
+    off_axis = spread.surface_motion.at([(0.011, 0.0), (0.011, 0.012)])
+    assert abs(off_axis[2, 1]) < 0.5 * abs(off_axis[2, 0])  # beside the aperture of 20 mm

@@ -1,0 +1,192 @@
+"""Apodised and slanted transducers as strips along y, each a section of its own, electrically in parallel.
+
+Between two lines y at which a finger begins or ends, every finger has one sign and one place: a strip
+(`fem.geometry.strips_of`).  Its plane section has the admittance Y_s, in proportion to its width.  The electrodes join
+the strips, so that
+
+    Y = sum_s Y_s,    u(x, y) = sum_s u_s(x, y),                                                                  (1)
+
+with u_s the motion of the strip's section at the voltages of the common circuit.  In the plane section u_s is zero
+beside the strip; with beams it is the field of the section's charges on fingers as long as the strip is wide
+(`fem.surface_beam`, without the change of the charges by the finite aperture).  What one transducer sends to another
+passes along the strip, without spreading.
+
+The classical model of apodised transducers by strips of equal overlap (Tancrell and Holland, Proc. IEEE 59, 1971, 393;
+Hartmann, Bell and Rosenfeld, IEEE Trans. Microwave Theory Tech. 21, 1973, 162), with the reflections inside each strip.
+Left out: the gaps at the tips of the fingers, which have no width here, and the charge at the ends of fingers.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from fem.beam.beam_of_section import aperture_beam, beam_refusal
+from fem.beam.crossed_beam import Solve
+from fem.beam.surface_beam import BeamError, SurfaceBeam
+from fem.circuit import Circuit, Drive, as_drive, solve_circuit
+from fem.condense.electrode_conditions import is_port
+from fem.exceptions import InputError
+from fem.geometry import LateralStrip, Stator, Transducer, strips_of
+from fem.results.driven_answer import SurfaceWave, surface_wave
+from fem.results.power_balance import PowerBalance, power_balance
+from fem.results.stator_solution import driven_solution
+
+
+@dataclass(frozen=True, kw_only=True)
+class StripBeam:
+    """Surface motion of transducers that are not uniform along y.
+
+    Attributes
+    ----------
+    strips : tuple of LateralStrip
+        Those with a voltage, from -y to +y.
+    waves : tuple of SurfaceWave
+        Solution of the section of each, at the voltages of the circuit.
+    beams : tuple of SurfaceBeam
+        Field in three dimensions of each; empty in the plane section.
+    circuit : Circuit
+        Voltages and currents of all ports.
+    length : float
+        Of the surface, m.
+    """
+
+    strips: tuple[LateralStrip, ...]
+    waves: tuple[SurfaceWave, ...] = field(repr=False)
+    beams: tuple[SurfaceBeam, ...] = field(repr=False)
+    circuit: Circuit
+    length: float
+
+    @property
+    def wave(self) -> SurfaceWave:
+        """Solution of the section of the strip next to y = 0."""
+        return self.waves[int(np.argmin([abs(each.low + each.high) for each in self.strips]))]
+
+    @property
+    def spreads(self) -> bool:
+        """True if the strips' waves spread as beams."""
+        return bool(self.beams)
+
+    def in_section(self, x: float, y: float) -> float:
+        """Coordinate x in m, in the section `wave`, of a point (x, y) in m."""
+        return x
+
+    @property
+    def surface_mode(self) -> "StripBeam":
+        """The same strips with the field of the surface wave alone; with beams only."""
+        return replace(self, beams=tuple(each.surface_mode for each in self.beams))
+
+    def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
+        """u_x, u_y and u_z in m per V at points (x, y) in m, shape (3, *shape of x and y); equation (1)."""
+        return self.motion_and_error(x, y)[0]
+
+    def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
+        """Sum of the strips' errors over max(|u_x|, |u_z|) at each point."""
+        return self.motion_and_error(x, y)[1]
+
+    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
+        """`motion` and `relative_error` at once."""
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        total, error = np.zeros((3, *x.shape), dtype=complex), np.zeros(x.shape)
+        for number, strip in enumerate(self.strips):
+            if self.beams:
+                motion, relative = self.beams[number].motion_and_error(x, y)
+            else:
+                tangential, normal = self.waves[number].motion(x)
+                inside = (y >= strip.low) & (y < strip.high)
+                motion = np.array([tangential, np.zeros_like(normal), normal]) * inside
+                relative = self.waves[number].relative_error
+            total = total + motion
+            error = error + relative * abs(motion[[0, 2]]).max(axis=0)
+        size = abs(total[[0, 2]]).max(axis=0)
+        return total, np.divide(error, size, out=np.zeros_like(error), where=size > 0.0)
+
+    def first_images(self, x: float | np.ndarray, y: float | np.ndarray, width: float) -> np.ndarray:
+        """Sum of |u_z| in m per V of the first images in two side faces ``width`` (m) apart, at points (x, y) in m."""
+        return np.sum([abs(self.motion(x, side * width - np.asarray(y))[2]) for side in (1.0, -1.0)], axis=0)
+
+    @cached_property
+    def power(self) -> PowerBalance:
+        """Power balance summed over the strips; the loads take what the circuit's other ports take."""
+        parts, circuit = [each.power for each in self.waves], self.circuit
+        powers = 0.5 * np.real(circuit.voltages * np.conj(circuit.currents))
+        loads = -sum(
+            float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven
+        )
+        solid, left, right = (sum(getattr(each, key) for each in parts) for key in ("solid", "left", "right"))
+        missing = abs(circuit.power - solid - loads - left - right) / circuit.apparent_power
+        residual = max(missing, *(each.residual for each in parts))
+        return PowerBalance(input=circuit.power, solid=solid, loads=loads, left=left, right=right, residual=residual)
+
+
+def strip_beam(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    drive: str | Drive,
+    solve: Solve,
+    places: tuple[float, ...] = (),
+    spreads: bool = True,
+) -> StripBeam:
+    """Field of transducers of which some are apodised or slanted.
+
+    Parameters
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        Along x, about the middle line.
+    frequency : float
+        Hz.
+    drive : str or Drive
+    solve : callable
+        Solver of one section, as for `fem.crossed_beam`.
+    places : tuple of float
+        x in m at which the error matters; mid-stator if empty.
+    spreads : bool
+        False for the plane sections of the strips.
+
+    Raises
+    ------
+    BeamError
+        If the field in three dimensions is not computed, `fem.beam_refusal`.
+    InputError
+        If a transducer is turned or beside the middle line, or has fingers of one electrode only in all strips.
+    """
+    even = all(each.even for each in transducers)
+    if spreads and (refusal := beam_refusal(stator, even=even)):
+        raise BeamError(refusal)
+    if spreads and stator.ends != "absorbing":
+        raise BeamError(f"the beams of strips need stator.ends = 'absorbing', got {stator.ends!r}")
+    names = tuple(each.name for each in sorted(transducers, key=lambda each: each.center) if is_port(each))
+    solved, admittances = [], np.zeros((len(names), len(names)), dtype=complex)
+    for strip in strips_of(transducers):
+        ports = [each.name for each in strip.transducers if is_port(each)]
+        if not ports:
+            continue
+        wave = solve(stator, strip.transducers, Drive(sources=dict.fromkeys(ports, 1.0)), places)
+        fields = wave.solution.fields
+        at = [names.index(name) for name in fields.names]
+        admittances[np.ix_(at, at)] += fields.admittances
+        solved.append((strip, wave))
+    drive = as_drive(drive)
+    circuit = solve_circuit(admittances, names, transducers, drive, frequency)
+    volts = dict(zip(circuit.names, circuit.voltages, strict=True))
+    kept, waves = [], []
+    for strip, wave in solved:
+        fields = wave.solution.fields
+        sources = {name: complex(volts[name]) for name in fields.names}
+        if not any(sources.values()):
+            continue
+        solution = driven_solution(fields, Drive(sources=sources))
+        kept.append(strip)
+        waves.append(
+            surface_wave(
+                solution, relative_error=wave.relative_error, admittance_error=wave.admittance_error,
+                balance=partial(power_balance, solution),
+            )
+        )  # fmt: skip
+    if not kept:
+        raise InputError("drive", "must drive a transducer with fingers of both electrodes")
+    beams = tuple(aperture_beam(wave, wave.solution) for wave in waves) if spreads else ()
+    return StripBeam(strips=tuple(kept), waves=tuple(waves), beams=beams, circuit=circuit, length=stator.length)
