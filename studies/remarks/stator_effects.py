@@ -106,7 +106,7 @@ def _aperture(record: Record, left_out) -> Effects:
             how = "the beam of the finite aperture, computed for this line, over the plane section"
             yield "finite aperture", AMPLITUDE, float(worst), how
             return
-    if not motion.spreads:
+    if motion.beam is None or (record.scene.in_strips and not motion.spreads):
         spreads = [_spread(record, each, *zip(*positions, strict=True)) for each in record.scene.driven_transducers]
         worst = max(np.concatenate(spreads) - 1, key=abs)
         how = "angular spectrum of the driven aperture, on the cut's slowness curve"

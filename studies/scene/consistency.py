@@ -145,7 +145,7 @@ def check_strips(scene) -> Refused:
             continue
         key = f"transducer.{index}.{'apodisation' if each.apodisation is not None else 'slant'}"
         if scene.crossed:
-            yield key, f"must be absent {fem.TURNED}"
+            yield key, f"must be absent {fem.TURNED}: strips lie along x"
         if scene.piece:
             yield key, "must be absent with a [[piece]], which is as wide as the stator"
         if scene.stator.sides == "mirror":
