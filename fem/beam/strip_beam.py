@@ -114,9 +114,13 @@ class StripBeam:
             float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven
         )
         solid, left, right = (sum(getattr(each, key) for each in parts) for key in ("solid", "left", "right"))
-        missing = abs(circuit.power - solid - loads - left - right) / circuit.apparent_power
-        residual = max(missing, *(each.residual for each in parts))
-        return PowerBalance(input=circuit.power, solid=solid, loads=loads, left=left, right=right, residual=residual)
+        apparent = circuit.apparent_power  # that of a strip with little voltage is rounding
+        missing = abs(circuit.power - solid - loads - left - right)
+        residual = max(missing, *(each.residual * each.apparent for each in parts)) / apparent
+        return PowerBalance(
+            input=circuit.power, solid=solid, loads=loads, left=left, right=right, residual=residual,
+            apparent=apparent,
+        )  # fmt: skip
 
 
 def strip_beam(
