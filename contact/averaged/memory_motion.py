@@ -1,4 +1,13 @@
-"""Heavy slider on rough balls with the memory of Mindlin and Deresiewicz: mean approaches and velocity."""
+"""Heavy slider on rough balls with the memory of Mindlin and Deresiewicz: mean approaches and velocity.
+
+Errors on the ball of Feenstra and Breedveld with 3 nm, at waves of 1.5 to 8 nm (`tests/contact/test_memory_motion.py`,
+`tests/contact/test_rough.py` and `tests/benchmarks/rough_table.py`):
+
+- In the stated error: cells of depth, about 1e-4 of the velocity at a tolerance of 2.5e-4; rows of the table of P, 3e-5
+  of the velocity with the first table, 2e-6 with the second, whose forces have 2e-5.
+- Not in it: the 160 rings of a mean field, 2e-5 of the approach; the table of tails, 1e-6 of a pressure; the law
+  against asperities that are coupled step by step, at most 4e-4 of the velocity, most of it from their steps.
+"""
 
 import numpy as np
 
