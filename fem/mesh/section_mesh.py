@@ -161,6 +161,17 @@ def read_mesh(path: str | Path, unit: float) -> SectionMesh:
         raise MeshError(f'"{path.name}": {error}') from None
 
 
+@refuses(MeshError)
+def _check_coordinates(points: np.ndarray, unit: float) -> Iterator[Any]:
+    """Refuse coordinates that are not finite, too large for a stator, or of a body in space."""
+    if not np.isfinite(points).all():
+        yield "the file has a coordinate that is no finite number"
+    if (farthest := abs(points).max(initial=0.0) * unit) > FARTHEST:
+        yield f"the file has a coordinate of {farthest:.3g} m, at most {FARTHEST:g} m: is its length unit right?"
+    if points.shape[1] > 2 and np.ptp(points[:, 2]) > MAX_OFF_PLANE * max(np.ptp(points, axis=0).max(), 1e-300):
+        yield "the file's third coordinate is not constant: a section has two, x and z"
+
+
 def _read(path: Path, unit: float) -> SectionMesh:
     try:
         content = path.read_bytes()
@@ -168,14 +179,7 @@ def _read(path: Path, unit: float) -> SectionMesh:
         raise MeshError(f"the file cannot be read from {path.parent}: {error.strerror}") from None
     file = parsed(path, content)
     points = np.asarray(file.points, dtype=float)
-    if not np.isfinite(points).all():
-        raise MeshError("the file has a coordinate that is no finite number")
-    if (farthest := abs(points).max(initial=0.0) * unit) > FARTHEST:
-        raise MeshError(
-            f"the file has a coordinate of {farthest:.3g} m, at most {FARTHEST:g} m: is its length unit right?"
-        )
-    if points.shape[1] > 2 and np.ptp(points[:, 2]) > MAX_OFF_PLANE * max(np.ptp(points, axis=0).max(), 1e-300):
-        raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
+    _check_coordinates(points, unit)
     surfaces, lines = grouped(file)
     names, corners = list(file.field_data), [each.nodes[:, : CORNERS[each.kind]] for each in surfaces]
     for what, groups in (

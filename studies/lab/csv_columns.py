@@ -1,7 +1,7 @@
 """Columns of a CSV file by the quantity and the unit in their heads, such as ``x_mm`` or ``u_z_real_nm_per_V``."""
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -121,6 +121,13 @@ class CsvColumns(InputFile):
             if value < 0.0 or (value == 0.0 and not zero):
                 rule = f"{noun}_{unit} must be {'zero or ' * zero}positive"
                 raise self.error(f"{self.line(row)}{rule}, got {value:g} {written(unit)}")
+
+    def refuse_falling(self, noun: str, values: Sequence[float] | np.ndarray, unit: str) -> None:
+        """Raise a SceneError for the first value of a column, in an SI unit, that is not above the one before."""
+        row = next((k for k in range(1, len(values)) if values[k] <= values[k - 1]), None)
+        if row is not None:
+            got = f"got {values[row]:g} {unit} after {values[row - 1]:g} {unit}"
+            raise self.error(f"{self.line(row)}{noun} must rise from line to line, {got}")
 
     def refuse_uneven(self) -> None:
         """Raise a SceneError for a row with more or fewer values than there are heads."""

@@ -52,10 +52,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
         table.refuse_signs(noun, units, zero=True)
     if time is not None:
-        fallen = next((k for k in range(1, len(time)) if time[k] <= time[k - 1]), None)
-        if fallen is not None:
-            rule = f"time must rise from line to line, got {time[fallen]:g} s after {time[fallen - 1]:g} s"
-            raise table.error(f"{table.line(fallen)}{rule}")
+        table.refuse_falling("time", time, "s")
         table.refuse_if(time[-1] <= 0.0, f"must hold times after 0, got {time[-1]:g} s as the last one")
     if velocity is not None and time is not None:
         quantity, values = "burst", velocity

@@ -16,7 +16,7 @@ from studies.record.plots import curve, finished
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
 from studies.scene.plane_keys import AXLE
-from studies.solve.plane_answer import PER_MINUTE, PlaneMotor
+from studies.solve.plane_motor import PER_MINUTE, PlaneMotor
 from studies.study_list import Answered, Panel, judged
 
 LOGGER = logging.getLogger(__name__)

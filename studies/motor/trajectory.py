@@ -19,7 +19,7 @@ from studies.record.plots import curve, family, finished
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.solve.plane_answer import PlaneMotor, waves_at
+from studies.solve.plane_motor import PlaneMotor, waves_at
 from studies.solve.plane_path import Leg, legs_of
 from studies.solve.plane_sources import driven_by, waves_of_sources
 from studies.study_list import Answered, Panel, driven_contact, judged, of_record, study

@@ -120,7 +120,13 @@ class PlaneMotion(NamedTuple):
         return self.rates[:, :2]
 
 
-PLANE_COLUMNS = ("velocity_m_per_s", "lateral_velocity_m_per_s", "yaw_rate_rad_per_s", "x_m", "y_m", "yaw_rad")
+PLANE_COLUMNS = tuple(
+    each.column
+    for each in (
+        quantity.velocity_m_per_s, quantity.lateral_velocity_m_per_s, quantity.yaw_rate_rad_per_s, quantity.x_m,
+        quantity.y_m, quantity.yaw_rad,
+    )
+)  # fmt: skip
 
 
 def _instants(motion) -> dict[str, list]:

@@ -13,7 +13,7 @@ import numpy as np
 
 import contact
 from studies.lab.csv_columns import FREQUENCIES, PHASES, TIMES, CsvColumns
-from studies.refusal import SceneError
+from studies.refusal import refuse_if
 from studies.scene import Scene
 from studies.scene.waveform_keys import Waveform
 
@@ -73,18 +73,16 @@ def _of_shape(block: Waveform, path: str, duration: float, carrier: float) -> tu
     depth, slow, (first, last) = block.depth or 0.0, block.frequency or 0.0, block.sweep or (0.0, 0.0)
     if block.shape == "modulated":
         offset = slow
-        if offset > FASTEST * carrier:
-            rule = f"must be at most {FASTEST:g} of the wave's frequency, {FASTEST * carrier:g} Hz, got {offset:g} Hz"
-            raise SceneError(f"{path}.frequency", rule)
+        rule = f"must be at most {FASTEST:g} of the wave's frequency, {FASTEST * carrier:g} Hz, got {offset:g} Hz"
+        refuse_if(offset > FASTEST * carrier, f"{path}.frequency", rule)
         # a sine's chord over an angle h is off by h^2/8
         parts = duration * offset * 2.0 * math.pi * math.sqrt(depth / (8.0 * ERROR))
     elif block.shape == "chirp":
         offset = max(abs(first), abs(last))
         # the chord of a phase of curvature c is off by c h^2/8
         parts = duration * math.sqrt(2.0 * math.pi * abs(last - first) / duration / (8.0 * ERROR))
-    if parts > MAX_KNOTS:
-        rule = f"changes so fast that {parts:.1e} instants are needed, at most {MAX_KNOTS:g}: shorten the burst"
-        raise SceneError(path, rule)
+    rule = f"changes so fast that {parts:.1e} instants are needed, at most {MAX_KNOTS:g}: shorten the burst"
+    refuse_if(parts > MAX_KNOTS, path, rule)
     time = np.unique(np.concatenate([edges, np.linspace(0.0, duration, max(2, math.ceil(parts) + 1))]))
     rise = np.clip(time / block.rise, 0.0, 1.0) if block.rise > 0.0 else np.ones_like(time)
     fall = np.clip((duration - time) / block.fall, 0.0, 1.0) if block.fall > 0.0 else np.ones_like(time)
@@ -103,19 +101,17 @@ def _of_file(table: CsvColumns, duration: float) -> tuple[contact.Envelope, floa
     phase, offset = table.column("phase", PHASES), table.column("frequency_offset", FREQUENCIES)
     if time is None or amplitude is None:
         raise table.lacking("time_s, amplitude and perhaps phase_deg or frequency_offset_Hz")
-    if phase is not None and offset is not None:
-        raise table.error("must have one of the columns phase_deg and frequency_offset_Hz, not both")
+    both = phase is not None and offset is not None
+    table.refuse_if(both, "must have one of the columns phase_deg and frequency_offset_Hz, not both")
     at, size = time[0], amplitude[0]
-    if not np.all(np.diff(at) > 0.0):
-        row = int(np.flatnonzero(np.diff(at) <= 0.0)[0]) + 1
-        raise table.error(f"{table.line(row)}time must be later than in the row before, got {at[row]:g} s")
+    table.refuse_falling("time", at, "s")
     if np.any(size < 0.0):
         row = int(np.flatnonzero(size < 0.0)[0])
         raise table.error(
             f"{table.line(row)}amplitude must not be negative, got {size[row]:g}: write a phase of 180 deg"
         )
-    if not np.any(abs(contact.Envelope(time=at, amplitude=size, phase=0.0 * at).at(np.clip(at, 0.0, duration))) > 0.0):
-        raise table.error("must have an amplitude that is not 0 in the burst")
+    driven = abs(contact.Envelope(time=at, amplitude=size, phase=0.0 * at).at(np.clip(at, 0.0, duration)))
+    table.refuse_if(not np.any(driven > 0.0), "must have an amplitude that is not 0 in the burst")
     if offset is None:
         angle = np.zeros_like(at) if phase is None else phase[0]
         moving = np.maximum(size[1:], size[:-1]) > 0.0
@@ -129,8 +125,8 @@ def _integrated(table: CsvColumns, at, size, offset, duration: float) -> contact
     inside = np.unique(np.clip(np.concatenate([[0.0, duration], at]), 0.0, duration))
     rates = abs(np.diff(np.interp(inside, at, offset)) / np.diff(inside))
     parts = np.ceil(np.diff(inside) * np.sqrt(2.0 * math.pi * rates / (8.0 * ERROR))).astype(int)
-    if parts.sum() > MAX_KNOTS:
-        raise table.error(f"sweeps the frequency so fast that {parts.sum()} instants are needed, at most {MAX_KNOTS}")
+    rule = f"sweeps the frequency so fast that {parts.sum()} instants are needed, at most {MAX_KNOTS}"
+    table.refuse_if(parts.sum() > MAX_KNOTS, rule)
     time = np.concatenate(
         [np.linspace(a, b, max(1, n), endpoint=False) for a, b, n in zip(inside[:-1], inside[1:], parts, strict=True)]
         + [[duration]]

@@ -14,10 +14,10 @@ from studies.record import Record
 from studies.record.point import Point
 from studies.report.datasheet_rows import Row
 from studies.scene.plane_keys import AXLE
-from studies.solve.plane_answer import PER_MINUTE, PlaneMotor
+from studies.solve.mapped_surface import travelled
+from studies.solve.plane_motor import PER_MINUTE, PlaneMotor
 from studies.solve.plane_path import Leg, legs_of
 from studies.solve.plane_quantities import stall_force
-from studies.solve.plane_sources import travelled
 
 SETTLED = 0.95  # part of the steady speed at which a start is over
 PATH_TOLERANCE = 1e-2  # of the start and the stop, relative

@@ -59,9 +59,9 @@ def adhesive_answer(driven: Contact, level: float, tolerance: float) -> PointAns
     return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
 
 
-def adhesive_limits(driven: Contact) -> dict[str, float]:
+def adhesive_limits(driven: Contact) -> tuple[float, float]:
     """Return the factors on the orbits at which the slider starts to move and its first ball leaves the surface."""
     balls = adhesive_balls(driven.scene.slider)
     scale = 1e-9 / max(abs(each.normal) for each in driven.orbits)
     orbits = driven.at(scale)
-    return {"threshold": scale * balls.threshold(orbits), "release": scale * balls.release(orbits)}
+    return scale * balls.threshold(orbits), scale * balls.release(orbits)

@@ -147,11 +147,11 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
 
         if driven.scene.burst is not None:
             driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
-        return _limits(driven, rough_limits(driven)), math.inf
+        return _limits(driven, *rough_limits(driven)), math.inf
     if driven.holding:
         from studies.solve.adhesive_answer import adhesive_limits
 
-        return _limits(driven, adhesive_limits(driven)), math.inf
+        return _limits(driven, *adhesive_limits(driven)), math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
     if driven.scene.planar:
@@ -166,15 +166,12 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
     threshold, release = (
         factor_of(driven.slider, driven.orbits) for factor_of in (contact.threshold_factor, contact.release_factor)
     )
-    return _limits(driven, {"threshold": threshold, "release": release}) | _each_release(driven), threshold
+    return _limits(driven, threshold, release) | _each_release(driven), threshold
 
 
-def _limits(driven: Contact, factors: dict[str, float]) -> SummaryBlock:
-    """Return limits, given as factors on the orbits by name."""
-    limits = SummaryBlock()
-    for name, factor in factors.items():
-        limits |= _limit(driven, name, factor)
-    return limits
+def _limits(driven: Contact, threshold: float, release: float) -> SummaryBlock:
+    """Return threshold and release, given as factors on the orbits, where they are finite."""
+    return _limit(driven, "threshold", threshold) | _limit(driven, "release", release)
 
 
 def _limit(driven: Contact, name: str, factor: float) -> SummaryBlock:

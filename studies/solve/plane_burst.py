@@ -17,7 +17,7 @@ from contact import plane
 from studies.model.plane import StatorSurface
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
-from studies.solve.plane_sources import travelled
+from studies.solve.mapped_surface import travelled
 from studies.solve.ring_up import RingUp
 from studies.solve.slider_burst import method_of
 

@@ -12,7 +12,7 @@ from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
 from studies.refusal import refuse_outside
 from studies.scene.plane_keys import AXLE
-from studies.solve.plane_answer import PlaneMotor
+from studies.solve.plane_motor import PlaneMotor
 from studies.solve.plane_ripple import differs, ripple_of
 from studies.solve.point_answer import PointAnswer
 

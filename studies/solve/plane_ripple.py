@@ -15,7 +15,7 @@ from contact import plane
 from studies.model.plane import StatorSurface
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
-from studies.solve.plane_answer import PER_MINUTE, PlaneMotor, contact_speed, waves_at
+from studies.solve.plane_motor import PER_MINUTE, PlaneMotor, contact_speed, waves_at
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 
 # points (k, step k)/count of each lattice: primes, so that x, y, x + y and x - y take as many values each; of a turn

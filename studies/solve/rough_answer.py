@@ -51,19 +51,19 @@ def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer
     return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
 
 
-def rough_limits(driven: Contact) -> dict[str, float]:
+def rough_limits(driven: Contact) -> tuple[float, float]:
     """Return the factors on the orbits at which the slider runs at `STARTS`, and at which its first ball leaves.
 
-    Of a sample they are those of the scene's own; without a level there are none.
+    Of a sample they are those of the scene's own; without a level they are infinite.
     """
     level = max(driven.scene.levels)
     if level <= 0.0:
-        return {}
+        return math.inf, math.inf
     with slider_keys(), as_run_errors(f"slider.roughness: the amplitude for {1e3 * STARTS:g} mm/s:"):
-        (limits,) = limits_of(
+        ((threshold, release),) = limits_of(
             driven.scene.slider, driven.orbits, _amplitude(driven), STARTS, tolerance=SCATTER, count=1
         )
-    return dict(zip(("threshold", "release"), limits, strict=True))
+    return threshold, release
 
 
 def _balls(driven: Contact) -> tuple:

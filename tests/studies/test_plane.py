@@ -235,7 +235,7 @@ def test_the_budget_of_motion_across_the_wave_holds_to_a_factor_of_two(amplitude
 def test_maps_of_a_travelling_slider_are_the_surface():
     """Splines between ten lines per wavelength, on two crossing plane waves, across the edge of a map."""
     from studies.model.plane import prescribed_surface
-    from studies.solve.plane_sources import Mapped
+    from studies.solve.mapped_surface import Mapped
 
     exact = prescribed_surface(scene({}, {"direction": 90, "phase": 40}, wavelength="1 mm").wave)
     mapped = Mapped(surface=exact, wavelength=1e-3)

@@ -226,7 +226,7 @@ def test_what_is_refused_when_it_runs(settings, message):
     ("text", "message"),
     [
         ("time_s,level\n0,1\n1,1\n", "must have the columns time_s, amplitude"),
-        ("time_s,amplitude\n0,1\n0,0.5\n", "line 3, time must be later than in the row before, got 0 s"),
+        ("time_s,amplitude\n0,1\n0,0.5\n", "line 3, time must rise from line to line, got 0 s after 0 s"),
         (
             "time_s,amplitude\n0,1\n1,-0.5\n",
             "line 3, amplitude must not be negative, got -0.5: write a phase of 180 deg",
