@@ -38,7 +38,7 @@ MAX_TURN = 3.0  # rad of angle per rad of phase, of the guess at the start of a 
 MAX_TRIES = 60  # trials of the length of one segment
 
 
-class Guard(IntEnum):
+class RegimeEnd(IntEnum):
     """What ends the regime of a contact."""
 
     NONE = 0
@@ -280,14 +280,14 @@ def _fill_forces(problem, i, regime, row):
 @compiled
 def _guard(problem, i, regime, which, row):
     """Return a guard of contact i, positive inside its regime."""
-    if which == Guard.TOUCH:
+    if which == RegimeEnd.TOUCH:
         return -row[Stage.Z]
-    if which == Guard.OPEN:
+    if which == RegimeEnd.OPEN:
         return row[Stage.Z]
-    if which == Guard.STICK:
+    if which == RegimeEnd.STICK:
         return row[Stage.LAMBDA]
     size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
-    if which == Guard.SLIP:
+    if which == RegimeEnd.SLIP:
         return problem.limit_slope[i] * row[Stage.Z] - size
     speed = np.hypot(row[Stage.W_X], row[Stage.W_Y])
     return -(row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]) / (speed + 1e-300)
@@ -298,14 +298,14 @@ def guard_rate(problem, i, which, length, kind, work):
     """Return the rate of a guard at the end of a segment."""
     stage = work.stage
     row = stage[stage.shape[0] - 1, i]
-    if which == Guard.TOUCH:
+    if which == RegimeEnd.TOUCH:
         return -row[Stage.Z_RATE]
-    if which == Guard.OPEN:
+    if which == RegimeEnd.OPEN:
         return row[Stage.Z_RATE]
-    if which == Guard.SLIP:
+    if which == RegimeEnd.SLIP:
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         return problem.limit_slope[i] * row[Stage.Z_RATE] - along
-    if which == Guard.PASS:
+    if which == RegimeEnd.PASS:
         return -np.hypot(row[Stage.W_X], row[Stage.W_Y])
     rate = 0.0
     for j in range(stage.shape[0]):
@@ -426,28 +426,28 @@ def _first_event(problem, first, last, length, kind, state, work):
         regime = state.regime[i]
         for turn in range(2):
             if regime == Regime.SEPARATED:
-                which = Guard.TOUCH
+                which = RegimeEnd.TOUCH
             elif regime == Regime.SLIP:
-                which = Guard.OPEN if turn == 0 else Guard.STICK
+                which = RegimeEnd.OPEN if turn == 0 else RegimeEnd.STICK
             else:
-                which = Guard.SLIP if turn == 0 else Guard.PASS
+                which = RegimeEnd.SLIP if turn == 0 else RegimeEnd.PASS
             if regime == Regime.SEPARATED and turn == 1:
                 continue
             old, phase_old = _guard(problem, i, regime, which, work.start[i]), 0.0
             rate_old, x_old, y_old = work.start[i, Stage.Z_RATE], work.start[i, Stage.E_X], work.start[i, Stage.E_Y]
             if state.begins[i] == 1:
-                if which == Guard.PASS:
+                if which == RegimeEnd.PASS:
                     continue
-                if which != Guard.STICK:
+                if which != RegimeEnd.STICK:
                     old = 0.0
-            if which == Guard.PASS and old <= 1e-11:
+            if which == RegimeEnd.PASS and old <= 1e-11:
                 continue
             for j in range(n):
                 row = work.stage[j, i]
                 new, phase = _guard(problem, i, regime, which, row), length * nodes.phase[kind, j]
                 if phase_old > at:
                     break
-                if which == Guard.PASS and new < -1e-13:
+                if which == RegimeEnd.PASS and new < -1e-13:
                     x, y, limit = row[Stage.E_X], row[Stage.E_Y], problem.limit_slope[i] * row[Stage.Z]
                     d_x, d_y = x - x_old, y - y_old
                     # the chord between both nodes must come near zero between them; else w itself has turned
@@ -457,18 +457,18 @@ def _first_event(problem, first, last, length, kind, state, work):
                 if new < -1e-13:
                     share = old / (old - new) if old > 0.0 else 0.0
                     place = phase_old + share * (phase - phase_old)
-                    if which == Guard.PASS and place < PASSED:
+                    if which == RegimeEnd.PASS and place < PASSED:
                         break
                     if place < at or found < 0:
                         found, what, at, crossing = i, which, place, 1 if j < n - 1 else 2
                     break
-                if which == Guard.TOUCH and rate_old > 0.0 > row[Stage.Z_RATE]:
+                if which == RegimeEnd.TOUCH and rate_old > 0.0 > row[Stage.Z_RATE]:
                     # between two nodes the gap may close: aim at its least value
                     share = rate_old / (rate_old - row[Stage.Z_RATE])
                     if old - 0.5 * rate_old * share * (phase - phase_old) < 0.0 and j < n - 1:
                         place = phase_old + share * (phase - phase_old)
                         if place < at or found < 0:
-                            found, what, at, crossing = i, Guard.NONE, place, 1
+                            found, what, at, crossing = i, RegimeEnd.NONE, place, 1
                         break
                 old, phase_old, rate_old = new, phase, row[Stage.Z_RATE]
                 x_old, y_old = row[Stage.E_X], row[Stage.E_Y]
@@ -500,9 +500,9 @@ def segment_error(problem, first, last, state, work):
 def _rises(problem, i, which, state, work):
     """Return True if a guard rises at the start of a segment, or does not fall there beyond rounding."""
     row = work.start[i]
-    if which == Guard.OPEN:
+    if which == RegimeEnd.OPEN:
         return row[Stage.Z_RATE] > 0.0
-    if which != Guard.SLIP:
+    if which != RegimeEnd.SLIP:
         return False
     along = np.hypot(row[Stage.W_X], row[Stage.W_Y])
     size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
@@ -574,7 +574,7 @@ def finish_segment(problem, first, last, state, work):
 def pass_event(problem, i, which, state, row):
     """Move contact i beyond its guard; `row` is the contact at the event."""
     c, counts = problem.limit_slope[i], state.counts
-    if which == Guard.TOUCH:
+    if which == RegimeEnd.TOUCH:
         speed = np.hypot(row[Stage.W_X], row[Stage.W_Y])
         state.begins[i] = 1
         counts[i, Count.MADE] += 1
@@ -584,15 +584,15 @@ def pass_event(problem, i, which, state, row):
             counts[i, Count.SLIPS] += 1
         else:
             state.regime[i] = Regime.STICK
-    elif which == Guard.OPEN or (which != Guard.PASS and row[Stage.Z] < CLOSE and row[Stage.Z_RATE] <= 0.0):
+    elif which == RegimeEnd.OPEN or (which != RegimeEnd.PASS and row[Stage.Z] < CLOSE and row[Stage.Z_RATE] <= 0.0):
         # at the very end of a contact slip and stick are one
         state.regime[i] = Regime.SEPARATED
         state.e[i, 0] = state.e[i, 1] = 0.0
         counts[i, Count.OPENED] += 1
-    elif which == Guard.SLIP:
+    elif which == RegimeEnd.SLIP:
         state.regime[i], state.alpha[i] = Regime.SLIP, np.arctan2(row[Stage.E_Y], row[Stage.E_X])
         counts[i, Count.SLIPS] += 1
-    elif which == Guard.STICK:
+    elif which == RegimeEnd.STICK:
         size, limit = np.hypot(row[Stage.E_X], row[Stage.E_Y]), c * row[Stage.Z]
         if size > 0.0:
             state.e[i, 0], state.e[i, 1] = limit * row[Stage.E_X] / size, limit * row[Stage.E_Y] / size
@@ -650,7 +650,7 @@ def advance(problem, first, last, until, state, work):
                     break
                 length = length * shorter(error, work)
                 continue
-            if i >= 0 and which == Guard.NONE:  # a gap that closes between two nodes
+            if i >= 0 and which == RegimeEnd.NONE:  # a gap that closes between two nodes
                 length, kind, target = at, begun, -1
                 continue
             if i >= 0 and at < 1e-11 and length > 1e-8 and _rises(problem, i, which, state, work):
@@ -663,7 +663,7 @@ def advance(problem, first, last, until, state, work):
                 continue
             if i >= 0 and (i != target or which != guard):
                 target, guard, low, high = i, which, 0.0, np.inf
-            if guard == Guard.PASS:  # a bend of the force, not an event: near is enough
+            if guard == RegimeEnd.PASS:  # a bend of the force, not an event: near is enough
                 passes += 1
                 if passes > 4 and crossing != 1:
                     error = segment_error(problem, first, last, state, work)
@@ -723,11 +723,11 @@ def _pass_simultaneous(problem, i, state, work):
     """Move contact i beyond a guard that has come to zero at the same instant."""
     row, regime = work.start[i], state.regime[i]
     if regime == Regime.SEPARATED:
-        which, rising = Guard.TOUCH, row[Stage.Z_RATE] > 0.0
+        which, rising = RegimeEnd.TOUCH, row[Stage.Z_RATE] > 0.0
     elif regime == Regime.SLIP:
-        which, rising = Guard.OPEN, row[Stage.Z_RATE] < 0.0
+        which, rising = RegimeEnd.OPEN, row[Stage.Z_RATE] < 0.0
     else:
-        which = Guard.SLIP
+        which = RegimeEnd.SLIP
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         rising = along > problem.limit_slope[i] * row[Stage.Z_RATE]
     if rising and abs(_guard(problem, i, regime, which, row)) < CLOSE:
@@ -740,4 +740,4 @@ def follow(problem, first, last, until, state, work):
     return 1 if advance(problem, first, last, until, state, work) else 0
 
 
-__all__ = ["Count", "Guard", "PlaneProblem", "Regime", "State", "Sum", "Total", "Work", "advance", "follow"]
+__all__ = ["Count", "PlaneProblem", "Regime", "RegimeEnd", "State", "Sum", "Total", "Work", "advance", "follow"]

@@ -24,7 +24,7 @@ from contact.plane.disc_contacts import (
     NEAR,
     PASSED,
     TURN,
-    Guard,
+    RegimeEnd,
     Stage,
     Total,
     begin,
@@ -159,7 +159,7 @@ def _next_of_stick(problem, i, until, state, work):
     at_old = _value(problem, i, Value.MARGIN, old, state, work)
     stretch_old, rate_old, step = row[Stage.LAMBDA], _margin_rate(problem, i, row), STICK_GRID
     if at_old <= 1e-15 and rate_old < -10.0 * SLIP_END:
-        return old, Guard.SLIP
+        return old, RegimeEnd.SLIP
     while old < until:
         new = min(old + step, until)
         at_new = _value(problem, i, Value.MARGIN, new, state, work)
@@ -167,7 +167,7 @@ def _next_of_stick(problem, i, until, state, work):
         if at_new <= 0.0 and at_old <= 1e-15 and old == begun:
             # it rises from zero and falls again before the first phase: look nearer
             if step < 1e-9:
-                return old, Guard.SLIP
+                return old, RegimeEnd.SLIP
             step *= 0.25
             continue
         if at_new > 0.0 and rate_old < 0.0 < rate and old > begun:
@@ -180,13 +180,13 @@ def _next_of_stick(problem, i, until, state, work):
             at_least = _value(problem, i, Value.MARGIN, least, state, work)
             near = np.hypot(row[Stage.E_X], row[Stage.E_Y]) < NEAR * problem.limit_slope[i] * row[Stage.Z]
             if near and at_least > 0.0 and least > begun + PASSED:
-                return least, Guard.PASS
+                return least, RegimeEnd.PASS
         if at_new <= 0.0:
             total[Total.MARGIN] = 0.0
-            return _root(problem, i, Value.MARGIN, old, at_old, new, at_new, ROOT, state, work), Guard.SLIP
+            return _root(problem, i, Value.MARGIN, old, at_old, new, at_new, ROOT, state, work), RegimeEnd.SLIP
         total[Total.MARGIN] = min(total[Total.MARGIN], at_new)
         old, at_old, stretch_old, rate_old, step = new, at_new, stretch, rate, STICK_GRID
-    return until, Guard.NONE
+    return until, RegimeEnd.NONE
 
 
 @compiled
@@ -210,7 +210,7 @@ def _stick(problem, i, until, state, work):
                 break
             length *= shorter(error, work)
         finish_segment(problem, i, i + 1, state, work)
-    if guard == Guard.SLIP:
+    if guard == RegimeEnd.SLIP:
         pass_event(problem, i, guard, state, work.start[i])
     return True
 
@@ -304,7 +304,7 @@ def _slip_segment(problem, i, left, opens, state, work):
             length, sticks = length * shorter(error, work), False
             continue
         if sticks:
-            rate = guard_rate(problem, i, Guard.STICK, length, kind, work)
+            rate = guard_rate(problem, i, RegimeEnd.STICK, length, kind, work)
             shift = -work.stage[work.phase.size - 1, i, Stage.LAMBDA] / rate if rate < 0.0 else 0.0
             if abs(shift) < SLIP_END or shifts > 5 or not -length < shift < left - length:
                 break
@@ -331,11 +331,11 @@ def _slip(problem, i, until, state, work):
         left = end - state.total[Total.PHASE]
         if left <= ROOT:
             if opens:
-                pass_event(problem, i, Guard.OPEN, state, work.start[i])
+                pass_event(problem, i, RegimeEnd.OPEN, state, work.start[i])
             return True
         done = _slip_segment(problem, i, left, opens, state, work)
         if done == 2:
-            pass_event(problem, i, Guard.STICK, state, work.start[i])
+            pass_event(problem, i, RegimeEnd.STICK, state, work.start[i])
         if done != 1:
             return done == 2
     return False
@@ -350,7 +350,7 @@ def _fly(problem, i, until, state, work):
     state.total[Total.PHASE] = end
     begin(problem, i, i + 1, state, work)
     if touches:
-        pass_event(problem, i, Guard.TOUCH, state, work.start[i])
+        pass_event(problem, i, RegimeEnd.TOUCH, state, work.start[i])
 
 
 @compiled
