@@ -239,6 +239,8 @@ def _frequencies(model: Model, band: str | None) -> np.ndarray:
 def _trace(scene: Scene, recording: Recording, encoder: dict[str, float], tolerance: float) -> str:
     """Return what an encoder records of the scene's burst at its largest level, as CSV; the noise is added last."""
     level = max(scene.levels)
+    if scene.planar:
+        scene.refuse("slider.freedom", 'must be "x" for an encoder\'s trace: trajectory.csv of a run has the path')
     _, path = run(scene.at_level(level), tolerance=tolerance).trajectories[0]
     columns = {scene.level_column: np.full(len(path.time), level), quantity.time_s.column: path.time}
     for seed_offset, head, values in (

@@ -27,6 +27,8 @@ from studies.scene.toml import document
 QUANTITIES = {
     "velocity": quantity.velocity_m_per_s,
     "mean velocity": quantity.mean_velocity_m_per_s,
+    "lateral velocity": quantity.lateral_velocity_m_per_s,
+    "yaw rate": quantity.yaw_rate_rad_per_s,
     "burst": quantity.velocity_m_per_s,
     "amplitude": quantity.normal_amplitude_m,
     "ring-down frequency": quantity.ring_down_frequency_Hz,

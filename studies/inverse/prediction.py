@@ -48,6 +48,10 @@ LOGGER = logging.getLogger(__name__)
 
 MAX_FIELDS = 64  # predictions of scans and networks in memory, each of one stator
 
+IN_PLANE = {  # of a measurement in the plane: column of a point
+    "lateral velocity": quantity.lateral_velocity_m_per_s.column, "yaw rate": quantity.yaw_rate_rad_per_s.column,
+}  # fmt: skip
+
 
 class MeasurementPredictor(Predictor):
     """Predictions of measurements of one scene with changed numbers.
@@ -92,7 +96,9 @@ class MeasurementPredictor(Predictor):
     def contact(self, changes: dict, goal: float | None = None) -> Contact:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
         driven, factor = super().contact(changes, goal), changes.get(AMPLITUDE_FACTOR, 1.0)
-        return replace(driven, orbits=driven.at(factor), amplitudes=tuple(each * factor for each in driven.amplitudes))
+        surface = driven.surface if driven.surface is None or factor == 1.0 else driven.surface_at(factor)
+        amplitudes = tuple(each * factor for each in driven.amplitudes)
+        return replace(driven, orbits=driven.at(factor), amplitudes=amplitudes, surface=surface)
 
     @property
     def one_by_one(self) -> bool:
@@ -134,6 +140,8 @@ class MeasurementPredictor(Predictor):
             elif measurement.quantity == "velocity":
                 answers.append(slice(len(states), len(states) + len(factors)))
                 states += [(driven, float(factor)) for factor in factors]
+            elif measurement.quantity in IN_PLANE:
+                answers.append(self._in_plane(measurement, driven, factors))
             elif measurement.quantity == "mean velocity":
                 answers.append(self._mean_velocities(driven, factors, numbers))
             elif measurement.quantity == "amplitude":
@@ -201,6 +209,16 @@ class MeasurementPredictor(Predictor):
         answers = steady_answers(states, self.tolerance)
         return as_array(answer.point.velocity_m_per_s for answer in answers)
 
+    def _in_plane(self, measurement: Measurement, driven: Contact, levels: np.ndarray) -> np.ndarray:
+        """Return lateral velocities or yaw rates at levels; NaN where there is none."""
+        refuse_if(
+            not driven.scene.planar or (measurement.quantity == "yaw rate" and not driven.scene.slider.turns),
+            f"measurements {measurement.name}",
+            f"holds a {measurement.quantity}: it needs a slider that moves in the plane, or turns",
+        )
+        answers = steady_answers([(driven, float(level)) for level in levels], self.tolerance)
+        return as_array(answer.point[IN_PLANE[measurement.quantity]] for answer in answers)
+
     def _mean_velocities(self, driven: Contact, levels: np.ndarray, numbers: dict) -> np.ndarray:
         """Return the mean velocities over place about the slider's position; NaN where there is none."""
         velocities = self.velocities([(driven, float(level)) for level in levels])
@@ -225,6 +243,10 @@ class MeasurementPredictor(Predictor):
 
         The instrument's bandwidth, sampling and origin of time are applied to the prediction.
         """
+        refuse_if(
+            driven.scene.planar, f"measurements {measurement.name}",
+            "holds a burst, which is predicted of a slider along x alone: give steady velocities",
+        )  # fmt: skip
         duration = driven.scene.burst
         if duration is None:
             key = f"{driven.scene.source.block}.burst"

@@ -15,6 +15,7 @@ class Measurement:
 
     name: str  # of the file, or a description
     quantity: (
+        # "lateral velocity" and "yaw rate" are of a slider in the plane
         str  # "velocity", "mean velocity", "burst", "position", "amplitude", "ring-down frequency", "scan" or "network"
     )
     level_key: str = ""  # "voltage_V" or "normal_amplitude_m"; empty if the level is that of the scene

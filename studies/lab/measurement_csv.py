@@ -3,6 +3,7 @@
 The columns of the file (`csv_columns`) have the names of run.json and determine the kind of measurement:
 
 - ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve, at the slider's position,
+- the same with ``lateral_velocity_m_per_s`` or ``yaw_rate_rad_per_s`` instead: of a slider in the plane,
 - the same with ``mean_velocity_m_per_s`` instead: mean over place within half a wavelength about the position,
 - ``voltage_V`` with ``normal_amplitude_m``, without a velocity: calibration of the surface amplitude,
 - ``time_s`` with ``velocity_m_per_s``: burst,
@@ -24,6 +25,8 @@ from studies.lab.s_parameters import NetworkData
 from studies.lab.scan import Scan, motions, scan_of_columns
 from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.lab.touchstone import TOUCHSTONE
+
+YAW_RATES = {"rad_per_s": 1.0}
 
 
 def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
@@ -47,6 +50,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     voltage, amplitude = table.values("voltage", VOLTAGES), table.values("normal_amplitude", DISPLACEMENTS)
     velocity, time = table.values("velocity", VELOCITIES), table.values("time", TIMES)
     mean_velocity = table.values("mean_velocity", VELOCITIES)
+    lateral, yaw = table.values("lateral_velocity", VELOCITIES), table.values("yaw_rate", YAW_RATES)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
     for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
@@ -67,6 +71,10 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         quantity, values = "velocity", velocity
     elif mean_velocity is not None and level_key:
         quantity, values = "mean velocity", mean_velocity
+    elif lateral is not None and level_key:
+        quantity, values = "lateral velocity", lateral
+    elif yaw is not None and level_key:
+        quantity, values = "yaw rate", yaw
     elif voltage is not None and amplitude is not None:
         quantity, values = "amplitude", amplitude
     else:
@@ -79,6 +87,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     nouns = {
         "amplitude": (("normal_amplitude_standard_deviation",), DISPLACEMENTS),
         "position": (("position_standard_deviation",), DISPLACEMENTS),
+        "yaw rate": (("yaw_rate_standard_deviation",), YAW_RATES),
     }
     deviations = table.deviation(*nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES)))
     return Measurement(

@@ -31,7 +31,9 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> Iterator[Any]:
         yield OPTION, "needs a scene with a [slider]: there is no velocity to compare with"
     level = scene.level_column
     if measured.quantity in ("burst", "position"):
-        if scene.burst is None:
+        if scene.planar:
+            yield OPTION, f"{measured.name!r} holds a burst, which is compared with a slider along x alone"
+        elif scene.burst is None:
             raise missing_burst(scene, measured)
         return
     if measured.quantity not in VELOCITIES:

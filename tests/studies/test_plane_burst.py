@@ -10,11 +10,14 @@ import pytest
 import contact
 from contact import Envelope, plane
 from studies import Scene, SceneError, run
+from studies.inverse.prediction import MeasurementPredictor
+from studies.lab.measurement_csv import read_measured
 from studies.model.plane import StatorSurface
 from studies.model.resolve import build
 from studies.motor import plane_positioning, positioning
 from studies.record import Record
 from studies.record.run_pictures import pictures
+from studies.record.velocity_comparison import refuse_incomparable
 from studies.solve import plane_burst
 from studies.solve.contact_at_level import point_answer
 from studies.solve.plane_burst import Rise
@@ -180,3 +183,42 @@ def test_what_steps_in_the_plane_do_not_take_is_refused():
         positioning.run(scene({}, {"direction": 90}), loop=["noise=0"])
     with pytest.raises(SceneError, match="--target"):
         positioning.run(scene({}, {"direction": 90}), target="-3 um")
+
+
+def data_file(folder, text):
+    path = folder / "data.csv"
+    path.write_text(text, encoding="utf-8")
+    return read_measured(path)
+
+
+def test_measured_motions_in_the_plane_are_predicted(tmp_path):
+    """The predictions of `fit` are the points of a run; an amplitude factor is a larger level."""
+    keys = {"contacts": THREE, "freedom": "xy yaw", "mass": "0.267 g", "preload": "2.61927 mN", "inertia": "5 g mm^2"}
+    pushed = scene({}, load=["5 uN", "2 uN"], torque="10 nN m", wavelength="1 mm", **keys)
+    lateral = data_file(tmp_path, "normal_amplitude_nm,lateral_velocity_mm_per_s\n10,-0.1\n")
+    yaw = data_file(
+        tmp_path, "normal_amplitude_nm,yaw_rate_rad_per_s,yaw_rate_standard_deviation_rad_per_s\n10,1,0.1\n"
+    )
+    assert (lateral.quantity, lateral.values, yaw.deviations) == ("lateral velocity", (-1e-4,), (0.1,))
+    predictor = MeasurementPredictor(pushed, tolerance=1e-3)
+    across, turning = predictor.predict([(lateral, {}), (yaw, {})])
+    driven = driven_contact(pushed, planar=True)
+    point = point_answer(driven, 10e-9, 1e-3).point
+    assert across == pytest.approx([point.lateral_velocity_m_per_s], rel=1e-6)
+    assert turning == pytest.approx([point.yaw_rate_rad_per_s], rel=1e-6)
+    assert abs(across[0]) > 1e-5
+    larger = point_answer(driven, 12e-9, 1e-3).point
+    one_volt = MeasurementPredictor(pushed, tolerance=1e-3).contact({"amplitude_factor": 1.2})
+    at_ten = point_answer(one_volt, 10e-9, 1e-3).point
+    assert at_ten.velocity_m_per_s == pytest.approx(larger.velocity_m_per_s, rel=1e-6)
+
+
+def test_measurements_that_a_slider_does_not_make_are_refused(tmp_path):
+    yaw = data_file(tmp_path, "normal_amplitude_nm,yaw_rate_rad_per_s\n10,1\n")
+    with pytest.raises(SceneError, match="holds a yaw rate"):
+        MeasurementPredictor(scene({}), tolerance=1e-3).predict([(yaw, {})])
+    trace = data_file(tmp_path, "time_ms,velocity_mm_per_s\n0,0\n1,1\n")
+    with pytest.raises(SceneError, match="holds a burst, which is predicted of a slider along x"):
+        MeasurementPredictor(burst_scene(), tolerance=1e-3).predict([(trace, {})])
+    with pytest.raises(SceneError, match="compared with a slider along x alone"):
+        refuse_incomparable(burst_scene(), trace)
