@@ -72,7 +72,7 @@ def plane_positioning(driven: Contact, distance: float, tolerance: float) -> Ans
         "across_m": {name: _across(poses[name]) for name in sources},
     }  # fmt: skip
     move = {
-        "x_m": {name: np.append(at[0], at[0] + leg.pose[:, 0]) for name, (at, _, leg) in legs.items()},
+        quantity.x_m.column: {name: np.append(at[0], at[0] + leg.pose[:, 0]) for name, (at, _, leg) in legs.items()},
         "y_m": {name: np.append(at[1], at[1] + leg.pose[:, 1]) for name, (at, _, leg) in legs.items()},
         "target_m": target,
     }
@@ -148,7 +148,7 @@ def draw(record: Panel, ax):
     data = record.data
     if record.name == MOVE:
         up = quantity.travelled_m
-        for name, x, colour in family(data["x_m"]):
+        for name, x, colour in family(data[quantity.x_m.column]):
             curve(ax, np.asarray(x) * up.scale, np.asarray(data["y_m"][name]) * up.scale, ".-", colour, name)
         ax.plot(*(np.asarray(data["target_m"]) * up.scale), "+", color=COLOURS["line"], markersize=10, label="target")
         ax.set_aspect("equal", adjustable="datalim")

@@ -4,7 +4,7 @@ Sources of different frequencies exchange no power on average: with several of t
 frequencies, admittance and voltage are those of the first one's driven transducer.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from studies.record.blocks import ElectricalBlock
 from studies.record.point import Point
@@ -28,7 +28,7 @@ def electrical_block(drive: Drive, motion, further: Sequence = ()) -> Electrical
             admittance_relative_error=max(part.admittance_relative_error for part in (block, *parts)),
         )
     whole = block | _recovered(drive.recovery, motion.circuit)
-    sources = _sources(drive, (motion, *further))
+    sources = dict(_sources(drive, (motion, *further)))
     return whole | ElectricalBlock(sources=sources) if len(sources) > 1 else whole
 
 
@@ -57,20 +57,19 @@ def _of_one_frequency(drive: Drive, motion) -> ElectricalBlock:
     return block
 
 
-def _sources(drive: Drive, motions: Sequence) -> dict[str, dict]:
-    """Return voltage, current and power of each source, from the motion at its frequency."""
-    frequencies, own, found = drive.frequencies, dict(drive.source_frequencies or ()), {}
+def _sources(drive: Drive, motions: Sequence) -> Iterator[tuple[str, dict]]:
+    """Yield the name of each source, and its voltage, current and power from the motion at its frequency."""
+    frequencies, own = drive.frequencies, dict(drive.source_frequencies or ())
     first = motions[0].circuit
     for name in (first.names[k] for k in sorted(first.sources)):
         frequency = own.get(name, drive.frequency)
         circuit = motions[frequencies.index(frequency) if frequency in frequencies else 0].circuit
         k = circuit.names.index(name)
         volts, amperes = circuit.voltages[k], circuit.currents[k]
-        found[name] = {
+        yield name, {
             "voltage_per_volt": complex(volts), "current_A_per_V": complex(amperes),
             "power_W_per_V2": float(0.5 * (volts * amperes.conjugate()).real),
         }  # fmt: skip
-    return found
 
 
 def _recovered(recovery, circuit) -> ElectricalBlock:

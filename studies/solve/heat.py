@@ -15,6 +15,7 @@ whose temperature never becomes steady.
 """
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def powers(record: Record) -> HeatBlock:
     """Return where the power goes at the largest level, W: dielectric, along the beam, into each end, into loads."""
     electrical, highest = record.electrical, max(record.scene.levels, default=0.0)
     solid = electrical.power_solid_W_per_V2 * highest**2
-    dielectric = min(sum(_dielectric(record).values()) * highest**2, max(solid, 0.0))
+    dielectric = min(sum(each for _, each in _dielectric(record)) * highest**2, max(solid, 0.0))
     return HeatBlock(
         power_W=electrical.power_W_per_V2 * highest**2,
         power_dielectric_W=dielectric,
@@ -87,8 +88,8 @@ def powers(record: Record) -> HeatBlock:
     )
 
 
-def _dielectric(record: Record) -> dict[str, float]:
-    """Return the dielectric loss under each driven transducer per squared volt of the source, W/V^2."""
+def _dielectric(record: Record) -> list[tuple[str, float]]:
+    """Return each driven transducer with the dielectric loss under it per squared volt of the source, W/V^2."""
     scene, electrical = record.scene, record.electrical
     loss = scene.stator.dielectric_loss
     if loss is None:
@@ -101,7 +102,7 @@ def _dielectric(record: Record) -> dict[str, float]:
             name: (each["current_A_per_V"] * complex(each["voltage_per_volt"]).conjugate()).imag
             for name, each in electrical.sources.items()
         }
-    return {name: 0.5 * loss * max(float(each), 0.0) for name, each in reactive.items()}
+    return [(name, 0.5 * loss * max(float(each), 0.0)) for name, each in reactive.items()]
 
 
 def sources(record: Record, share: float = 1.0) -> list[fem.HeatSource]:
@@ -110,10 +111,10 @@ def sources(record: Record, share: float = 1.0) -> list[fem.HeatSource]:
     split = HeatBlock(**{key: share * power for key, power in split.items()})
     length, dielectric = scene.stator.length, _dielectric(record)
     spans = {each.name: _span(each, length) for each in scene.transducer}
-    scale = split.power_dielectric_W / (sum(dielectric.values()) or 1.0)
-    heated = [_below(spans[name], scale * power) for name, power in dielectric.items()]
+    scale = split.power_dielectric_W / (sum(each for _, each in dielectric) or 1.0)
+    heated = [_below(spans[name], scale * power) for name, power in dielectric]
     returned, along = (scene.stator.cooling or Cooling()).ends_heat_stator, 1.0
-    for name, part in _beside(record).items():
+    for name, part in _beside(record):
         along -= part
         ends = returned * (split.power_left_end_W + split.power_right_end_W)
         heated.append(_below(spans[name], part * (split.power_along_beam_W + ends)))
@@ -136,13 +137,12 @@ def _below(span: tuple[float, float], power: float) -> fem.HeatSource:
     return fem.HeatSource(start=span[0], stop=span[1], power=power)
 
 
-def _beside(record: Record) -> dict[str, float]:
-    """Return the share of the power of each source at another frequency than the first, whose wave is not recorded."""
-    others, known = record.scene.drive.at_other_frequencies, record.electrical.sources
-    if not others or known is None:
-        return {}
+def _beside(record: Record) -> Iterator[tuple[str, float]]:
+    """Yield each source at another frequency than the first, whose wave is not recorded, and its share of the power."""
+    known = record.electrical.sources or {}
     whole = sum(each["power_W_per_V2"] for each in known.values())
-    return {name: max(known[name]["power_W_per_V2"], 0.0) / whole for name in others}
+    for name in record.scene.drive.at_other_frequencies if known else ():
+        yield name, max(known[name]["power_W_per_V2"], 0.0) / whole
 
 
 def _span(transducer, length: float) -> tuple[float, float]:
