@@ -17,7 +17,7 @@ from fem.condense.condensed_mesh import MeshedPiece
 from fem.condense.electrode_conditions import is_port
 from fem.condense.interpolated_piece import PieceSample, rational_piece
 from fem.discretize.element_sizes import Resolution
-from fem.discretize.mesh_refinement import LEVELS
+from fem.discretize.mesh_refinement import LEVELS, level_gain
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.mesh.placement import is_step
@@ -27,7 +27,7 @@ from fem.reduce.reduced_model import ReducedModel
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.field_evaluation import surface_of
 from fem.results.stator_solution import Solution, driven_solution
-from fem.solve.driven_stator import check_driven, driven_wave, refined_wave, solution_differences
+from fem.solve.driven_stator import check_driven, driven_wave, refined_wave, solution_differences, solve_driven
 from fem.solve.full_band import FullModel
 from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.line_force import LineForce
@@ -316,8 +316,7 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     nodes = solve_at_nodes(problem, wave.solution.fields.resolution)
     checks = [between, *(_Check.of(problem, solution) for solution in nodes.solutions)]
     worst = max(check.worst for check in checks)
-    growth = between.growth(worst)
-    level_error = growth * wave.relative_error
+    level_error, level_admittance_error = level_errors(problem, checks, (wave.relative_error, wave.admittance_error))
     model, motion_error, admittance_error = reduced_model(
         problem, nodes, checks, worst, problem.tolerance - level_error
     )
@@ -326,9 +325,46 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     band = Band(
         model=model,
         relative_error=level_error + motion_error + piece_error,
-        admittance_error=growth * wave.admittance_error + admittance_error + piece_error,
+        admittance_error=level_admittance_error + admittance_error + piece_error,
     )
-    return band, level_error
+    return band, float(level_error)
+
+
+def level_errors(problem: BandProblem, checks: list["_Check"], between: tuple[float, float]) -> np.ndarray:
+    """Errors of the discretisation in motion and admittance at the worst frequency of the band.
+
+    ``between``: those at the first check; at the others the level before is solved too, because the motion may be
+    small there.  If the errors exceed the tolerance, the finer level is solved at the worst check: the difference from
+    it is the error itself, where the difference from the level before is its upper bound.
+    """
+    worst, gain = max(check.worst for check in checks), level_gain(problem.stator)
+    level = LEVELS.index(checks[0].solution.fields.resolution)
+
+    def differences(check: "_Check", other: int) -> np.ndarray:
+        solution = solve_driven(
+            problem.stator,
+            problem.transducers,
+            frequency=check.solution.fields.frequency,
+            drive=problem.drive,
+            resolution=LEVELS[other],
+        )
+        pair = (check.solution, check.motion), (solution, surface_of(solution).motion(problem.positions))
+        return np.array(solution_differences(*pair))
+
+    estimates = side_by_side(lambda check: differences(check, level - 1) / (gain - 1), checks[1:])
+    errors = np.array(
+        [check.growth(worst) * np.array(each) for check, each in zip(checks, [between, *estimates], strict=True)]
+    )
+    for _ in checks if level + 1 < len(LEVELS) else ():
+        largest = int(np.argmax(errors[:, 0]))
+        if not problem.tolerance < errors[largest, 0] < gain * problem.tolerance:
+            break
+        check = checks[largest]
+        known = max(1.0, worst / check.here) * differences(check, level + 1) * gain / (gain - 1)
+        if known[0] >= errors[largest, 0]:
+            break
+        errors[largest] = np.minimum(errors[largest], known)
+    return errors.max(axis=0)
 
 
 @dataclass(frozen=True, kw_only=True)

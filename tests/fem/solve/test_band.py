@@ -18,6 +18,7 @@ from fem.results.stator_solution import driven_solution
 from fem.solve import band_solution as band_module
 from fem.solve.band_solution import frequency_band, reduced_model
 from fem.solve.driven_stator import motion_difference, solve_driven
+from tests.benchmarks.band_error import ratios
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 PLACES = np.array([0.011])
@@ -105,6 +106,13 @@ def parts(monkeypatch):
         parts["reduction"] = reduce(*given)
         return parts["reduction"]
 
+    levels = band_module.level_errors
+
+    def at_levels(*given):
+        parts["level"] = levels(*given)
+        return parts["level"]
+
+    monkeypatch.setattr(band_module, "level_errors", at_levels)
     monkeypatch.setattr(band_module, "refined_wave", driven)
     monkeypatch.setattr(band_module, "reduced_model", reduced)
     return parts
@@ -116,10 +124,12 @@ def test_the_stated_error_is_the_sum_of_discretisation_and_reduction(parts):
     row = (comb(stator, "a", 2.0, finger_pairs=2),)
     low, high = 0.98 * FREQUENCY, 1.02 * FREQUENCY
     band = frequency_band(stator, row, lowest=low, highest=high, drive="a", tolerance=tolerance)
-    (_, of_motion, of_admittance), wave = parts["reduction"], parts["wave"]
+    (_, of_motion, of_admittance), wave, level = parts["reduction"], parts["wave"], parts["level"]
     assert min(of_motion, wave.relative_error, of_admittance, wave.admittance_error) > 1e-9
-    assert band.relative_error == pytest.approx(wave.relative_error + of_motion, rel=1e-12)
-    assert band.admittance_error == pytest.approx(wave.admittance_error + of_admittance, rel=1e-12)
+    assert wave.relative_error <= level[0] < 3 * wave.relative_error
+    assert wave.admittance_error <= level[1] < 3 * wave.admittance_error
+    assert band.relative_error == pytest.approx(level[0] + of_motion, rel=1e-12)
+    assert band.admittance_error == pytest.approx(level[1] + of_admittance, rel=1e-12)
 
 
 def test_the_stated_error_grows_with_the_sharpest_resonance(parts):
@@ -141,7 +151,8 @@ def test_the_stated_error_grows_with_the_sharpest_resonance(parts):
     assert of_admittance < 2 * band.admittance_error
     growth = (band.relative_error - of_motion) / wave.relative_error
     assert growth > 4
-    assert band.admittance_error == pytest.approx(growth * wave.admittance_error + parts["reduction"][2], rel=1e-9)
+    assert band.admittance_error == pytest.approx(parts["level"][1] + parts["reduction"][2], rel=1e-9)
+    assert parts["level"][1] > wave.admittance_error
 
 
 def test_the_error_of_a_piece_s_interpolation_is_in_both_stated_errors(parts, monkeypatch):
@@ -158,9 +169,9 @@ def test_the_error_of_a_piece_s_interpolation_is_in_both_stated_errors(parts, mo
     band = frequency_band(
         stator, row, lowest=0.98 * FREQUENCY, highest=1.02 * FREQUENCY, drive="a", tolerance=max(tolerance, 1e-2)
     )
-    (_, of_motion, of_admittance), wave = parts["reduction"], parts["wave"]
-    assert band.relative_error == pytest.approx(wave.relative_error + of_motion + 1e-3, rel=1e-9)
-    assert band.admittance_error == pytest.approx(wave.admittance_error + of_admittance + 1e-3, rel=1e-9)
+    (_, of_motion, of_admittance), level = parts["reduction"], parts["level"]
+    assert band.relative_error == pytest.approx(level[0] + of_motion + 1e-3, rel=1e-9)
+    assert band.admittance_error == pytest.approx(level[1] + of_admittance + 1e-3, rel=1e-9)
 
 
 STATED = {
@@ -209,6 +220,13 @@ def test_nodes_are_solved_once_on_the_discretisation_that_is_needed(monkeypatch)
     band = frequency_band(stator, row, lowest=0.97 * FREQUENCY, highest=1.03 * FREQUENCY, drive="a", tolerance=1e-2)
     assert solved == [band.model.resolution]
     assert band.relative_error <= 1e-2
+
+
+def test_the_error_is_seen_where_the_motion_is_small():
+    """Draw 19 of `tests/benchmarks/band_error.py`: seen at one frequency alone the error was three times too small."""
+    found = ratios(19)
+    assert found is not None
+    assert max(found[1:]) < 1.0
 
 
 def test_a_band_that_misses_its_tolerance_says_so(monkeypatch):
