@@ -222,6 +222,7 @@ def test_nodes_are_solved_once_on_the_discretisation_that_is_needed(monkeypatch)
     assert band.relative_error <= 1e-2
 
 
+@pytest.mark.slow
 def test_the_error_is_seen_where_the_motion_is_small():
     """Draw 19 of `tests/benchmarks/band_error.py`: seen at one frequency alone the error was three times too small."""
     found = ratios(19)
