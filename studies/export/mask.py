@@ -165,7 +165,7 @@ def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) ->
         if sign in "+-" and tip + gap < half_aperture:
             ends = (tip + gap, outer) if sign == "-" else (-outer, -tip - gap)
             yield polygon("fingers", "+" if sign == "-" else "-", left, right, *ends)
-    reach = 1.0 + abs(block.slant) / 2
+    reach = 1.0 + abs(block.slant) * (half_aperture + gap + busbar) / block.aperture
     first, last = reach * first, reach * last
     for sign, side_sign in (("+", 1.0), ("-", -1.0)):
         if sign not in signs:
@@ -286,13 +286,23 @@ def _finger_errors(blocks, exact, polygons) -> dict[str, float]:
     """
     worst, smallest = 0.0, np.inf
     for block in blocks:
-        along = _axes(block)[0]
         of_block = [
-            tuple((float((each.corners @ along).min()), float((each.corners @ along).max())) for each in pair)
-            for pair in zip(exact, polygons, strict=False)
+            pair for pair in zip(exact, polygons, strict=False)
             if pair[0].transducer == block.name and pair[0].layer == "fingers"
-        ]
-        worst = max(worst, max(abs(np.ptp(snapped) - np.ptp(drawn)) for drawn, snapped in of_block))
-        edges = sorted({snapped for _, snapped in of_block})
-        smallest = min([smallest, *(after[0] - before[1] for before, after in pairwise(edges))])
+        ]  # fmt: skip
+        for y in (-block.aperture / 2, block.aperture / 2):  # between which the sides are straight
+            pairs = [tuple(_edges_at(each.corners, block, y) for each in pair) for pair in of_block]
+            worst = max(worst, max(abs(np.ptp(snapped) - np.ptp(drawn)) for drawn, snapped in pairs))
+            edges = sorted(snapped for _, snapped in pairs)
+            # a finger and its dummy have the same edges
+            gaps = [b[0] - a[1] for a, b in pairwise(edges) if b[0] - a[0] > 0.5 * (a[1] - a[0])]
+            smallest = min([smallest, *gaps])
     return {"width_error": float(worst), "gap": float(smallest)}
+
+
+def _edges_at(corners: np.ndarray, block: Transducer, y: float) -> tuple[float, float]:
+    """Return where the sides of a finger are along the wave, m, at a distance y from the middle of its transducer."""
+    along, across = _axes(block)
+    u, v = corners @ along, (corners - np.array(block.center_xy)) @ across
+    left, right = (u[a] + (u[b] - u[a]) * (y - v[a]) / (v[b] - v[a]) for a, b in ((0, 3), (1, 2)))
+    return float(left), float(right)

@@ -186,7 +186,7 @@ def test_apodised_and_slanted_transducers_are_drawn():
     for y, corners in ((-4.0e-3, low), (4.7e-3, high)):
         edges = 60e-3 + np.array([-0.875e-3, -0.625e-3]) * (1 + 0.4 * y / 8e-3)
         np.testing.assert_allclose(np.sort(corners[:, 0]), edges, atol=6e-9)
-    assert made.gap > 0.0
+    assert made.gap == pytest.approx(0.25e-3 * 0.8, abs=2e-8)  # of the slanted one at y = -W/2
 
 
 def test_dxf_has_named_layers_and_the_same_polygons(tmp_path):

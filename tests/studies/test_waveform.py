@@ -16,11 +16,13 @@ from studies import Scene, SceneError
 from studies.command.export import names_file
 from studies.export.averaged_motor import averaged_motor
 from studies.export.simulators import drive_input
-from studies.model.resolve import build
+from studies.model.model import Model
+from studies.model.resolve import build, resolved
 from studies.model.wave_to_contact import Contact
 from studies.record.run_pictures import trajectories
 from studies.record.waveform import modulation
 from studies.runs import run
+from studies.solve.ring_up import ring_up
 from tests.oracles.contact_motion import Motor
 from tests.studies.settings import changed
 from tests.studies.test_ring_up import chip
@@ -290,3 +292,27 @@ def test_the_picture_shows_the_waveform():
     x, y = right.lines[0].get_data()
     np.testing.assert_allclose(np.interp([0.25, 0.75], x, y), [0.5, 1.0], atol=1e-9)
     plt.close(figure)
+
+
+def test_two_sources_with_a_phase_each_superpose_under_a_waveform():
+    """The motion of both is that of one plus that of the other at its phase; the circuit is the same for all three."""
+    base = (
+        "stator.length=30 mm", "stator.thickness=3 mm", "stator.mechanical_quality=40", "drive.burst=60 us",
+        *(f"transducer.{k}.{key}" for k in (0, 1) for key in ("period=0.98 mm", "finger_pairs=6")),
+        "transducer.0.center=5 mm", "transducer.1.center=25 mm", "slider.position=17 mm", "drive.voltage=60",
+        "-drive.transducer", 'drive.waveform={shape="chirp",sweep=["-20 kHz","30 kHz"],rise="20 us"}',
+    )  # fmt: skip
+
+    def motion_of(left, right):
+        scene = resolved(changed("twente", *base, f"drive.sources={{left={left}, right={right}}}"))
+        found = ring_up(Model(scene), scene.slider.center).response
+        return found.time, found.normal
+
+    (t, both), (_, one), (_, other) = (
+        motion_of(*each) for each in (("1", '"0.7 at 90 deg"'), ("1", "0"), ("0", '"0.7 at 90 deg"'))
+    )
+    assert abs(one).max() > 0.1 * abs(both).max()
+    assert abs(other).max() > 0.1 * abs(both).max()
+    size = min(map(len, (both, one, other)))
+    inside = t[:size] < 60e-6
+    np.testing.assert_allclose(both[:size][inside], (one[:size] + other[:size])[inside], atol=0.02 * abs(both).max())
