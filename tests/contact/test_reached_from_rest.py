@@ -86,7 +86,7 @@ def test_a_hysteretic_motion_that_repeats_has_the_error_of_another_order():
     finer.turn(run.passed)
     finer.begin()
     finer.turn(run.period)
-    true = abs(finer.sums[settling.Sum.DISPLACEMENT] / (2 * np.pi * run.period) - run.speed)
+    true = abs(finer.sums[settling.EnergySum.DISPLACEMENT] / (2 * np.pi * run.period) - run.speed)
     assert true <= 2.0 * run.error
     assert run.error != pytest.approx(1e-9, rel=1e-3)
 
