@@ -225,3 +225,21 @@ def test_long_motions_do_not_lose_their_events_to_rounding():
 def test_a_start_in_motion_is_not_followed_by_events():
     with pytest.raises(InputError, match='"averaged" or "auto"'):
         burst(LIGHT, beams(3, 0), duration=1e-4, after=math.inf, tolerance=1e-3, samples=2, method="exact")
+
+
+def test_an_averaged_rotor_coasts_as_the_linear_motor_of_its_inertia():
+    """Two balls on an axle, each on its own beam, against one ball that moves along a line, to the stop."""
+    arm, mass = 5.3e-3, 0.089e-3
+    row = [1j * R_X * 10e-9, 0.0, 10e-9]
+    other = [-1j * R_X * 10e-9, 0.0, 10e-9]
+    rotor = ball(
+        x=[0, 0], y=[arm, -arm], preload=2 * 0.87309e-3, freedom="axle", inertia=2 * mass * arm**2, mass=2 * mass,
+        normal_damping=1.0,
+    )  # fmt: skip
+    line = ball(mass=mass, normal_damping=0.5)
+    given = dict(duration=5e-3, after=math.inf, tolerance=1e-2, samples=4, method="averaged")
+    turning = burst(rotor, SurfaceWaves(frequencies=[2.2e6], amplitudes=[[row, other]]), **given)
+    along = burst(line, SurfaceWaves(frequencies=[2.2e6], amplitudes=[[row]]), **given)
+    assert arm * turning.pose[-1, 2] == pytest.approx(-along.pose[-1, 0], rel=2e-3)
+    assert turning.stopped == pytest.approx(along.stopped, rel=1e-3)
+    assert abs(arm * turning.pose[-1, 2] + along.pose[-1, 0]) < 2 * (arm * turning.pose_error[2] + along.pose_error[0])
