@@ -196,10 +196,8 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         return at_rest(averaged)
     body = averaged.body
     search = search_of(body, averaged.guess() if near is None else near, averaged.deformation)
-    if averaged.closed.any() and averaged.seek(body, search, SEARCH, Task.REST) == Found.AT_REST:
-        held = at_rest(averaged)
-        if held.held and not _pushed_on(averaged):
-            return held
+    if (held := held_rest(averaged, body, search)) is not None:
+        return held
     answer, check = (COARSE_ANSWER, COARSE_CHECK) if tolerance >= COARSE else (ANSWER, CHECK)
     close = max(1e-13, 1e-4 * tolerance)
     status = averaged.seek(body, search, SEARCH, Task.SEARCH, close if answer == SEARCH else ROUGH)
@@ -254,6 +252,18 @@ def dragged(averaged: Averaged, towards: np.ndarray) -> np.ndarray:
     velocities = averaged.rigid @ towards
     speed = np.linalg.norm(velocities, axis=1, keepdims=True)
     return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
+
+
+def held_rest(averaged: Averaged, body: HeavyBody | None = None, search: Search | None = None) -> Root | None:
+    """Return the balance at rest of a slider that friction holds, else None."""
+    if not averaged.closed.any():
+        return None
+    body = averaged.body if body is None else body
+    search = search_of(body, np.zeros(3), averaged.deformation) if search is None else search
+    if averaged.seek(body, search, SEARCH, Task.REST) != Found.AT_REST:
+        return None
+    held = at_rest(averaged)
+    return held if held.held and not _pushed_on(averaged) else None
 
 
 def _pushed_on(averaged):

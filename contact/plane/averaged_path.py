@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
 from contact.exceptions import ConvergenceError
-from contact.plane.averaged import Averaged, at_rest, dragged
+from contact.plane.averaged import Averaged, dragged, held_rest
 from contact.plane.plane_waves import Surface, places, surface_under
 from contact.plane.scaling import FREE, inertia_of
 from contact.slider import Slider
@@ -91,8 +91,7 @@ class AveragedPath:
 
     def holds(self, t: float, pose: np.ndarray) -> bool:
         """Return whether friction holds the slider at a pose."""
-        averaged = self.means_at(t, pose)
-        return bool(averaged.closed.any()) and at_rest(averaged).held
+        return held_rest(self.means_at(t, pose)) is not None
 
     def follow(
         self, start: np.ndarray, span: tuple[float, float], at: np.ndarray | int, *, after: bool = False,

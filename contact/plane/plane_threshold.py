@@ -7,8 +7,9 @@ contacts open: across the wave there is no threshold then.
 
 import math
 
-from contact.plane.averaged import Averaged, at_rest
+from contact.plane.averaged import Averaged, held_rest
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
+from contact.plane.scaling import refuse_slow_beat
 from contact.plane.steady_state import refuse
 from contact.slider import Slider
 
@@ -37,6 +38,7 @@ def threshold_factor(slider: Slider, surface: Surface) -> float:
     """
     refuse(slider)
     waves = surface_under(slider, surface)
+    refuse_slow_beat(slider, waves)
     reach = float(abs(waves.amplitudes).max())
     if reach == 0.0:
         return math.inf if _held(slider, waves, 0.0) else 0.0
@@ -56,4 +58,4 @@ def threshold_factor(slider: Slider, surface: Surface) -> float:
 
 def _held(slider: Slider, waves: SurfaceWaves, factor: float) -> bool:
     averaged = Averaged.of(slider, waves.scaled(factor))
-    return bool(averaged.closed.any()) and at_rest(averaged).held
+    return held_rest(averaged) is not None
