@@ -33,7 +33,9 @@ def pictures(record: "Record") -> dict[str, Callable]:
     """Return the functions that draw the pictures of a run on an Axes, by file name; the main result first."""
     drawings = {"velocity": velocity} if record.scene.slider is not None else {}
     if record.trajectories and record.scene.planar:
-        drawings |= {"trajectory": plane_motions, "path": plane_path}
+        drawings["trajectory"] = plane_motions
+        if record.scene.slider.axis is None:
+            drawings["path"] = plane_path
     elif record.trajectories:
         drawings["trajectory"] = trajectories
     if record.surface:

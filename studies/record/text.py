@@ -27,7 +27,10 @@ COLUMNS = (
     "lateral_displacement_m", "turn_rad", "regime", "relative_error",
     "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed
-OF_CENTRE = ("velocity_m_per_s", "lateral_velocity_m_per_s")  # which an axle holds
+OF_CENTRE = (  # which an axle holds
+    "velocity_m_per_s", "lateral_velocity_m_per_s", "velocity_at_burst_end_m_per_s",
+    "lateral_velocity_at_burst_end_m_per_s", "displacement_m", "lateral_displacement_m",
+)  # fmt: skip
 SHARES = {
     "delivered": "W_per_V2",
     "network": "network_W_per_V2",
