@@ -40,7 +40,7 @@ CELLS = {
 }
 MAX_CHIRP = 1.0  # the local period at one end is then three times that at the other
 # Strips along y of an apodised or slanted transducer: largest number of one, and default of a slanted one.  The
-# admittance of a slant of 0.2 over 10 periods changes by 2e-3 from 8 strips to 16 (tests/fem/beam/test_strips.py).
+# admittance of a slant of 0.2 over 10 periods changes by 2e-4 from 8 strips to 16 (tests/fem/beam/test_strips.py).
 MAX_STRIPS, SLANT_STRIPS = 256, 8
 # Finger edges of a mesh and of a transducer are equal if they differ by less than this fraction of the pitch.
 SAME_FINGER = 1e-3
