@@ -26,6 +26,7 @@ from contact.exceptions import ConvergenceError, InputError
 from contact.law.asperities import FINE, Asperities, State
 from contact.law.force_table import ForceTable
 from contact.law.normal import SPHERE, approach, stiffness
+from contact.law.table import TabulatedForce
 from contact.roots import bracketed
 
 ASPERITY_RADIUS = 10e-6  # m, of polished balls by atomic force microscopy; a factor of 5 changes the stiffness by 5 %
@@ -35,6 +36,7 @@ COVERED = 0.4  # random places one after another fill 0.547 of a plane with disc
 FIRST = 4.5  # standard deviations between the mean planes from which on asperities are counted to carry: 1e-5 of a load
 START, GRADED = 6.0, 3.0  # standard deviations: where a table starts, and from where on its steps grow
 STEP_OF_ROWS, FINEST = 0.2, 64  # of asinh of the approach in a first table, and its smallest part
+TABLE, DEEPEST = 1e-5, 25.0  # relative error of the force as a normal law, and its end in standard deviations
 RINGS = 160  # rings of pressure; 320 change the approach by 2e-5
 REACH = 7.0  # standard deviations above the mean plane beyond which asperities carry nothing
 FAR = -12.0  # t below which the series of a tail has rounding errors only
@@ -337,6 +339,29 @@ class MeanField:
         slope = force * (rise + t * (2.0 * square + 3.0 * t * cubic)) / (step * np.hypot(z, scale))
         table = ForceTable(force[None], spacing * slope[None], z[:1], np.array([spacing]))
         return _kept(self._tables, (deepest, doubling), table)
+
+    def tabulated(self) -> TabulatedForce:
+        """Return the force as a normal law of one stop, measured from `lowest`.
+
+        ln P is a spline of degree 5 between the fields of `force_table`. Over the first third of a standard deviation,
+        where 1e-5 of a load is carried, the force begins as that of a sphere; beyond `DEEPEST` standard deviations
+        P^(2/3) goes on as a straight line.
+        """
+        from scipy.interpolate import make_interp_spline
+
+        sigma, lowest = self.roughness.rms, self.lowest(self.radius)
+        scale, step = GRADED * sigma, 0.5 * STEP_OF_ROWS
+        first = math.floor(math.asinh(lowest / scale) / step)
+        last = max(math.ceil(math.asinh(DEEPEST * sigma / scale) / step), first + 6)
+        fields = [self._field(k * FINEST // 2) for k in range(first, last + 1)]
+        nodes = [step * k for k in range(first, last + 1)]
+        spline = make_interp_spline(nodes, [math.log(each.force) for each in fields], k=5)
+
+        def force(z):
+            begins = -math.expm1(-((3.0 * z / sigma) ** 1.5))
+            return begins * math.exp(float(spline(math.asinh((z + lowest) / scale))))
+
+        return TabulatedForce.of(force, scale=0.05 * sigma, end=DEEPEST * sigma, tolerance=TABLE)
 
     def _field(self, number: int) -> Field:
         """Return the field at one of the approaches of the finest table, solved once."""

@@ -37,7 +37,12 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     """
     rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
     scene.refuse_pillars(rule)
-    taken = {"heights": "contacts of one height", "normal_law": "smooth contacts", "adhesion": "dry contacts"}
+    taken = {
+        "heights": "contacts of one height",
+        "normal_law": "smooth contacts",
+        "roughness": "smooth balls",
+        "adhesion": "dry contacts",
+    }
     for key, what in taken.items():
         if scene.slider is not None and getattr(scene.slider, key):
             scene.refuse(f"slider.{key}", f"must be absent: the tables of the averaged motor take {what}")

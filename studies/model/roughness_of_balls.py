@@ -16,6 +16,7 @@ import numpy as np
 
 import contact
 from studies.lab.afm_patch import AfmPatch, read_patch
+from studies.model.balls import slider_of
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.refusal import SceneError, refuses
 from studies.scene.roughness_keys import Roughness
@@ -180,6 +181,14 @@ def limits_of(
         if furthest <= amplitude or not math.isfinite(furthest):
             return found
         amplitude = furthest
+
+
+@lru_cache(16)
+def one_stop_slider(slider: Slider) -> contact.Slider:
+    """Return the ``contact.Slider`` on the mean field with one stop, of equal balls one of ``slider.share`` parts."""
+    field = _field(slider.radius, slider.effective_modulus, slider.roughness)
+    with slider_keys(), as_run_errors("slider.roughness:"):
+        return replace(slider_of(slider), normal_law=field.tabulated())
 
 
 def orbits_of_each(slider: Slider, orbits: tuple) -> tuple:

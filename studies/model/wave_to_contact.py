@@ -102,9 +102,14 @@ class Contact:
             from studies.model.plane import plane_slider
 
             return plane_slider(self.scene.slider)
+        if self.one_stop:
+            from studies.model.roughness_of_balls import one_stop_slider
+
+            return one_stop_slider(self.scene.slider)
         if self.rough:
             rule = "must be absent here: run and sweep alone take rough balls, and give their steady velocities"
-            raise SceneError("slider.roughness", rule)
+            remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes this'
+            raise SceneError("slider.roughness", f"{rule}; {remedy}")
         if self.holding:
             rule = 'must be "DMT" or "meniscus" here: run and sweep alone take the others, and give steady velocities'
             raise SceneError("slider.adhesion.model", f'{rule}, got "{self.scene.slider.adhesion.model}"')
@@ -119,6 +124,11 @@ class Contact:
     def rough(self) -> bool:
         """Whether the slider stands on rough balls."""
         return self.scene.slider is not None and self.scene.slider.roughness is not None
+
+    @property
+    def one_stop(self) -> bool:
+        """Whether its rough balls are a mean field that slips as a whole, which every method takes."""
+        return self.rough and not self.scene.slider.roughness.sampled and self.scene.slider.law == "elastic"
 
     @property
     def holding(self) -> bool:

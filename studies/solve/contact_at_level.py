@@ -58,7 +58,7 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
 
         return plane_point_answer(driven, level, tolerance, bursting=bursting)
     try:
-        if driven.rough:
+        if driven.rough and not (driven.one_stop and driven.scene.burst is not None):
             from studies.solve.rough_answer import rough_answer
 
             answer = rough_answer(driven, level, tolerance)
@@ -145,8 +145,10 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
     if driven.rough:
         from studies.solve.rough_answer import rough_limits
 
-        if driven.scene.burst is not None:
-            driven.scene.refuse("slider.roughness", "must be absent with a burst: its answers are steady velocities")
+        if driven.scene.burst is not None and not driven.one_stop:
+            rule = "must be absent with a burst: its answers are steady velocities"
+            remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes bursts'
+            driven.scene.refuse("slider.roughness", f"{rule}; {remedy}")
         return _limits(driven, *rough_limits(driven)), math.inf
     if driven.holding:
         from studies.solve.adhesive_answer import adhesive_limits

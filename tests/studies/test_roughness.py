@@ -6,7 +6,10 @@ import pytest
 import contact
 from studies import Scene, SceneError, run, sweep
 from studies.evidence import rough_balls
+from studies.model.resolve import build
 from studies.model.roughness_of_balls import STRIDE
+from studies.model.wave_to_contact import Contact
+from studies.motor import load_line
 from studies.remarks.ball_surface import ratio
 
 AMPLITUDES = ["3 nm", "8 nm"]
@@ -178,6 +181,33 @@ def test_a_run_states_the_release_of_its_own_ball(sampled):
     low = run(scene(rms="3 nm", seed=5).replace(wave={"normal_amplitude": "0.5 nm"}), tolerance=1e-2)
     assert low.summary.release_amplitude_m == pytest.approx(sampled.summary.release_amplitude_m, rel=3e-3)
     assert low.summary.threshold_amplitude_m == pytest.approx(sampled.summary.threshold_amplitude_m, rel=3e-3)
+
+
+def test_a_mean_field_that_slips_as_a_whole_is_a_normal_law_of_every_method():
+    """The kernels' averaged motion, and the full motion, on the tabulated force against the field's own cycle means."""
+    rough = scene(rms="3 nm").replace(slider={"law": "elastic"})
+    driven = Contact.prescribed(build(rough))
+    known = [point.velocity_m_per_s for point in run(rough, tolerance=1e-4).points]
+    for velocity, amplitude in zip(known, (3e-9, 8e-9), strict=True):
+        averaged = float(contact.mean_motion(driven.slider, driven.at(amplitude)).velocity)
+        full = float(contact.steady(driven.slider, driven.at(amplitude), tolerance=1e-4, method="exact").velocity)
+        assert averaged == pytest.approx(velocity, rel=2e-4)
+        assert full == pytest.approx(velocity, rel=5e-4)
+    # the tabulated force carries the preload at the field's own approach
+    field = contact.MeanField(1e-3, 64e9, contact.Roughness(rms=3e-9))
+    rest = driven.slider.rest_approach(1) + field.lowest(1e-3)
+    assert rest == pytest.approx(4.2130e-9, rel=2e-4)
+
+
+def test_a_mean_field_that_slips_as_a_whole_takes_bursts_and_loads():
+    rough = scene(rms="3 nm").replace(slider={"law": "elastic"}, wave={"normal_amplitude": "8 nm"})
+    steady = run(rough, tolerance=1e-3).points[0]
+    burst = run(rough.replace(wave={"burst": "20 ms"}), tolerance=1e-2).points[0]
+    assert abs(burst.velocity_at_burst_end_m_per_s) < abs(steady.velocity_m_per_s)
+    assert 0.0 < abs(burst.displacement_m) < 20e-3 * abs(steady.velocity_m_per_s)
+    line = load_line.run(rough, points=3).panels[0].data
+    assert line["value"]["8 nm"][0] == pytest.approx(abs(steady.velocity_m_per_s), rel=2e-3)
+    assert 0.0 < line["blocked_thrust_N"]["8 nm"] < 0.08 * 0.87309e-3
 
 
 def test_few_asperities_are_refused():
