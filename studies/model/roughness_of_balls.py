@@ -16,7 +16,6 @@ import numpy as np
 
 import contact
 from studies.lab.afm_patch import AfmPatch, read_patch
-from studies.model.balls import slider_of
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.refusal import SceneError, refuses
 from studies.scene.roughness_keys import Roughness
@@ -184,11 +183,11 @@ def limits_of(
 
 
 @lru_cache(16)
-def one_stop_slider(slider: Slider) -> contact.Slider:
-    """Return the ``contact.Slider`` on the mean field with one stop, of equal balls one of ``slider.share`` parts."""
+def mean_field_force(slider: Slider) -> contact.TabulatedForce:
+    """Return the normal force of the mean field of one ball."""
     field = _field(slider.radius, slider.effective_modulus, slider.roughness)
     with slider_keys(), as_run_errors("slider.roughness:"):
-        return replace(slider_of(slider), normal_law=field.tabulated())
+        return field.tabulated()
 
 
 def orbits_of_each(slider: Slider, orbits: tuple) -> tuple:

@@ -103,9 +103,9 @@ class Contact:
 
             return plane_slider(self.scene.slider)
         if self.one_stop:
-            from studies.model.roughness_of_balls import one_stop_slider
+            from studies.model.roughness_of_balls import mean_field_force
 
-            return one_stop_slider(self.scene.slider)
+            return replace(contact_slider(self.scene.slider), normal_law=mean_field_force(self.scene.slider))
         if self.rough:
             rule = "must be absent here: run and sweep alone take rough balls, and give their steady velocities"
             remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes this'
