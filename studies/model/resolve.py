@@ -1,9 +1,10 @@
 """Resolution of a scene: numbers for its automatic values, and the checks of a scene that need physics.
 
 ``period = "auto"`` and ``"half-space"``, ``frequency = "center"``, ``match = "auto"``, ``load = "matched"``,
-``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, so that the scene that is stored with a result
-can be run again with the same numbers.  Where numbers are changed afterwards (tolerances, fits, sensitivities), weight
-and ball keep following them (`following`), and a scene stored with [uncertain] keeps "weight".
+``preload = "weight"`` and ``ball = "steel"`` are replaced by numbers, and an absent ``slider.law`` by its name, so that
+the scene that is stored with a result can be run again with the same numbers.  Where numbers are changed afterwards
+(tolerances, fits, sensitivities), weight, ball and law keep following them (`following`), and a scene stored with
+[uncertain] keeps "weight".
 ``slider.method = "auto"`` is not replaced: the contact chooses its method (contact/choice.py).  Rules that need physics
 (an unknown material, an impossible layout) are checked here.
 """
@@ -115,7 +116,7 @@ def _built(model: Model, spread: bool | None) -> Model:
 
 def resolved_slider(slider: Slider, block: Stator | Any) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
-    slider = contacts_of(slider).resolved(replace(slider, preload=slider.preload_force))
+    slider = contacts_of(slider).resolved(replace(slider, preload=slider.preload_force, law=slider.tangential_law))
     if slider.ball is None:
         return slider
     normal, tangential = pair_moduli(slider.ball, stator(block).solids[-1])
@@ -130,7 +131,7 @@ def following(scene: Scene, written: Scene) -> Scene:
     """
     if scene.slider is None:
         return scene
-    keys = ("preload", "ball", *MODULI)
+    keys = ("preload", "ball", "law", *MODULI)
     return replace(scene, slider=replace(scene.slider, **{key: getattr(written.slider, key) for key in keys}))
 
 

@@ -6,7 +6,7 @@ import pytest
 
 import fem
 from studies.model.model import Model, model_of
-from studies.model.resolve import build, with_numbers
+from studies.model.resolve import build, following, with_numbers
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -34,6 +34,16 @@ def test_the_written_scene_is_kept_beside_the_numbers(motor):
     assert model.written is weighed
     assert model.scene.slider.preload == pytest.approx(2e-3 * weighed.slider.gravity, rel=1e-12)
     assert with_numbers(model).scene == model.scene  # numbers stay
+
+
+def test_an_absent_law_is_stored_by_its_name_and_follows_the_roughness():
+    smooth = Scene.load("twente-contact")
+    rough = smooth.replace(slider={"roughness": {"rms": "3 nm"}})
+    assert smooth.slider.law is None
+    assert build(smooth).scene.to_table()["slider"]["law"] == "elastic"
+    assert build(rough).scene.to_table()["slider"]["law"] == "hysteretic"
+    stored = build(rough).scene
+    assert following(stored.replace(slider={"roughness": None}), rough).slider.tangential_law == "elastic"
 
 
 def test_sliders_and_levels_share_one_stator(motor):
