@@ -93,12 +93,14 @@ class _Cycle:
             return np.array([c.load(z), *c.force(z, x), 0.0])
 
         # the force bends where |e| is least; square roots at both ends are taken out by s = t + (end - t) sin^2
-        inner = [s for s in np.linspace(t, end, 9)[1:-1]]
+        cycles = 1 + math.ceil((end - t) / self.tick)  # a stick may last for several, each with a least |e|
+        inner = list(np.linspace(t, end, 8 * cycles + 1)[1:-1])
         nodes, weights = np.polynomial.legendre.leggauss(20)
-        turn = np.linspace(t, end, 257)
+        turn = np.linspace(t, end, 256 * cycles + 1)
         sizes = [math.hypot(*deformation(s)) for s in turn]
-        least = int(np.argmin(sizes))
-        if 0 < least < 256:
+        for least in range(1, len(turn) - 1):
+            if not sizes[least - 1] > sizes[least] <= sizes[least + 1]:
+                continue
             low, high = turn[least - 1], turn[least + 1]
             for _ in range(80):
                 third = (high - low) / 3.0
