@@ -75,7 +75,7 @@ BATCHES, STUDENT = 16, 2.13
 # at the stall 1.8 (`tests/contact/test_thrust.py`).
 OF_VELOCITY, OF_THRESHOLD, OF_STALL = 3.0, 2.0, 3.0
 # The same of waves with several frequencies, whose slowest beat moves the slider: over (f_n/beat)^2. The true values of
-# the velocity were 0.002 to 0.19 in 76 draws of two and three frequencies at beats of 25 to 200 kHz. Of 38 others, by
+# the velocity were 0.002 to 0.19 in 76 draws of two and three frequencies at beats of 25 to 200 kHz. Of 31 others, by
 # `tests/benchmarks/beat_error.py` when it stood, the largest was 0.33 and none beyond twice the stated error.
 OF_BEAT = 0.2
 # A slider that averaging says is held must not move on a larger wave either. LARGER_WAVE: relative increase of the
