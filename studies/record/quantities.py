@@ -203,12 +203,13 @@ def described(key: str) -> dict[str, str]:
 def with_quantities(document: str) -> str:
     """Return a document with its rows of quantities, or the fields of its classes, written anew.
 
-    A row of an unknown key stays; a field that exists keeps its type.
+    A row of an unknown key stays; of a block that has a row, each missing one is added after that of the key before;
+    a field that exists keeps its type.
     """
 
     def row(match: re.Match) -> str:
         each = quantities().get(match[1])
-        return match[0] if each is None else f"| `{each.key}` | {each.unit} | {each.meaning} |".replace("|  |", "| |")
+        return match[0] if each is None else _row(each)
 
     def fields(match: re.Match) -> str:
         known = {line.split(":")[0].strip(): line for line in match[2].splitlines(keepends=True)}
@@ -219,7 +220,33 @@ def with_quantities(document: str) -> str:
                 lines[name] = known.get(name, f"    {name}: {'Text' if each.unit == '-' else 'Number'} = None\n")
         return f"    # {match[1]}.*\n{''.join(lines.values())}"
 
-    return FIELDS.sub(fields, ROW.sub(row, document))
+    return FIELDS.sub(fields, _with_missing_rows(ROW.sub(row, document)))
+
+
+def _row(each: Quantity) -> str:
+    return f"| `{each.key}` | {each.unit} | {each.meaning} |".replace("|  |", "| |")
+
+
+def _with_missing_rows(document: str) -> str:
+    """Return a document with a row for each quantity of the blocks of which it has a row."""
+    held = [match[1] for match in ROW.finditer(document)]
+    first: dict[str, str] = {}
+    for key in held:
+        first.setdefault(_block_of(key), key)
+    before: dict[str, str] = {}
+    for key, each in quantities().items():
+        block = _block_of(key)
+        if block in first and key not in held:
+            beside = next(row for row in ROW.finditer(document) if row[1] == before.get(block, first[block]))
+            place, text = (beside.end(), f"\n{_row(each)}") if block in before else (beside.start(), f"{_row(each)}\n")
+            document = document[:place] + text + document[place:]
+        before[block] = key
+    return document
+
+
+def _block_of(key: str) -> str:
+    """Return the block of a key; empty for one at the top of a record."""
+    return key.partition(".")[0] if "." in key else ""
 
 
 if __name__ == "__main__":

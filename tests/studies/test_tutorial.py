@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from studies.lab.measurement_csv import read_measured
+from studies.record import Record
 from studies.record.quantities import ENDINGS, quantities, with_quantities
 from studies.record.velocity_comparison import compared
 from studies.runs import run
@@ -63,6 +64,23 @@ def test_the_tutorial_holds_the_rows_of_the_table_of_quantities():
     assert with_quantities(text) == text
     assert with_quantities(text.replace("| `points.travel_m` | m |", "| `points.travel_m` | mm |")) == text
     assert set(documented()) <= set(quantities())
+
+
+def test_the_tutorial_has_a_row_for_each_quantity_of_the_blocks_of_a_record():
+    """What no scene of `written` makes, such as a burst in the plane or a steady temperature, included."""
+    fields = Record.__dataclass_fields__
+    of_record = {key for key in quantities() if key.partition(".")[0] in {*fields, "seconds", "provenance"}}
+    assert {"points.path_length_m", "heat.duty_limit", "heat.foldover_number", "measured.remarks"} <= of_record
+    assert of_record - set(documented()) == set()
+
+
+@pytest.mark.parametrize("missing", ["points.voltage_V", "points.turn_rad", "heat.foldover_number"])
+def test_a_missing_row_is_added_beside_its_neighbour(missing):
+    """The first, a middle and the last row of a block."""
+    text = TUTORIAL.read_text(encoding="utf-8")
+    row = re.compile(rf"^\| `{missing}` .*\n", re.MULTILINE)
+    assert with_quantities(row.sub("", text)) == text != row.sub("", text)
+    assert with_quantities("no table of quantities\n") == "no table of quantities\n"
 
 
 def test_units_are_those_that_the_names_say():
