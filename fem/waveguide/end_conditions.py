@@ -17,6 +17,7 @@ from fem.condense.joined_fingers import joined
 from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
+from fem.parameters import refuse_if
 from fem.waveguide.guided_modes import GuidedModes
 
 END_COLUMNS = 2
@@ -66,6 +67,13 @@ def with_gauge(system: np.ndarray, constant: np.ndarray) -> np.ndarray:
     return system + abs(system).max() * np.outer(weights, weights)
 
 
+def held_at_end(section: Section, end: str) -> np.ndarray:
+    """Numbers of the unknowns of a line that a reflecting end holds at zero; an InputError for any other word."""
+    held = {"free": np.zeros(0, dtype=int), "clamped": section.mechanical}
+    refuse_if(end not in held, "ends", f"must be {' or '.join(held)} to reflect", end)
+    return held[end]
+
+
 def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarray) -> np.ndarray:
     """Amplitudes of all modes that an end reflects, for a unit of each incident mode, shape (n, arriving).
 
@@ -77,8 +85,7 @@ def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarra
     shapes = (modes.left, modes.right) if side == 0 else (modes.right, modes.left)
     fluxes = (modes.left_flux, modes.right_flux) if side == 0 else (modes.right_flux, modes.left_flux)
     held = np.zeros(modes.section.size, dtype=bool)
-    if ends == "clamped":
-        held[modes.section.mechanical] = True
+    held[held_at_end(modes.section, ends)] = True
     arrive, leave = (np.where(held[:, None], shape, flux) for shape, flux in zip(shapes, fluxes, strict=True))
     constant = np.flatnonzero(modes.wavenumbers == 0)
     if len(constant):
@@ -133,5 +140,5 @@ def end_walls(
     right = reduce(joined, [columns[each] for each in widths])
     left = reduce(joined, [columns[each] for each in widths[::-1]]) if layers else right  # else all widths are equal
     lines = np.arange(2 * section.size).reshape(2, -1)
-    held = section.mechanical if stator.ends == "clamped" else np.zeros(0, dtype=int)
+    held = held_at_end(section, stator.ends)
     return (closed(left, lines[1], np.delete(lines[0], held))[0], closed(right, lines[0], np.delete(lines[1], held))[0])

@@ -5,6 +5,7 @@ import pytest
 
 from fem.condense.finger_columns import condensed
 from fem.condense.joined_fingers import repeated
+from fem.parameters import InputError
 from fem.waveguide.end_conditions import end_reflection
 from fem.waveguide.guided_modes import guided_modes
 from fem.waveguide.scattering_network import NEGLIGIBLE, Scatterer
@@ -47,6 +48,12 @@ def test_bare_piece_scatters_nothing(guided):
             constant = np.tile(depth.constant_potential, 2)
             error = error - np.outer(constant, constant @ error) / constant.sum()
         assert np.abs(error).max() < 1e-9
+
+
+@pytest.mark.parametrize("end", ["absorbing", "clampd", "grounded"])
+def test_a_word_that_no_reflecting_end_has_is_refused(guided, end):
+    with pytest.raises(InputError, match=rf"ends must be free or clamped to reflect, got '{end}'"):
+        end_reflection(guided, end, 0, np.array([0]))
 
 
 @pytest.mark.parametrize("side", [0, 1])
