@@ -104,7 +104,7 @@ slider.contacts=[0, "5 mm"]; slider.heights=["1 nm"] | slider.heights must hold 
 slider.shape=punch; slider.law=hysteretic | slider.law must be "elastic" with shape = "punch"
 slider.shape=cone | slider.shape
 slider.law=hysteretic; slider.adhesion={work=0.05,model="DMT"} | slider.adhesion has no hysteretic law: choose "elastic"
-slider.adhesion={work=0.05,model="JKRS"} | slider.adhesion.model must be "DMT" or "meniscus" or "JKR" or "Maugis", got 'JKRS'
+slider.adhesion={work=0.05,model="JKRS"} | slider.adhesion.model must be "DMT" or "meniscus" or "JKR" or "Maugis"
 slider.adhesion={work=0.05,model="meniscus"} | slider.adhesion.surface_tension is required and missing: the model
 slider.adhesion={work=0.05,contact_angle="5 deg",model="DMT"} | slider.adhesion.contact_angle must be left out
 slider.adhesion={surface_tension=1,contact_angle="95 deg",model="meniscus"} | slider.adhesion.contact_angle
