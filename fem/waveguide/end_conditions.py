@@ -15,7 +15,7 @@ from fem.condense.cascade_piece import Piece, RecoveredField
 from fem.condense.finger_columns import condensed
 from fem.condense.joined_fingers import joined
 from fem.discretize.element_sizes import CORNER_RATIO, Resolution, graded
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace, Section
 from fem.geometry import Stator
 from fem.parameters import refuse_if
 from fem.waveguide.guided_modes import GuidedModes
@@ -67,7 +67,7 @@ def with_gauge(system: np.ndarray, constant: np.ndarray) -> np.ndarray:
     return system + abs(system).max() * np.outer(weights, weights)
 
 
-def held_at_end(section: Section, end: str) -> np.ndarray:
+def held_at_end(section: LineSpace, end: str) -> np.ndarray:
     """Numbers of the unknowns of a line that a reflecting end holds at zero; an InputError for any other word."""
     held = {"free": np.zeros(0, dtype=int), "clamped": section.mechanical}
     refuse_if(end not in held, "ends", f"must be {' or '.join(held)} to reflect", end)
