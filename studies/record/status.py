@@ -21,3 +21,14 @@ class Status(StrEnum):
     def because(self, reason: str) -> str:
         """Return the text of a status with its reason."""
         return f"{self.value}: {reason}"
+
+    @staticmethod
+    def reason_in(status: str) -> str:
+        """Return the reason in the text of a status; empty if there is none.
+
+        Examples
+        --------
+        >>> Status.reason_in("no answer: runaway: it has no bound"), Status.reason_in("ok")
+        ('runaway: it has no bound', '')
+        """
+        return status.partition(": ")[2]

@@ -53,11 +53,11 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
 
     If ``bursting`` is False, only the steady state is computed, even if the scene has a burst.
     """
-    if driven.scene.planar:
-        from studies.solve.plane_answer import plane_point_answer
-
-        return plane_point_answer(driven, level, tolerance, bursting=bursting)
     try:
+        if driven.scene.planar:
+            from studies.solve.plane_answer import plane_point_answer
+
+            return plane_point_answer(driven, level, tolerance, bursting=bursting)
         if driven.rough and not (driven.one_stop and driven.scene.burst is not None):
             from studies.solve.rough_answer import rough_answer
 
@@ -71,7 +71,7 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
         _refuse_runaway(answer.point.velocity_m_per_s)
         return answer
     except contact.ConvergenceError as error:
-        return PointAnswer(point=Point(status=" ".join(str(error).split())))
+        return PointAnswer(point=Point(status=Status.NO_ANSWER.because(" ".join(str(error).split()))))
 
 
 def _refuse_runaway(velocity: float) -> None:

@@ -43,14 +43,7 @@ def plane_threshold(driven: Contact) -> float:
 
 
 def plane_point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
-    """Return the answer at one level, as `contact_at_level.point_answer`."""
-    try:
-        return _answer(driven, level, tolerance, bursting)
-    except contact.ConvergenceError as error:
-        return PointAnswer(point=Point(status=" ".join(str(error).split())))
-
-
-def _answer(driven: Contact, level: float, tolerance: float, bursting: bool) -> PointAnswer:
+    """Return the answer at one level, for `contact_at_level.point_answer`."""
     if level == 0.0:
         return PointAnswer(point=_at_rest(driven))
     motor = PlaneMotor.of(driven, level, tolerance)

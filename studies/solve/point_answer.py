@@ -6,6 +6,7 @@ from typing import Any
 from studies.model.wave_to_contact import Contact
 from studies.record.blocks import ErrorBlock, SummaryBlock
 from studies.record.point import Point
+from studies.record.status import Status
 from studies.record.values import Columns
 
 
@@ -63,7 +64,8 @@ class SliderAnswer:
         """Return why these are no answers within a tolerance; empty if they are."""
         failed = [each.point for each in self.answers if not each.point.answered]
         if failed:
-            return f"{len(failed)} of {len(self.answers)} points have no answer: {failed[0].status}"
+            why = Status.reason_in(failed[0].status)
+            return f"{len(failed)} of {len(self.answers)} points have no answer: {why}"
         error = self.error
         if error.relative is None or error.relative <= tolerance:
             return ""

@@ -183,10 +183,7 @@ class Predictor:
             error = error if driven.level else 0.0
             return PointAnswer(point=Point(relative_error=error, status=status), from_stator=error)
         driven = self.stators.bursting(driven)
-        answer = point_answer(driven, driven.level, tolerance)
-        if not answer.point.answered:
-            answer = replace(answer, point=Point(status=Status.NO_ANSWER.because(answer.point.status)))
-        return answer
+        return point_answer(driven, driven.level, tolerance)
 
 
 def _is_steady(driven: Contact) -> bool:

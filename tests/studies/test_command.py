@@ -299,7 +299,7 @@ def test_a_run_without_an_answer_says_why_with_code_3(call):
 
 
 def test_a_run_with_some_answers_is_code_1():
-    answered, failed = {"relative_error": 1e-4, "status": "ok"}, {"status": "runaway: it has no bound"}
+    answered, failed = {"relative_error": 1e-4, "status": "ok"}, {"status": "no answer: runaway: it has no bound"}
     given = {"scene": Scene.load("twente-contact"), "tolerance": 1e-3}
     assert Record(**given, points=(answered, answered)).exit_code == 0
     assert Record(**given, points=(answered, failed), shortfall="1 of 2 points").exit_code == 1

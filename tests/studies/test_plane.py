@@ -122,6 +122,16 @@ def test_the_place_in_the_pattern_of_two_waves_decides_the_direction():
     assert point.lowest_lateral_velocity_m_per_s < 0.0 < point.highest_lateral_velocity_m_per_s
 
 
+def test_a_level_without_an_answer_has_the_status_of_one_along_x(monkeypatch):
+    def unstable(_motor):
+        raise contact.ConvergenceError("unstable", "no steady motion")
+
+    monkeypatch.setattr("studies.solve.plane_motor.PlaneMotor.state", unstable)
+    record = run(scene({}), tolerance=1e-2)
+    assert list(record.status) == ["no answer: unstable: no steady motion"]
+    assert record.shortfall == "1 of 1 points have no answer: unstable: no steady motion"
+
+
 def test_the_error_of_the_phase_between_crossing_waves_is_in_that_of_the_velocity():
     """Against the change of the velocity of P3 by a phase of the wave along y, with its sources known apart."""
     from contact import plane

@@ -333,7 +333,9 @@ def test_a_load_above_friction_is_said_and_a_runaway_has_no_answer(law):
     only(dragged.warnings, "slider.load, 0.001 N, exceeds the friction that holds the slider, 6.985e-05 N")
     below, above = (of_the_seed(f"slider.load={(69.8472e-6 + 1e-4 * each):.9g}", law) for each in (199.9, 200.1))
     assert float(below.velocity[0]) == pytest.approx(-199.9, rel=1e-4)
-    assert above.points[0]["status"].startswith("runaway: the slider would run at -200.1 m/s, and from 200 m/s on")
+    why = "runaway: the slider would run at -200.1 m/s, and from 200 m/s on"
+    assert above.points[0]["status"].startswith(f"no answer: {why}")
+    assert above.shortfall.startswith(f"1 of 1 points have no answer: {why}")
     assert (above.exit_code, "velocity_m_per_s" in above.points[0]) == (3, False)
     answer = Predictor(above.scene.to_table(), tolerance=1e-3).answers([{}, {"slider.load": 1.0}])
     assert all(each.point.status.startswith("no answer: runaway") for each in answer)
