@@ -2,6 +2,20 @@
 
 Only the parts that the scene needs are imported and computed.  The tolerance bounds the error of the last quantity;
 `studies.solve.refinement` says how accurately the stator is solved for it.
+
+Which function makes which block of the record:
+
+- points, summary, error, trajectories, pillars, slider_wave: `slider_answer`, or `amplitude_points` without a slider;
+- velocities over the places near the slider's, in points and summary: `_with_ripple`;
+- wave: `wave_block`, or `free_wave_record` without transducers;
+- electrical, powers in the points: `electrical_block`, `with_powers`;
+- heat: `heat_block`; its steady temperature: `at_own_temperature`;
+- surface: `surface_columns`; left_out: `left_out`;
+- uncertainty, bands in the points: `with_bands`;
+- model_error, its share in points and error, refusals by it: `with_model_error`;
+- shortfall: `SliderAnswer.shortfall`; warnings: `warnings_of`; seconds: `run`.
+
+The block measured is the command's (`studies.solve.measured_run`).
 """
 
 import logging
