@@ -20,12 +20,12 @@ The error is estimated by half as many steps of phase or cells of depth, and hal
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from contact import parameter_check
-from contact.averaged.asperity_stops import Stops
+from contact.averaged.asperity_stops import Stops, TangentialModel
 from contact.averaged.memory_motion import Memory
 from contact.choice import Answer
 from contact.error_estimate import reference_speed
@@ -38,7 +38,7 @@ from contact.slider import Slider
 
 DOUBLINGS = 4  # at most, of rows and of steps or cells
 DEEPER = 1.25  # growth of a range of approaches in which the preload is not reached
-MODELS: dict[str, type[Memory] | type[Stops]] = {"hysteretic": Memory, "elastic": Stops}
+MODELS: dict[str, Callable[[Slider, Any, float, float], TangentialModel]] = {"hysteretic": Memory, "elastic": Stops}
 
 
 class RoughMotion(NamedTuple):
@@ -83,7 +83,7 @@ class RoughBalls:
             if isinstance(each, Asperities) and not len(each):
                 raise InputError("sample", "must bring at least one asperity of each ball near the surface")
         self._lowest = min(each.lowest(slider.radius) for each in self.samples)
-        self._balls: Stops | Memory | None = None
+        self._balls: TangentialModel | None = None
         self._carries = math.inf  # approach at which every ball is known to carry its share
         if amplitude > 0.0:
             self._reach(amplitude)
@@ -155,7 +155,7 @@ class RoughBalls:
             raise InputError("orbits", f"must be one for each ball, {len(self.samples)}, got {len(waves)}")
         return waves
 
-    def _reach(self, amplitude: float) -> Stops | Memory:
+    def _reach(self, amplitude: float) -> TangentialModel:
         """Return the balls for approaches up to the deepest crest of an amplitude; waves come in any order."""
         slider, before = self.slider, self._balls.deepest if self._balls else self._lowest
         deepest = max(before, self._lowest + 2.0 * amplitude + slider.rest_approach(len(self.samples)))

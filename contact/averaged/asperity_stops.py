@@ -5,7 +5,8 @@ stop (`asperity_cycle`). A mean field with the elastic law has one stop, of the 
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -28,6 +29,30 @@ class Balanced(NamedTuple):
     rate: float = 0.0  # of the force that is left over the speed, N s/m; 0: unknown
 
 
+class TangentialModel(Protocol):
+    """Balls up to a deepest approach with a tangential law, as `RoughBalls` asks for their motion: `Stops`, `Memory`.
+
+    A model is made from the slider, its balls, and the lowest and the deepest approach in m.
+    """
+
+    balls: Sequence[Any]
+    deepest: float
+
+    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None = None, /) -> Balanced:
+        """Return the steady motion on the orbit of each ball.
+
+        ``doubling``: number of doublings of the discretisation; ``near``: the motion with fewer, where a search may
+        start.
+        """
+
+    @property
+    def said(self) -> str:
+        """What the answers are, for the reasons of an `Answer`."""
+
+    def refined(self, before: float, last: float, /) -> tuple[float, float]:
+        """Return velocity and its error, m/s, from those of a doubling and of the next, which is twice as fine."""
+
+
 class Stops:
     """Balls up to a deepest approach in m, with a stop for each asperity."""
 
@@ -35,14 +60,14 @@ class Stops:
         self.slider, self.balls, self.lowest, self.deepest = slider, balls, lowest, deepest
         self._tables: dict[int, list[Table]] = {}
 
-    def solve(self, waves: tuple[Orbit, ...], doubling: int, _near: Balanced | None = None) -> Balanced:
-        """Return the steady motion with so many doublings of steps and rows."""
+    def solve(self, waves: tuple[Orbit, ...], doubling: int, _near: Balanced | None = None, /) -> Balanced:
+        """Return the steady motion with so many doublings of steps and rows; the bisection needs no start."""
         heights = self._heights(waves, doubling)
         return Balanced(self._velocity(waves, doubling, heights), heights)
 
     @property
     def said(self) -> str:
-        """What the answers are."""
+        """As in `TangentialModel`."""
         number = sum(table.touch.size for table in self._at(0))
         return f"cycle means of {number} asperities, a stop each"
 

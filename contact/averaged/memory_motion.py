@@ -31,7 +31,7 @@ class Memory:
         self._which = np.array([distinct.index(each) for each in balls])
         self._tables: dict[int, ForceTable] = {}
 
-    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None = None) -> Balanced:
+    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None = None, /) -> Balanced:
         """Return the steady motion with so many doublings of cells and rows; the search starts from another one."""
         slider = self.slider
         heavy = Heavy(
@@ -52,7 +52,7 @@ class Memory:
 
     @property
     def said(self) -> str:
-        """What the answers are."""
+        """As in `TangentialModel`."""
         return "cycle means with the memory of Mindlin and Deresiewicz in the force of the rough balls"
 
     def refined(self, before: float, last: float) -> tuple[float, float]:
