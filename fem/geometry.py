@@ -265,7 +265,7 @@ class Transducer(Parameters):
             each = {2: "two", 3: "three", 4: "four"}[per_period]
             rule = f"must have {count} signs, {each} for each of the {self.finger_pairs} finger_pairs"
             yield "pattern", f"{rule}, got {len(pattern)}: {shown(pattern)}"
-        overlaps = getattr(self, "overlaps", None)  # a scene has another key for it
+        overlaps = vars(self).get("overlaps")  # a scene has another key for it
         if overlaps is not None and (len(overlaps) != count or not all(0.0 <= each <= 1.0 for each in overlaps)):
             yield "overlaps", f"must be {count} numbers from 0 to 1, one for each finger, got {len(overlaps)}"
         if pattern is not None and set(pattern) == {"0"}:

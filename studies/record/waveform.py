@@ -19,7 +19,8 @@ from studies.scene.waveform_keys import Waveform
 
 ERROR = 1e-4  # of the factor between the knots, about
 MAX_KNOTS = 1_000_000
-FASTEST = 0.1  # frequency of a modulation over that of the wave: above it, the factor is no envelope
+# frequency of a modulation, or offset of the frequency, over that of the wave: above it, the factor is no envelope
+FASTEST = 0.1
 PLAIN = {"": 1.0}  # units of a column without one
 
 
@@ -47,7 +48,7 @@ def modulation(scene: Scene) -> Modulation | None:
         return None
     path = f"{scene.source.block}.waveform"
     if block.file is not None:
-        envelope, offset = _of_file(CsvColumns.read(block.file, f"{path}.file"), duration)
+        envelope, offset = _of_file(CsvColumns.read(block.file, f"{path}.file"), duration, scene.frequency)
     else:
         envelope, offset = _of_shape(block, path, duration, scene.frequency)
     if np.all(envelope.amplitude == 1.0) and np.all(envelope.phase == 0.0):
@@ -73,12 +74,12 @@ def _of_shape(block: Waveform, path: str, duration: float, carrier: float) -> tu
     depth, slow, (first, last) = block.depth or 0.0, block.frequency or 0.0, block.sweep or (0.0, 0.0)
     if block.shape == "modulated":
         offset = slow
-        rule = f"must be at most {FASTEST:g} of the wave's frequency, {FASTEST * carrier:g} Hz, got {offset:g} Hz"
-        refuse_if(offset > FASTEST * carrier, f"{path}.frequency", rule)
+        refuse_if(offset > FASTEST * carrier, f"{path}.frequency", _slower(offset, carrier))
         # a sine's chord over an angle h is off by h^2/8
         parts = duration * offset * 2.0 * math.pi * math.sqrt(depth / (8.0 * ERROR))
     elif block.shape == "chirp":
         offset = max(abs(first), abs(last))
+        refuse_if(offset > FASTEST * carrier, f"{path}.sweep", _slower(offset, carrier))
         # the chord of a phase of curvature c is off by c h^2/8
         parts = duration * math.sqrt(2.0 * math.pi * abs(last - first) / duration / (8.0 * ERROR))
     rule = f"changes so fast that {parts:.1e} instants are needed, at most {MAX_KNOTS:g}: shorten the burst"
@@ -94,7 +95,12 @@ def _of_shape(block: Waveform, path: str, duration: float, carrier: float) -> tu
     return contact.Envelope(time=time, amplitude=np.maximum(amplitude, 0.0), phase=phase), offset
 
 
-def _of_file(table: CsvColumns, duration: float) -> tuple[contact.Envelope, float]:
+def _slower(offset: float, carrier: float) -> str:
+    """Return the rule that the frequency of a drive differs little from that of its wave."""
+    return f"must be at most {FASTEST:g} of the wave's frequency, {FASTEST * carrier:g} Hz, got {offset:g} Hz"
+
+
+def _of_file(table: CsvColumns, duration: float, carrier: float) -> tuple[contact.Envelope, float]:
     """Return the envelope in a file and its largest frequency offset, Hz."""
     table.refuse_uneven()
     time, amplitude = table.column("time", TIMES), table.column("amplitude", PLAIN)
@@ -117,7 +123,9 @@ def _of_file(table: CsvColumns, duration: float) -> tuple[contact.Envelope, floa
         moving = np.maximum(size[1:], size[:-1]) > 0.0
         rates = abs(np.diff(angle) / np.diff(at))[moving] / (2.0 * math.pi)
         return contact.Envelope(time=at, amplitude=size, phase=angle), float(rates.max(initial=0.0))
-    return _integrated(table, at, size, offset[0], duration), float(abs(offset[0]).max())
+    largest = float(abs(offset[0]).max())
+    table.refuse_if(largest > FASTEST * carrier, f"frequency_offset {_slower(largest, carrier)}")
+    return _integrated(table, at, size, offset[0], duration), largest
 
 
 def _integrated(table: CsvColumns, at, size, offset, duration: float) -> contact.Envelope:

@@ -177,7 +177,7 @@ class Listed(Rule):
     unit = property(lambda self: self.each.unit)
 
     def takes(self, value):
-        return entries_of(value) is not None
+        return entries_of(value) is not None or (not self.distinct and self.each.takes(value))
 
     def read(self, path, value):
         if self.ranged and isinstance(value, str) and ":" in value:

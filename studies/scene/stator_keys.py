@@ -592,8 +592,8 @@ class Transducer(Block):
     apodisation: Annotated[
         str | tuple[float, ...] | None,
         choice(*WINDOWS) | Listed(Quantity(least=0.0, most=1.0)),
-        "How far each finger reaches over the aperture, from 0 to 1: one number for each, or cosine or hamming over "
-        "the length of the transducer. Fingers + end at y = -a aperture/2, fingers - at a aperture/2, and dummy "
+        "How far each finger reaches over the aperture, from 0 to 1: one number for each or for all, or cosine or "
+        "hamming over the length of the transducer. Fingers + end at y = -a aperture/2, fingers - at a aperture/2, and dummy "
         "fingers of the other electrode go on from there. Absent: 1.",
     ] = None
     slant: Annotated[
@@ -613,7 +613,7 @@ class Transducer(Block):
 
     def check_apodisation(self) -> Any:
         numbers = self.apodisation
-        if isinstance(numbers, tuple) and len(numbers) != self.fingers:
+        if isinstance(numbers, tuple) and len(numbers) not in (1, self.fingers):
             yield "apodisation", f"must be one number for each of the {self.fingers} fingers, got {len(numbers)}"
         if isinstance(numbers, tuple) and not any(numbers):
             yield "apodisation", "must let one finger at least reach over the middle line, got zeros"
@@ -621,10 +621,13 @@ class Transducer(Block):
     @property
     def overlaps(self) -> tuple[float, ...] | None:
         """How far each finger reaches over the aperture, 0 to 1; None if all reach over it whole."""
-        if not isinstance(self.apodisation, str):
-            return self.apodisation
+        reach = self.apodisation
+        if reach is None:
+            return None
+        if not isinstance(reach, str):
+            return reach * self.fingers if len(reach) == 1 else reach
         places = [(number + 0.5) / self.fingers for number in range(self.fingers)]
-        return tuple(round(WINDOWS[self.apodisation](u), 9) for u in places)
+        return tuple(round(WINDOWS[reach](u), 9) for u in places)
 
     @property
     def uniform_along_y(self) -> bool:

@@ -61,7 +61,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "transducer.0.cell": ["plain", "DART", "EWC"],
     "transducer.0.mirrored": [True],
     "transducer.0.chirp": [0, 0.1, -0.5],
-    "transducer.0.apodisation": ["cosine", "hamming", [1, 0.5] * 10],
+    "transducer.0.apodisation": ["cosine", "hamming", 0.5, [1, 0.5] * 10],
     "transducer.0.slant": [0, 0.1, -0.5],
     "transducer.0.slant_strips": [4],
     "transducer.0.angle": ["30 deg", 360],

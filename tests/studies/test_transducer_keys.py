@@ -12,6 +12,7 @@ import pytest
 from studies import Scene
 from studies.model.model import Model
 from studies.model.resolve import resolved
+from studies.refusal import SceneError
 from studies.runs import run
 from studies.scene import read_table
 from studies.scene.toml import document
@@ -49,6 +50,20 @@ def answer(*settings):
 def test_a_reflector_may_stand_where_nothing_is_driven():
     assert chip("transducer.1.pattern=oooo").transducer[1].pattern == "oooo"
     assert chip("transducer.1.pattern=++++").transducer[1].fingers == 4
+
+
+def test_one_reach_is_that_of_all_fingers():
+    each = chip("transducer.0.apodisation=0.5").transducer[0]
+    assert each.overlaps == (0.5,) * 4
+    assert chip("transducer.0.apodisation=[0.5]").transducer[0] == each
+    assert chip("transducer.0.apodisation=[0.5, 0.5, 0.5, 0.5]").transducer[0].overlaps == each.overlaps
+
+
+def test_a_wrong_count_is_said_once_with_the_key_of_a_scene():
+    with pytest.raises(SceneError) as raised:
+        chip("transducer.0.apodisation=[1.0, 0.5]")
+    message = "transducer.0.apodisation must be one number for each of the 4 fingers, got 2"
+    assert str(raised.value) == message
 
 
 def test_patterns_and_impedances_survive_being_written():

@@ -215,6 +215,10 @@ def test_what_is_refused_at_once(settings, message):
             "drive.waveform.frequency must be at most 0.1 of the wave's frequency, 220000 Hz, got 500000 Hz",
         ),
         (('drive.waveform={shape="chirp",sweep=[0,"200 kHz"]}',), "drive.waveform must stay within 1.21e.05 Hz"),
+        (
+            ('drive.waveform={shape="chirp",sweep=["-3 MHz",0]}',),
+            "drive.waveform.sweep must be at most 0.1 of the wave's frequency, 220000 Hz, got 3e.06 Hz",
+        ),
         (('drive.waveform={shape="ramp",rise="1 us"}', "slider.method=exact"), 'slider.method "auto" or "stepped"'),
         (('drive.waveform={shape="ramp",rise="1 us"}', "slider.position=7 mm"), "stands over a transducer"),
     ],
@@ -237,6 +241,10 @@ def test_what_is_refused_when_it_runs(settings, message):
         ("time_s,amplitude,phase_deg,frequency_offset_Hz\n0,1,0,0\n1,1,0,0\n", "one of the columns phase_deg and"),
         ("time_s,amplitude\n0,one\n1,1\n", "must be a finite number, got 'one'"),
         ("time_s,amplitude\n0,1\n1\n", "must have 2 values, got 1"),
+        (
+            "time_s,amplitude,frequency_offset_MHz\n0,1,-3\n1,1,0\n",
+            "frequency_offset must be at most 0.1 of the wave's frequency, 220000 Hz, got 3e.06 Hz",
+        ),
     ],
 )
 def test_what_is_refused_of_a_file(tmp_path, text, message):
