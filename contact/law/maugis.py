@@ -34,6 +34,7 @@ from contact.roots import bracketed
 
 LARGEST = 16.0 / (9.0 * math.sqrt(3.0))  # traction of a Lennard-Jones potential over w/e
 SMALL = 0.05  # t below which sin t cos t - t cos 2t is a series: 1e-16 of its rounding
+MOST = 1e6  # number of Tabor: a larger one makes no difference to JKR, and is lost in rounding
 FLAT = 1e-14  # t of the largest contact that is looked for
 ROWS = 4000  # of a table of angles, from which the search begins
 NODES = 200  # of the integral of the loss, in each part
@@ -75,6 +76,9 @@ class MaugisSphere:
         units = {"radius": "m", "modulus": "Pa", "work": "J/m^2", "separation": "m"}
         for name, unit in units.items():
             object.__setattr__(self, name, parameter_check.positive(f"adhesion.{name}", getattr(self, name), unit))
+        number = self.tabor_number
+        rule = f"must give a number of Tabor of at most {MOST:g}, got {number:.3g}: this is the limit JKR"
+        parameter_check.refuse_if(number > MOST, "adhesion.separation", rule)
 
     @property
     def tabor_number(self) -> float:

@@ -125,3 +125,10 @@ def test_the_pressure_gives_the_displacements():
 def test_refusals(name):
     with pytest.raises(InputError, match=rf"adhesion\.{name} must be positive"):
         sphere(**{name: -1.0})
+
+
+def test_a_separation_far_below_that_of_atoms_is_the_limit_jkr():
+    with pytest.raises(
+        InputError, match=r"adhesion\.separation must give a number of Tabor of at most 1e\+06, got 8\.\d+e"
+    ):
+        MaugisSphere(radius=1e-3, modulus=64e9, work=0.05, separation=1e-17)
