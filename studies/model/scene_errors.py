@@ -62,7 +62,7 @@ def slider_keys() -> Iterator[None]:
         yield
     except contact.InputError as error:
         key = {"wave.loading": "slider.loading", "sample": "slider.roughness"}.get(error.key, error.key)
-        key = key if "." in key and not key.startswith("roughness.") else f"slider.{key}"
+        key = key if "." in key and not key.startswith(("roughness.", "adhesion.")) else f"slider.{key}"
         if not key.startswith("slider."):
             raise
         raise SceneError(key, error.rule) from None

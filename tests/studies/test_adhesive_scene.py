@@ -99,6 +99,14 @@ def test_what_does_not_go_with_it_is_refused(changes, sentence):
         run(scene().replace(**changes))
 
 
+def test_a_separation_below_that_of_atoms_is_refused_with_its_key():
+    own = {"work": 0.05, "model": "Maugis", "separation": 1e-18}
+    with pytest.raises(
+        SceneError, match=r"^slider\.adhesion\.separation must give a number of Tabor of at most 1e\+06"
+    ):
+        run(scene("Maugis", adhesion=own))
+
+
 def test_what_needs_the_slider_in_time_refuses_it():
     with pytest.raises(SceneError, match=r'adhesion\.model must be "DMT" or "meniscus" here'):
         _ = Contact.prescribed(build(scene())).slider
