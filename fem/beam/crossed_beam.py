@@ -122,15 +122,14 @@ class CrossedBeam:
     def power(self) -> PowerBalance:
         """Power balance summed over the groups; power sent from group to group is part of the circuit's input."""
         parts = [power_balance(each.solution) for _, each in self._active]
-        apparent = self.circuit.apparent_power  # that of a group without a source is rounding
         return PowerBalance(
             input=self.circuit.power,
             solid=sum(each.solid for each in parts),
             loads=sum(each.loads for each in parts),
             left=sum(each.left for each in parts),
             right=sum(each.right for each in parts),
-            residual=max(each.residual * each.apparent for each in parts) / apparent,
-            apparent=apparent,
+            imbalance=max(each.imbalance for each in parts),
+            apparent=self.circuit.apparent_power,  # that of a group without a source is rounding, or zero
         )
 
     def first_images(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:

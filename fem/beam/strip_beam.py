@@ -114,12 +114,11 @@ class StripBeam:
             float(each) for name, each in zip(circuit.names, powers, strict=True) if name not in circuit.driven
         )
         solid, left, right = (sum(getattr(each, key) for each in parts) for key in ("solid", "left", "right"))
-        apparent = circuit.apparent_power  # that of a strip with little voltage is rounding
         missing = abs(circuit.power - solid - loads - left - right)
-        residual = max(missing, *(each.residual * each.apparent for each in parts)) / apparent
         return PowerBalance(
-            input=circuit.power, solid=solid, loads=loads, left=left, right=right, residual=residual,
-            apparent=apparent,
+            input=circuit.power, solid=solid, loads=loads, left=left, right=right,
+            imbalance=max(missing, *(each.imbalance for each in parts)),
+            apparent=circuit.apparent_power,  # that of a strip with little voltage is rounding
         )  # fmt: skip
 
 

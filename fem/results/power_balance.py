@@ -42,10 +42,14 @@ class PowerBalance:
     left: float
     right: float
     # |input - solid - loads - left - right| or, if that is larger, the worst over pieces and forces of |power in - flux
-    # out - power lost between the lines|; over the apparent power |V I| / 2 of the sources and omega |F u| / 2 of the
-    # forces
-    residual: float
-    apparent: float  # that apparent power
+    # out - power lost between the lines|
+    imbalance: float
+    apparent: float  # apparent power |V I| / 2 of the sources and omega |F u| / 2 of the forces
+
+    @property
+    def residual(self) -> float:
+        """Imbalance over the apparent power; 0 without an imbalance, as where nothing is driven."""
+        return self.imbalance / self.apparent if self.imbalance else 0.0
 
     @property
     def radiated(self) -> float:
@@ -103,7 +107,7 @@ def power_balance(solution: Solution) -> PowerBalance:
         loads=loads,
         left=left,
         right=right,
-        residual=max(imbalance, abs(taken - solid - loads - left - right)) / apparent,
+        imbalance=max(imbalance, abs(taken - solid - loads - left - right)),
         apparent=apparent,
     )
 

@@ -180,6 +180,13 @@ def test_power_and_error_of_crossing_beams():
     assert np.all(replace(found, beams=tuple(stated)).relative_error(*PLACES) > 1e-3)
 
 
+def test_power_beside_an_open_transducer_that_crosses():
+    """It takes a voltage from the wave, but no current, so that its own apparent power is zero."""
+    found = crossed(LEFT, replace(FRONT, termination="open"))
+    assert found.beams[1].circuit.apparent_power == 0.0 < abs(found.beams[1].circuit.voltages[0])
+    assert found.power.residual < 1e-9
+
+
 def test_a_place_on_the_surface():
     assert separation(LEFT, FRONT)[0] == pytest.approx(separation(FRONT, LEFT)[0])
     assert separation(LEFT, FRONT)[0] > 0
