@@ -632,7 +632,7 @@ class Transducer(Block):
     @property
     def uniform_along_y(self) -> bool:
         """Whether all fingers are straight along y and reach over the whole aperture."""
-        return self.slant == 0.0 and self.apodisation is None
+        return self.slant == 0.0 and min(self.overlaps or (1.0,)) == 1.0
 
     @property
     def center_xy(self) -> tuple[float, float]:

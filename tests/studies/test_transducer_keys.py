@@ -59,6 +59,10 @@ def test_one_reach_is_that_of_all_fingers():
     assert chip("transducer.0.apodisation=[0.5, 0.5, 0.5, 0.5]").transducer[0].overlaps == each.overlaps
 
 
+def test_fingers_that_all_reach_over_the_whole_aperture_are_plain_ones():
+    assert answer("transducer.0.apodisation=1") == answer()
+
+
 def test_a_wrong_count_is_said_once_with_the_key_of_a_scene():
     with pytest.raises(SceneError) as raised:
         chip("transducer.0.apodisation=[1.0, 0.5]")
