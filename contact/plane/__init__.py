@@ -11,6 +11,7 @@ _PUBLIC = {
     "plane_threshold": "threshold_factor",
     "averaged_path": "turned",
     "bursts": "burst",
+    "sampled_cycle": "contact_cycle ContactCycle",
     "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",

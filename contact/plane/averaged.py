@@ -18,8 +18,8 @@ import numpy as np
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import per_thread
 from contact.plane.balance_search import SHORT, Found, HeavyBody, Search, Task, search_of, seek_balance
-from contact.plane.cycle import COLUMNS, cycle_means
-from contact.plane.disc_contacts import Sum, state_of, with_nodes, work_of
+from contact.plane.cycle import COLUMNS, cycle_means, cycle_samples
+from contact.plane.disc_contacts import Stage, Sum, state_of, with_nodes, work_of
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.plane_equations import PlaneProblem
 from contact.plane.plane_waves import SurfaceWaves
@@ -36,6 +36,7 @@ COARSE_ANSWER, COARSE_CHECK, COARSE = SEARCH, (5, 1e-4), 1e-5
 # of twice the stated one in the draws 0 to 59 of `tests/contact/test_plane_drawn.py`, and 0.12 (fine) in 1000 to 1059
 LEAST = (1e-9, 2e-8)
 WIDE = 2  # nodes of a segment of stick over those of slip
+LEFT_START = 1e-9  # rad from the start of a period
 ROUGH = 1e-4  # of that speed: a step at which the search goes over to the means of the answer
 
 
@@ -145,6 +146,24 @@ class Averaged:
         """Return the mean forces at (V_x, V_y, arm times yaw rate)."""
         contacts, fine = self.contact_means(self.rigid @ unknown, how, deformation)
         return Means(contacts, self.total(contacts), fine)
+
+    def samples(self, unknown: np.ndarray, phase: np.ndarray, how=ANSWER) -> tuple[np.ndarray, np.ndarray]:
+        """Return the contacts (k, n, len(Stage)) and regimes (k, n) at phases of one period; call `at` before."""
+        n, k = len(self.start), len(phase)
+        behind = (phase - self.start[:, None]) % self.scaled.period
+        # the regime is known once the motion has left the start
+        behind[behind < LEFT_START] += self.scaled.period
+        order = np.argsort(behind, axis=1)
+        out, regimes = np.zeros((n, k, len(Stage))), np.zeros((n, k), np.int64)
+        phases = self.start[:, None] + np.take_along_axis(behind, order, axis=1)
+        if not cycle_samples(
+            self.problem, self.height, np.ascontiguousarray(self.rigid @ unknown), self.start, phases,
+            *_arrays(n, how), self.deformation, out, regimes,
+        ):  # fmt: skip
+            raise ConvergenceError("not converged", "a segment of a cycle in the plane was not solved")
+        back = np.argsort(order, axis=1)
+        out = np.take_along_axis(out, back[..., None], axis=1)
+        return out.swapaxes(0, 1), np.take_along_axis(regimes, back, axis=1).T
 
     def total(self, contacts: np.ndarray) -> np.ndarray:
         """Return the forces on the body of the contacts' means."""

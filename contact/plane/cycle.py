@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.codes import Regime
 from contact.jit.compiled import compiled, native
-from contact.plane.disc_contacts import Count, Sum, Total
+from contact.plane.disc_contacts import Count, Sum, Total, begin, fill_forces
 from contact.plane.heavy_motion import follow_alone
 from contact.plane.plane_equations import Body, Surface, fill_surface
 
@@ -38,8 +38,8 @@ COLUMNS = len(Sum) + len(Extra)
 
 
 @compiled
-def _one_period(problem, i, height, velocity, start, period, state, work, wide):
-    """Follow contact i for one period from its present regime; return True where it converges."""
+def _clear(i, height, velocity, start, state):
+    """Set height, velocity and phase of the body, and clear the sums of contact i."""
     for k in range(4):
         state.q[k] = state.p[k] = 0.0
     state.q[Body.HEIGHT], state.p[Body.X], state.p[Body.Y] = height, velocity[0], velocity[1]
@@ -48,6 +48,12 @@ def _one_period(problem, i, height, velocity, start, period, state, work, wide):
     for k in range(state.counts.shape[1]):
         state.counts[i, k] = 0
     state.total[Total.PHASE], state.total[Total.MARGIN], state.total[Total.STEP] = start, np.inf, 0.2
+
+
+@compiled
+def _one_period(problem, i, height, velocity, start, period, state, work, wide):
+    """Follow contact i for one period from its present regime; return True where it converges."""
+    _clear(i, height, velocity, start, state)
     return follow_alone(problem, i, start + period, state, work, wide)
 
 
@@ -107,6 +113,37 @@ def cycle_means(problem, height, velocity, start, period, state, work, wide, def
         if change > noise:
             fine = 0
     return fine
+
+
+@native(
+    "t f1 f2 f1 f2 t t t f2 f3 i2",
+    {
+        "problem.x": "n", "problem.limit_slope": "n", "problem.cos": "w n 3", "problem.sin": "w n 3", "height": "n",
+        "velocity": "n 2", "start": "n", "phases": "n k", "state.e": "n 2", "state.regime": "n", "work.start": "n 15",
+        "deformation": "n 2", "out": "n k 15", "regimes": "n k",
+    },
+)  # fmt: skip
+def cycle_samples(problem, height, velocity, start, phases, state, work, wide, deformation, out, regimes):
+    """Fill the contacts (`Stage`) and their regimes at phases that ascend from `start`; return 1 where all are solved.
+
+    `deformation`: e at `start`, as `cycle_means` leaves it.
+    """
+    for i in range(height.size):
+        fill_surface(problem, i, i + 1, start[i], work.before)
+        opens = problem.height[i] + work.before[i, Surface.Z] - height[i] <= 0.0
+        state.begins[i] = 0
+        state.e[i, 0], state.e[i, 1] = (0.0, 0.0) if opens else (deformation[i, 0], deformation[i, 1])
+        state.regime[i] = Regime.SEPARATED if opens else Regime.STICK
+        _clear(i, height[i], velocity[i], start[i], state)
+        for j in range(phases.shape[1]):
+            if not follow_alone(problem, i, phases[i, j], state, work, wide):
+                return 0
+            begin(problem, i, i + 1, state, work)
+            fill_forces(problem, i, state.regime[i], work.start[i])
+            for k in range(out.shape[2]):
+                out[i, j, k] = work.start[i, k]
+            regimes[i, j] = state.regime[i]
+    return 1
 
 
 @compiled

@@ -257,7 +257,7 @@ def _slip_angles(problem, i, alpha, known, work):
 
 
 @compiled
-def _fill_forces(problem, i, regime, row):
+def fill_forces(problem, i, regime, row):
     """Fill the forces of contact i at a node from its approach and deformation."""
     z, friction, c, kappa = row[Stage.Z], problem.friction, problem.limit_slope[i], problem.stiffness[i]
     row[Stage.P] = row[Stage.Q_X] = row[Stage.Q_Y] = 0.0
@@ -346,7 +346,7 @@ def _fill_contact(problem, i, known, state, work):
             row[Stage.LAMBDA] = (
                 row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y] - c * row[Stage.Z_RATE]
             )
-        _fill_forces(problem, i, regime, row)
+        fill_forces(problem, i, regime, row)
     return True
 
 

@@ -24,6 +24,7 @@ from studies.view import field_data, movie, wave_page
 from studies.view.contact_view import contact_writers
 from studies.view.field_quantities import palette, quantity
 from studies.view.picture import Picture, solid_height
+from studies.view.plane_contact_view import plane_contact_writers
 from studies.view.run_field import NO_STATOR, recomputed_motion, run_field, saved_run
 from studies.view.view_options import Wanted
 from studies.view.views import limits, near, span_views, views
@@ -65,7 +66,7 @@ def view(folder: str | Path, wanted: Wanted, *, note: Callable[[str], None] = wa
     if not wanted.files:
         _refuse_without_display()
     if show == "contact":
-        writers = contact_writers(record, wanted)
+        writers = (plane_contact_writers if record.scene.planar else contact_writers)(record, wanted)
     elif show == "beam":
         writers = _beam_writers(record, wanted)
     else:

@@ -18,6 +18,7 @@ from matplotlib.patches import Circle, Patch
 
 import contact
 from studies.model.scene_errors import as_run_errors
+from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.record.files import write_columns
 from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
@@ -85,11 +86,25 @@ def contact_writers(record: Record, wanted) -> dict[str, Callable]:
     }
 
 
-def steady_history(record: Record, *, level: float | None):
+def steady_history(record: Record, *, level: float | None) -> tuple[Columns, str]:
     """Return the history of the first contact over two cycles of the steady state, and a title.
 
     ``level`` is a voltage in V, or the amplitude in m for a scene with a [wave]. None selects the largest level.
     """
+    driven, level = driven_at(record, level)
+    LOGGER.info("following the contact")
+    slider, orbits = driven.slider, driven.at(level)
+    with as_run_errors():
+        speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity
+        history = contact.contact_history(
+            slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
+        )
+    motion_text = f"slider at {drawn_quantity('velocity_m_per_s').with_unit(speed)}" if speed else "slider held at rest"
+    return history_columns(history), f"{driven.scene.title}: {driven.scene.named(level)}, {motion_text}"
+
+
+def driven_at(record: Record, level: float | None) -> tuple[Contact, float]:
+    """Return the contact of a run, whose stator is solved again where it is not kept, and the level to show."""
     scene = record.scene
     if scene.slider is None:
         raise SceneError("", "there is no contact to show: the scene of this run has no slider")
@@ -101,16 +116,7 @@ def steady_history(record: Record, *, level: float | None):
         if motion.beam is None:
             motion = surface_motion(motion.wave, scene.stator, scene.slider.contact_positions)
         record = replace(record, surface_motion=motion)
-    LOGGER.info("following the contact")
-    driven = contact_of_run(record)
-    slider, orbits = driven.slider, driven.at(level)
-    with as_run_errors():
-        speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity
-        history = contact.contact_history(
-            slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
-        )
-    motion_text = f"slider at {_drawn('velocity_m_per_s').with_unit(speed)}" if speed else "slider held at rest"
-    return history_columns(history), f"{scene.title}: {driven.scene.named(level)}, {motion_text}"
+    return contact_of_run(record), level
 
 
 def film_contact(history, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:
@@ -174,12 +180,12 @@ class SlowMotion:
         ax.clear()
         _draw(ax, table, index)
         ax.tick_params(labelsize="x-small")
-        ax.set_xlabel(f"{_drawn('u_x_m').axis}; the ball's radius is not to scale", fontsize="small")
-        ax.set_ylabel(_drawn("u_z_m").axis, fontsize="small")
-        P, Q = (_drawn(key).with_unit(table[key][index]) for key in ("normal_force_N", "tangential_force_N"))
+        ax.set_xlabel(f"{drawn_quantity('u_x_m').axis}; the ball's radius is not to scale", fontsize="small")
+        ax.set_ylabel(drawn_quantity("u_z_m").axis, fontsize="small")
+        P, Q = (drawn_quantity(key).with_unit(table[key][index]) for key in ("normal_force_N", "tangential_force_N"))
         ax.set_title(f"{table.regime[index]}: P = {P}, Q = {Q}", fontsize="small")
         for cursor in self._cursors:
-            cursor.set_xdata([table.time_s[index] * _drawn("time_s").scale] * 2)
+            cursor.set_xdata([table.time_s[index] * drawn_quantity("time_s").scale] * 2)
 
     def image(self, index: int) -> np.ndarray:
         """Return the picture of the instant with this index, shape (height, width, 3)."""
@@ -198,7 +204,7 @@ def strip(table: Columns, *, title: str):
         _draw(ax, table, index)
         ax.set(xticks=[], yticks=[])
         ax.set_title(f"{letter}: {table.regime[index]}", fontsize="small")
-        time = table.time_s[index] * _drawn("time_s").scale
+        time = table.time_s[index] * drawn_quantity("time_s").scale
         for each in axes:
             each.axvline(time, color="black", linestyle=":", linewidth=0.8)
         axes[0].text(time, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small", ha="center")
@@ -207,13 +213,13 @@ def strip(table: Columns, *, title: str):
     return figure
 
 
-def traces(figure, table: Columns) -> list:
-    """Draw z, x, P, Q and the velocities over time, with the regime as background; return the Axes."""
-    axes, regime, drawn = figure.subplots(len(TRACES), 1, sharex=True), table.regime, _drawn("time_s")
+def traces(figure, table: Columns, shown=TRACES) -> list:
+    """Draw columns over time (by default z, x, P, Q and v), with the regime as background; return the Axes."""
+    axes, regime, drawn = figure.subplots(len(shown), 1, sharex=True), table.regime, drawn_quantity("time_s")
     time = table.time_s * drawn.scale
     ends = [0, *np.flatnonzero(regime[1:] != regime[:-1]) + 1, len(time) - 1]
-    quantities = [_drawn(key) for key, _ in TRACES]
-    for ax, each, (_, curves) in zip(axes, quantities, TRACES, strict=True):
+    quantities = [drawn_quantity(key) for key, _ in shown]
+    for ax, each, (_, curves) in zip(axes, quantities, shown, strict=True):
         for start, stop in pairwise(ends):
             ax.axvspan(time[start], time[stop], color=REGIMES[str(regime[start])], alpha=0.45, linewidth=0)
         for key, colour, name in curves:
@@ -227,20 +233,20 @@ def traces(figure, table: Columns) -> list:
     handles = [
         Patch(facecolor=REGIMES[name], label=name, alpha=0.6, edgecolor="#666666") for name in REGIMES if name in regime
     ]
-    handles += axes[-1].get_legend_handles_labels()[0]
+    handles += [each for ax in axes for each in ax.get_legend_handles_labels()[0]]
     axes[0].legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(handles), loc="lower right",
                    bbox_to_anchor=(1.0, 1.32), borderaxespad=0.0)  # fmt: skip
     return list(axes)
 
 
-def _drawn(key: str) -> Quantity:
+def drawn_quantity(key: str) -> Quantity:
     """Return a quantity of the contact's history."""
     return quantity(f"history.{key}")
 
 
 def _draw(ax, table: Columns, index: int) -> None:
     """Draw the ball, the surface, the orbit and the forces at one instant."""
-    u_x, u_z, approach = (table[key] * _drawn(key).scale for key in ("u_x_m", "u_z_m", "approach_m"))
+    u_x, u_z, approach = (table[key] * drawn_quantity(key).scale for key in ("u_x_m", "u_z_m", "approach_m"))
     x, z = u_x[index], u_z[index]
     scale = max(np.hypot(u_x, u_z).max(), 0.4 * approach.max())
     lowest, half_width, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale

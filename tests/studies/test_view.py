@@ -35,6 +35,7 @@ from studies.view.field_points import SectionPart, beam_sheet, magnification, sh
 from studies.view.field_quantities import shade
 from studies.view.overlays import electrodes, shown_fingers
 from studies.view.picture import Picture, validity
+from studies.view.plane_contact_view import plane_contact_writers
 from studies.view.run_field import run_field
 from studies.view.view_options import Wanted
 from studies.view.views import RIGHT, View, frames, limits, near, span_views, views
@@ -774,6 +775,42 @@ def test_a_stuck_slider_is_drawn_at_rest(prescribed_run):
     _, moving = steady_history(record, level=10e-9)
     speed = next(point["velocity_m_per_s"] for point in record.points if point["normal_amplitude_m"] == 10e-9)
     assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
+
+
+def test_the_contact_of_a_slider_in_the_plane_is_drawn_and_written(tmp_path):
+    """Its means are the preload and the load; what has no picture in the plane is refused by name."""
+    ball = {"freedom": "xy", "load": ["0.2 uN", 0]}
+    waves = [{}, {"direction": "90 deg", "phase": "90 deg"}]
+    scene = changed("twente-contact", "wave.normal_amplitude=10e-9").replace(
+        wave={"wavelength": "1 mm", "sources": waves}, slider=ball
+    )
+    record = run(scene, tolerance=1e-3)
+    write_run(record, tmp_path, field=False)
+    picture, data = tmp_path / "a.png", tmp_path / "a.csv"
+    view.view(tmp_path, Wanted(screenshot=str(picture), data=str(data)), note=quiet)
+    assert np.asarray(Image.open(picture)).std() > 20
+    table = np.genfromtxt(data, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    slider = scene.slider
+    assert len(table) == 240
+    assert table["normal_force_N"].mean() == pytest.approx(slider.preload_force / slider.share, rel=1e-3)
+    friction = slider.static_coefficient * slider.preload_force / slider.share
+    (point,) = record.points
+    velocity = point.velocity_m_per_s, point.lateral_velocity_m_per_s
+    damping = slider.damping.tangential / slider.share
+    loads = (0.2e-6 / slider.share + damping * velocity[0], damping * velocity[1])
+    for name, load in zip(("tangential_force_N", "lateral_force_N"), loads, strict=True):
+        assert table[name].mean() == pytest.approx(load, abs=1e-3 * friction)
+    size = np.hypot(table["deformation_m"], table["lateral_deformation_m"])
+    slips = table["regime"] == "slip"
+    assert size[slips] == pytest.approx(table["limit_m"][slips], rel=1e-9)
+    # the surface's velocity has no mean
+    for name, speed in zip(("", "lateral_"), velocity, strict=True):
+        assert table[f"{name}sliding_velocity_m_per_s"].mean() == pytest.approx(-speed, rel=1e-3)
+    for option, file in (("movie", "a.gif"), ("html", "a.html")):
+        with pytest.raises(SceneError, match=f"--{option} shows a contact that moves along x: of one in the plane"):
+            view.view(tmp_path, Wanted(**{option: str(tmp_path / file)}), note=quiet)
+    with pytest.raises(SceneError, match="--show contact opens a window for a slider that moves along x"):
+        plane_contact_writers(record, Wanted())
 
 
 @pytest.mark.parametrize(
