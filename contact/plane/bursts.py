@@ -70,7 +70,8 @@ def burst(
     samples : int
         Number of instants recorded, evenly spaced; with `after` inf of the burst and as many of the coast.
     method : str
-        "exact" (event by event), "stepped" (fixed steps), "averaged" (after a start event by event), or "auto".
+        "exact" (event by event), "stepped" (fixed steps), "averaged" (after a start event by event), or "auto", which
+        takes fixed steps where the events are not solved.
     rise_time : float
         Time constant of the waves' rise, 1 - exp(-t/rise_time), and of their fall after the burst, s.
     start : (pose, rates), optional
@@ -112,6 +113,11 @@ def burst(
     if method == "auto":
         cycles = (duration + after) * waves.omega / (2.0 * math.pi)
         method = "exact" if cycles * waves.count <= MAX_EXACT and start is None else "averaged"
+        if method == "exact":
+            try:
+                return _answered(question, method, _exact(question), begun)
+            except ConvergenceError:
+                method = "stepped"
     found = {"exact": _exact, "stepped": _stepped, "averaged": _averaged}[method](question)
     return _answered(question, method, found, begun)
 

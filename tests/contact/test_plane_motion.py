@@ -10,7 +10,7 @@ from contact import Orbit
 from contact import burst as burst_along_x
 from contact import steady as steady_along_x
 from contact.exceptions import ConvergenceError, InputError
-from contact.plane import SurfaceWaves, burst, steady, turned
+from contact.plane import PlaneWave, PlaneWaves, SurfaceWaves, burst, steady, turned
 from tests.contact.plane_motors import R_X, ball, beams
 
 T = 1 / 2.2e6
@@ -176,6 +176,22 @@ def test_friction_holds_a_slider_that_has_stopped_on_a_slope_or_does_not():
         burst(pulled, at_rest, after=math.inf, **given)
     later = burst(pulled, at_rest, after=0.05, **given)
     assert later.velocity[-1, 0] == pytest.approx(0.02 + 0.5 * limit / 0.089e-3 * later.time[-1], rel=1e-4)
+
+
+def test_fixed_steps_answer_where_the_events_are_not_solved():
+    slider = ball(
+        x=[3e-3, -1.5e-3, -1.5e-3], y=[0.0, 2.6e-3, -2.6e-3], preload=0.089e-3 * 9.81, mass=0.089e-3, inertia=1e-9,
+        freedom="xy yaw", torque=1e-8, normal_damping=0.5, tangential_damping=1e-4,
+    )  # fmt: skip
+    wave = PlaneWave(frequency=2.2e6, wavelength=1e-3, direction=math.pi, normal=10e-9, ratio=0.67)
+    surface = PlaneWaves(waves=(wave,)).at(slider.x, slider.y)
+    given = dict(duration=0.3e-3, after=0.0, tolerance=1e-2, samples=3)
+    with pytest.raises(ConvergenceError, match="a segment of the motion in the plane was not solved"):
+        burst(slider, surface, **given, method="exact")
+    run, mean = (burst(slider, surface, **given, method=each) for each in ("auto", "averaged"))
+    assert (run.method, run.status) == ("stepped", "ok")
+    assert np.all(abs(run.rates[-1] - mean.rates[-1]) < 2 * (run.error + mean.error))
+    assert run.error[0] < 0.01 * run.velocity[-1, 0]
 
 
 def test_a_burst_below_the_threshold_leaves_the_slider_at_its_place():
