@@ -111,6 +111,11 @@ def _built(model: Model, spread: bool | None) -> Model:
         model = _with_circuit(model, spread)
     if model.scene.slider is not None:
         tolerances(model.scene)
+    source = model.scene.source
+    if source is not None and source.waveform is not None:
+        from studies.record.waveform import modulation  # imports contact's envelopes and the reader of files
+
+        modulation(model.scene)  # refuses a file that cannot be read before anything is solved
     return model
 
 

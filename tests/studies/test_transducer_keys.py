@@ -52,6 +52,13 @@ def test_a_reflector_may_stand_where_nothing_is_driven():
     assert chip("transducer.1.pattern=++++").transducer[1].fingers == 4
 
 
+@pytest.mark.parametrize("uneven", ["chirp=0.1", 'cell="DART"'])
+@pytest.mark.parametrize(("key", "value"), [("apodisation", '"cosine"'), ("slant", "0.05")])
+def test_strips_of_uneven_fingers_are_refused(uneven, key, value):
+    with pytest.raises(SceneError, match=rf"transducer\.0\.{key} must be absent with chirp or a cell"):
+        chip(f"transducer.0.{uneven}", f"transducer.0.{key}={value}")
+
+
 def test_one_reach_is_that_of_all_fingers():
     each = chip("transducer.0.apodisation=0.5").transducer[0]
     assert each.overlaps == (0.5,) * 4

@@ -252,7 +252,7 @@ def test_what_is_refused_of_a_file(tmp_path, text, message):
     file.write_text(text)
     scene = given("wave.burst=0.4 ms", f'wave.waveform={{file="{file}"}}')
     with pytest.raises(SceneError, match=message) as raised:
-        modulation(scene)
+        resolved(scene)  # what `sawmotor check` does
     assert str(raised.value).startswith("wave.waveform.file")
 
 
