@@ -168,7 +168,7 @@ class AdhesiveBalls:
     >>> balls = AdhesiveBalls(ball, work=0.05, model="JKR")
     >>> wave = Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.67e-9j)
     >>> print(f"starts at {balls.threshold(wave):.4f} nm, leaves the surface at {balls.release(wave):.4f} nm")
-    starts at 0.9656 nm, leaves the surface at 5.6960 nm
+    starts at 1.4277 nm, leaves the surface at 5.6960 nm
     """
 
     def __init__(self, slider: Slider, *, work: float, model: str, separation: float = DISTANCE):

@@ -64,7 +64,7 @@ class MaugisSphere:
     --------
     >>> ball = MaugisSphere(radius=1e-3, modulus=64e9, work=0.05, separation=0.3e-9)
     >>> print(f"closes at {1e9 * ball.make_approach:.4f} nm, leaves at {1e9 * ball.break_approach:.4f} nm")
-    closes at -0.2923 nm, leaves at -1.3148 nm
+    closes at -0.2923 nm, leaves at -1.3830 nm
     """
 
     radius: float

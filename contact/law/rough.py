@@ -62,7 +62,7 @@ def tail(power: float, t: np.ndarray) -> np.ndarray:
     Examples
     --------
     >>> [round(float(each), 6) for each in tail(0.5, np.array([0.0, -25.0]))]  # Gamma(3/4)/(2^(3/4) sqrt(pi)), 5
-    [0.411089, 4.999]
+    [0.411089, 4.998998]
     """
     t = np.asarray(t, dtype=float)
     near = np.maximum(t, FAR)[..., None]

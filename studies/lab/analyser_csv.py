@@ -23,6 +23,7 @@ COMMENTS = ("#", "!", "%", "//", ";")
 SEPARATORS = ("\t", ";", ",", r"\s{2,}", r"\s+")
 REFERENCE = re.compile(r"\bz0\b\D{0,12}?(\d+(?:\.\d+)?)", re.IGNORECASE)
 DECIBEL = "dB"
+DEGREE = "deg"  # taken where a phase has no unit
 RADIANS = 1.6  # phases of a table without their unit that stay below may be radians
 
 
@@ -164,15 +165,10 @@ class _Reading(InputFile):
         assert head is not None
         values = head.sign * np.array([self._number(row, matches[0], head) for row in self.table.rows])
         if part == "phase":
-            self.refuse_if(
-                not head.unit and np.max(np.abs(values)) < RADIANS,
-                f"must state the unit of {head.text!r}, such as {head.text} (deg)",
-            )
+            self.refuse_if(not head.unit and np.max(np.abs(values)) < RADIANS, _without_unit(head.text, DEGREE))
             remarks += [] if head.unit else [f"{head.text!r} has no unit: taken in degrees"]
-            return values * PHASES[head.unit or "deg"]
-        self.refuse_if(
-            kind == "frequency" and not head.unit, f"must state the unit of {head.text!r}, such as {head.text} (Hz)"
-        )
+            return values * PHASES[head.unit or DEGREE]
+        self.refuse_if(kind == "frequency" and not head.unit, _without_unit(head.text, "Hz"))
         if kind == "s":
             self.refuse_if(
                 part == "magnitude" and not head.unit and np.min(values) < 0.0,
@@ -213,3 +209,8 @@ class _Reading(InputFile):
         if value is None:
             raise self.error(f"line {number}, {head.text} {no_number(cells[at])}")
         return value
+
+
+def _without_unit(head: str, unit: str) -> str:
+    """Return the rule of a head that lacks its unit."""
+    return f"must state the unit of {head!r}, such as {head} ({unit})"

@@ -24,6 +24,7 @@ from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.plots import COLOURS, curve, family, finished, logarithmic, titled, upper_half
 from studies.record.prefixes import key_axis, si
+from studies.record.quantities import quantity
 from studies.record.text import csv_text, percent
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -78,7 +79,9 @@ def run(
         limits[law] = _smooth(driven, law, at)
     for k, each in enumerate(rms, start=1):
         LOGGER.info(f"roughness: {k} of {len(rms)}, {each * 1e9:.3g} nm")
-        rows.append(_row(driven, replace(block, rms=each), at))
+        # the law as written: where it is absent, the roughness decides
+        slider = replace(driven.scene.slider, law=smooth.slider.law, roughness=replace(block, rms=each))
+        rows.append(_row(driven, slider, at))
     rest = float(driven.slider.rest_approach(driven.contacts))
     kinds = (*RANGE, "mean_field")
     data: dict[str, Any] = {
@@ -136,15 +139,14 @@ def _smooth(driven: Contact, law: str, at: list[float]) -> Read:
         return Read(float(threshold), float(contact.release_factor(body, driven.orbits)), tuple(map(speed, at)))
 
 
-def _row(driven: Contact, block: Roughness, at: list[float]) -> dict[str, Any]:
+def _row(driven: Contact, slider: Slider, at: list[float]) -> dict[str, Any]:
     """Return the answers at one roughness, None where there is none: of the mean field, and the range of the samples.
 
     Lowest, median and highest of each number are taken on their own. Waves that bring more than `CROWD` asperities of
     a ball near the surface have no samples.
     """
-    field, sample = (
-        replace(driven.scene.slider, roughness=replace(block, seed=seed)) for seed in (None, block.seed or 0)
-    )
+    block = slider.roughness
+    field, sample = (replace(slider, roughness=replace(block, seed=seed)) for seed in (None, block.seed or 0))
     row: dict[str, Any] = dict.fromkeys((*RANGE, "mean_field")) | {"asperities": touching(field)}
     if row["asperities"] >= FEWEST:
         (row["mean_field"],) = _rough(driven, field, at)
@@ -315,7 +317,7 @@ def figure(record: Panel, ax):
     ax.fill_between([], [], color=COLOURS["line"], alpha=0.25, linewidth=0, label="eight samples, median")
     logarithmic(ax.xaxis)
     titled(upper, record.title)
-    finished(ax, "rms roughness of the balls (nm)", "velocity over smooth", "")
+    finished(ax, f"rms roughness of the balls ({quantity.normal_amplitude_m.shown})", "velocity over smooth", "")
     ax.yaxis.label.set_fontsize("small")
     return ax
 

@@ -172,7 +172,8 @@ class Predictor:
         driven = self.contact(changes, goal)
         if (count := len(driven.scene.levels)) != 1:
             raise SceneError(driven.scene.level_key, f"must be one value at a point, got {count}")
-        return driven
+        # with the ring-up of a burst, whose error no finer stator reduces (`finer`)
+        return driven if driven.scene.slider is None else self.stators.bursting(driven)
 
     def _alone(self, driven: Contact, tolerance: float) -> PointAnswer:
         """Return the answer of one contact, or of a stator without a slider, as in a run."""
@@ -182,7 +183,6 @@ class Predictor:
                 status = Status.ABOVE_TOLERANCE.because(f"the stator's error is {error:.1e}")
             error = error if driven.level else 0.0
             return PointAnswer(point=Point(relative_error=error, status=status), from_stator=error)
-        driven = self.stators.bursting(driven)
         return point_answer(driven, driven.level, tolerance)
 
 

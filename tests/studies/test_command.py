@@ -61,7 +61,7 @@ def test_warnings_about_a_scene_come_before_its_run_and_once(call):
     assert status == 3
     lines = [line for line in err.splitlines() if line.startswith("sawmotor: ")]
     assert lines[0] == "sawmotor: warning: stator.length is 2 m: a number without a unit is in m"
-    assert "wavenumbers are known to" in lines[1]
+    assert not lines[1].startswith("sawmotor: warning")  # the reason why the run has no answer
     status, _, err = call("run", "rayleigh", "--set", "stator.length=2", "--no-plot")
     assert status == 0
     assert err.count("a number without a unit is in m") == 1
