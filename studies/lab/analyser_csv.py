@@ -171,8 +171,7 @@ class _Reading(InputFile):
         self.refuse_if(kind == "frequency" and not head.unit, _without_unit(head.text, "Hz"))
         if kind == "s":
             self.refuse_if(
-                part == "magnitude" and not head.unit and np.min(values) < 0.0,
-                f"must state the unit of {head.text!r}, such as {head.text} ({DECIBEL})",
+                part == "magnitude" and not head.unit and np.min(values) < 0.0, _without_unit(head.text, DECIBEL)
             )
             return 10.0 ** (values / 20.0) if head.unit == "dB" else values
         if not head.unit:
