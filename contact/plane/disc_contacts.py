@@ -689,11 +689,7 @@ def advance(problem, first, last, until, state, work):
             if i >= 0 and at < 1e-11:  # at the start of the segment
                 length, done = max(at, 1e-15), True
                 break
-            new = length + step
-            if crossing == 1 and kind != Map.END:
-                new = at
-            elif crossing == 1:
-                new = at
+            new = at if crossing == 1 else length + step
             if not (low < new < high) or rate >= 0.0:
                 new = at if crossing == 1 and low < at < high else 0.5 * (low + min(high, 2.0 * length))
             kind = Map.END
