@@ -15,7 +15,7 @@ from contact.error_estimate import averaged_stall_error, beat_error
 from contact.exceptions import InputError
 from contact.plane.averaged import CHECK, Averaged, balanced, rest_force
 from contact.plane.plane_waves import Surface, SurfaceWaves, places, surface_under
-from contact.plane.scaling import FREE, refuse_slow_beat, resonance_ratios
+from contact.plane.scaling import refuse_slow_beat, resonance_ratios
 from contact.plane.state import PlaneState
 from contact.plane.steady_state import refuse, steady
 from contact.slider import Slider
@@ -35,6 +35,12 @@ def _averaging_error(slider, waves):
     return min(averaged_stall_error(ratio) + beat_error(of_beat), 1.0)
 
 
+def _require_freedom(slider: Slider, allowed: tuple[str, str], purpose: str) -> None:
+    if slider.freedom not in allowed:
+        one, other = allowed
+        raise InputError("slider.freedom", f'must be "{one}" or "{other}" for {purpose}', slider.freedom)
+
+
 def stall(slider: Slider, surface: Surface, direction) -> Answer:
     """Return the load in N along a direction (2,) at which the velocity along it is zero; the slider's own is left out.
 
@@ -43,8 +49,7 @@ def stall(slider: Slider, surface: Surface, direction) -> Answer:
     towards = np.asarray(direction, float)
     if towards.shape != (2,) or not np.linalg.norm(towards) > 0.0:
         raise InputError("direction", "must be a vector of two numbers, not both zero", str(direction))
-    if slider.freedom not in ("xy", "xy yaw"):
-        raise InputError("slider.freedom", 'must be "xy" or "xy yaw" for a stall along a direction', slider.freedom)
+    _require_freedom(slider, ("xy", "xy yaw"), "a stall along a direction")
     along = np.append(towards / np.linalg.norm(towards), 0.0)
     averaged, waves = _unloaded(replace(slider, load=(0.0, 0.0)), surface)
     across = np.array([-along[1], along[0], 0.0])
@@ -88,8 +93,7 @@ def stall_curve(slider: Slider, surface: Surface, *, points: int = 24) -> StallC
 
 def stall_torque(slider: Slider, surface: Surface) -> Answer:
     """Return the torque in N m that keeps the slider from turning, under its load; its own torque is left out."""
-    if 2 not in FREE[slider.freedom]:
-        raise InputError("slider.freedom", 'must be "xy yaw" or "axle" for a stall torque', slider.freedom)
+    _require_freedom(slider, ("xy yaw", "axle"), "a stall torque")
     averaged, waves = _unloaded(replace(slider, torque=0.0), surface)
     averaged.basis = averaged.basis[:, :-1]
     turning = np.array([0.0, 0.0, 1.0])

@@ -33,6 +33,11 @@ REAL = 1e-9  # |Im p| over the largest |p| below which a partial wave does not d
 ORDER = ("ux", "uy", "uz", "phi")
 
 
+def _require_frequency(known: bool) -> None:
+    if not known:
+        raise InputError("frequency", "is missing: a thickness in m or a bond needs it")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartialWaves:
     """The partial waves of a layer at some velocities, shape (v, fields, fields) unless stated."""
@@ -75,8 +80,7 @@ class LayeredImpedance:
 
     def __init__(self, substrate: Solid, layers: Sequence[Layer], *, frequency: float | None = None):
         absolute = any(each.thickness is not None or each.bond is not None for each in layers)
-        if absolute and frequency is None:
-            raise InputError("frequency", "is missing: a thickness in m or a bond needs it")
+        _require_frequency(not absolute or frequency is not None)
         if frequency is not None:
             positive("frequency", frequency, "Hz")
         self.layers, self.omega = tuple(layers), None if frequency is None else 2.0 * np.pi * frequency
@@ -100,8 +104,7 @@ class LayeredImpedance:
 
     def wavenumber(self, velocity: np.ndarray) -> np.ndarray:
         """Return omega/v in 1/m."""
-        if self.omega is None:
-            raise InputError("frequency", "is missing: a thickness in m or a bond needs it")
+        _require_frequency(self.omega is not None)
         return self.omega / velocity
 
     def half_space(self, velocity: np.ndarray) -> np.ndarray:

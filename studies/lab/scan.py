@@ -17,6 +17,7 @@ The time convention is exp(+i omega t) with peak amplitudes.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -109,8 +110,8 @@ class Scan:
         if abs(line / frequency - 1.0) > self.resolution:
             nearest = np.sort(lines[np.argsort(np.abs(lines - frequency))[:2]])
             got = " and ".join(f"{each:.9g}" for each in nearest)
-            rule = f"{self.name!r} has no spectral line at the drive's {frequency:.9g} Hz; the nearest are at {got} Hz"
-            raise SceneError(option, rule)
+            rule = f"has no spectral line at the drive's {frequency:.9g} Hz; the nearest are at {got} Hz"
+            raise self._refused(option, rule)
         at = self.frequency == line
         rule = f"{self.name!r} holds several values for one position at {line:.9g} Hz"
         refuse_if(
@@ -129,16 +130,18 @@ class Scan:
         if self.per_volt:
             return self
         if self.voltage is None or not self.voltage > 0.0:
-            rule = f"{self.name!r} holds motions at an unknown voltage: add a column voltage_V, or units _per_V"
-            raise SceneError(option, rule)
+            raise self._refused(option, "holds motions at an unknown voltage: add a column voltage_V, or units _per_V")
         deviation = None if self.deviation is None else self.deviation / self.voltage
         return replace(self, values=self.values / self.voltage, deviation=deviation, per_volt=True)
+
+    def _refused(self, option: str, rule: str) -> SceneError:
+        return SceneError(option, f"{self.name!r} {rule}")
 
     def without_rest(self, option: str = "--measured") -> "Scan":
         """Return the scan without its points at 0 Hz, where no wave is driven and velocities have no displacement."""
         if self.frequency is None or np.all(self.frequency > 0.0):
             return self
-        kept = above_zero(self.frequency, lambda rule: SceneError(option, f"{self.name!r} {rule}"))
+        kept = above_zero(self.frequency, partial(self._refused, option))
         return replace(
             self, x=self.x[kept], y=self.y[kept], values=self.values[kept], frequency=self.frequency[kept],
             deviation=None if self.deviation is None else self.deviation[kept],

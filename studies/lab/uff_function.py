@@ -5,6 +5,7 @@ ceas3.uc.edu/sdrluff.
 """
 
 import re
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -78,17 +79,24 @@ def function(reading: UffLines, first: int, binary: str | None) -> Function:
     )  # fmt: skip
 
 
+@contextmanager
+def _record(reading: UffLines, number: int, text: str, content: str):
+    """Refuse a record whose numbers cannot be read."""
+    try:
+        yield
+    except (ValueError, IndexError):
+        rule = f"must hold {content}, got {shown(text.strip())}: is a line of the head missing?"
+        raise reading.error(rule, number) from None
+
+
 def _identity(reading: UffLines, number: int, text: str) -> tuple[int, int, int]:
     """Return function type, node and direction of record 6, of ten fields in any columns or in its own."""
     cells = text.split()
     if len(cells) != 10:
         ends = np.cumsum([5, 10, 5, 10, 11, 10, 4, 11, 10, 4]).tolist()
         cells = [text[a:b].strip() for a, b in zip([0, *ends], ends, strict=False)]
-    try:
+    with _record(reading, number, text, "function type, response node and direction (record 6 of dataset 58)"):
         return int(cells[0]), int(cells[5] or 0), int(cells[6] or 0)
-    except ValueError:
-        rule = "must hold function type, response node and direction (record 6 of dataset 58)"
-        raise reading.error(f"{rule}, got {shown(text.strip())}: is a line of the head missing?", number) from None
 
 
 def _form(reading: UffLines, number: int, text: str) -> tuple[int, int, bool, float, float]:
@@ -97,12 +105,9 @@ def _form(reading: UffLines, number: int, text: str) -> tuple[int, int, bool, fl
     if len(cells) < 6:
         ends = [10, 20, 30, 43, 56, 69]
         cells = [text[a:b].strip() for a, b in zip([0, *ends], ends, strict=False)]
-    try:
+    with _record(reading, number, text, "data type, number of points and spacing (record 7 of dataset 58)"):
         value_type, count, spacing = (int(each) for each in cells[:3])
         start, step = (numbers(reading, [(number, each or "0")])[0] for each in cells[3:5])
-    except (ValueError, IndexError):
-        rule = "must hold data type, number of points and spacing (record 7 of dataset 58)"
-        raise reading.error(f"{rule}, got {shown(text.strip())}: is a line of the head missing?", number) from None
     rule = "must hold a data type of 2, 4, 5, 6, a number of points and a spacing of 0 or 1 (record 7 of dataset 58)"
     reading.refuse_if(
         value_type not in VALUE_TYPES or count < 1 or spacing not in (0, 1),

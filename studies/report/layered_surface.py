@@ -1,6 +1,7 @@
 """``sawmotor wave --layer``: the bound waves of layers on a lossless half-space."""
 
 import math
+from contextlib import suppress
 
 import fem
 from studies.model.scene_errors import as_run_errors
@@ -22,19 +23,19 @@ FORM = 'must be "MATERIAL [ORIENTATION], THICKNESS" such as "SiO2, 0.05 lambda",
 def read_layer(text: str) -> fem.Layer:
     """Return the layer that a text such as "LiNbO3 (Kovacs) 128YX, 0.3 lambda" or "AlN.toml, 2 um" describes."""
     what, comma, thickness = text.rpartition(",")
-    if not comma:
-        raise SceneError("--layer", f"{FORM}, got {text!r}")
-    solid, thickness = _solid(what.strip()), thickness.strip()
-    if thickness.endswith(("lambda", "\u03bb")):
-        number = thickness.removesuffix("lambda").removesuffix("\u03bb").strip()
-        try:
-            sizes = {"wavelengths": float(number)}
-        except ValueError:
-            raise SceneError("--layer", f"{FORM}, got {text!r}: {number!r} is no number of wavelengths") from None
-    else:
-        sizes = {"thickness": si_value("--layer", thickness, "m")}
+    thickness = thickness.strip()
+    counted = thickness.endswith(("lambda", "\u03bb"))
+    number = thickness.removesuffix("lambda").removesuffix("\u03bb").strip()
+    sizes, why = {}, "" if comma else f"{FORM}, got {text!r}"
     try:
-        return fem.Layer(solid=solid, **sizes)
+        sizes = {"wavelengths": float(number)} if counted else {}
+    except ValueError:
+        why = why or f"{FORM}, got {text!r}: {number!r} is no number of wavelengths"
+    if why:
+        raise SceneError("--layer", why)
+    solid = _solid(what.strip())
+    try:
+        return fem.Layer(solid=solid, **(sizes or {"thickness": si_value("--layer", thickness, "m")}))
     except fem.InputError as error:
         raise SceneError("--layer", f"{error} in {text!r}") from None
 
@@ -45,13 +46,11 @@ def _solid(text: str) -> fem.Solid:
     try:
         return fem.rotated(named_solid(text)[1], "Z")
     except (SceneError, fem.InputError) as refusal:
-        if not space:
-            raise SceneError("--layer", str(refusal)) from None
         unknown = refusal
-    try:
-        return fem.rotated(named_solid(name)[1], ORIENTATION.read("--layer", cut))
-    except (SceneError, fem.InputError):
-        raise SceneError("--layer", str(unknown)) from None
+    with suppress(SceneError, fem.InputError):
+        if space:
+            return fem.rotated(named_solid(name)[1], ORIENTATION.read("--layer", cut))
+    raise SceneError("--layer", str(unknown))
 
 
 def layered_surface_wave(

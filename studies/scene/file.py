@@ -148,12 +148,15 @@ def read_table(source: str | Path) -> dict:
 
 def _text(path: Path) -> str:
     """Return the text of a file without a byte-order mark, lines ended by one character."""
+    content, why = b"", None
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise SceneError("", f"the scene {str(path)!r} cannot be read: {error.strerror}") from None
+        why = error.strerror
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise SceneError("", f"the scene {str(path)!r} cannot be read: it is UTF-16 text; save it as UTF-8")
+        why = "it is UTF-16 text; save it as UTF-8"
+    if why is not None:
+        raise SceneError("", f"the scene {str(path)!r} cannot be read: {why}")
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:

@@ -32,12 +32,13 @@ class Quantity(Rule, Number):
 
     def read(self, path, value):
         number = si_value(path, value, self.unit)
+        smallest, rule = 0.0 if self.zero or self.signed else 1 / MAX_SIZE, ""
         if not self.holds(number):
-            raise SceneError(path, f"{self.sentence(number)}, got {number!r} {self.unit}".rstrip())
-        smallest = 0.0 if self.zero or self.signed else 1 / MAX_SIZE
-        if not smallest <= abs(number) <= MAX_SIZE:
-            size = f"must have a size between {smallest:g} and {MAX_SIZE:g}"
-            raise SceneError(path, f"{size}, got {number!r} {self.unit}".rstrip())
+            rule = self.sentence(number)
+        elif not smallest <= abs(number) <= MAX_SIZE:
+            rule = f"must have a size between {smallest:g} and {MAX_SIZE:g}"
+        if rule:
+            raise SceneError(path, f"{rule}, got {number!r} {self.unit}".rstrip())
         return number + 0.0  # no negative zero
 
     @property
@@ -104,8 +105,7 @@ class FixedList(Rule):
         return entries is not None and len(entries) == len(self.parts)
 
     def read(self, path, value):
-        if not self.takes(value):
-            raise self.refusal(path, value)
+        self.require(self.takes(value), path, value)
         return self.into(*read_each(self.parts, path, entries_of(value)))
 
     def schema(self):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from fem import parameters
-from studies.refusal import SceneError, all_answers, misread, resembling
+from studies.refusal import all_answers, misread, resembling
 
 
 class Rule:
@@ -46,9 +46,11 @@ class Rule:
     def schema(self) -> dict:
         raise NotImplementedError
 
-    def refusal(self, path, value) -> SceneError:
-        hint = resembling(value, self.words) if isinstance(value, str) and len(self.words) > 1 else ""
-        return misread(path, self.expected, value, hint)
+    def require(self, held: bool, path, value) -> None:
+        """Raise a SceneError that quotes the value, unless the rule held."""
+        if not held:
+            hint = resembling(value, self.words) if isinstance(value, str) and len(self.words) > 1 else ""
+            raise misread(path, self.expected, value, hint)
 
     def __or__(self, other):
         return Either((*getattr(self, "rules", (self,)), *getattr(other, "rules", (other,))))
@@ -61,10 +63,9 @@ class Either(Rule):
     rules: tuple[Rule, ...]
 
     def read(self, path, value):
-        for rule in self.rules:
-            if rule.takes(value):
-                return rule.read(path, value)
-        raise self.refusal(path, value)
+        rule = next((each for each in self.rules if each.takes(value)), None)
+        self.require(rule is not None, path, value)
+        return rule.read(path, value)
 
     def takes(self, value):
         return any(rule.takes(value) for rule in self.rules)
@@ -94,8 +95,7 @@ class Plain(Rule):
         return self.holds(value)
 
     def read(self, path, value):
-        if not self.holds(value):
-            raise self.refusal(path, value)
+        self.require(self.holds(value), path, value)
         return value
 
     def schema(self):
@@ -159,8 +159,7 @@ class Named(Rule):
 
     def read(self, path, value):
         value = dict(value) if isinstance(value, tuple) else value
-        if not isinstance(value, dict) or not value:
-            raise self.refusal(path, value)
+        self.require(isinstance(value, dict) and bool(value), path, value)
         return tuple(zip(value, read_each([self.value] * len(value), path, value.values(), value), strict=True))
 
     def written(self, value):

@@ -335,8 +335,7 @@ class Wavelengths(Rule):
         return isinstance(value, str) and value.rstrip().endswith(LAMBDAS)
 
     def read(self, path: Any, value: Any) -> Any:
-        if not self.takes(value) or wavelengths_of(value) is None:
-            raise self.refusal(path, value)
+        self.require(self.takes(value) and wavelengths_of(value) is not None, path, value)
         return value
 
     def schema(self) -> Any:

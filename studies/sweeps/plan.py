@@ -17,6 +17,7 @@ import numpy as np
 
 from studies.model.changed_scenes import ChangedScenes
 from studies.model.model import POSITION_KEYS, changes_stator
+from studies.record.quantities import quantity
 from studies.refusal import SceneError, refuse_if, refuse_outside, refuse_repeated
 from studies.scene.keys import rule_at
 from studies.solve.requested_quantities import ALSO, AMPLITUDES, ELECTRICAL, FREE, motions_in_plane, refuse_of_pillars
@@ -74,7 +75,7 @@ class Question:
         if self.has_slider:
             burst = "burst" in self.table.get("wave" if self.kind == "prescribed" else "drive", {})
             burst = burst or any(key.endswith(".burst") for key in self.keys)
-            motion = motions_in_plane(self.table.get("slider", {})) or ("velocity_m_per_s",)
+            motion = motions_in_plane(self.table.get("slider", {})) or (quantity.velocity_m_per_s.column,)
             names += [*motion, *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
             for word, columns in ALSO.items():
                 names += columns if word in self.also else []

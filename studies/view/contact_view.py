@@ -44,7 +44,7 @@ TRACES = (
     ("normal_force_N", (("normal_force_N", "line", None),)),
     ("tangential_force_N", (("tangential_force_N", "intermittent", None),)),
     (
-        "velocity_m_per_s",
+        quantity.velocity_m_per_s.column,
         (
             ("surface_velocity_m_per_s", "slip", "v of the surface"),
             ("slider_velocity_m_per_s", "line", "v of the slider"),
