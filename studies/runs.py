@@ -20,7 +20,7 @@ The block measured is the command's (`studies.solve.measured_run`).
 
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -134,7 +134,7 @@ def _with_slider(model: Model, stators: Stators) -> Record:
         seconds={"stator": stators.seconds, "contact": time.perf_counter() - start_time - stators.seconds},
     )  # fmt: skip
     if motion is not None:
-        further = [each() for each in driven.surface.motions[1:]] if model.scene.planar else ()
+        further = tuple(each() for each in driven.surface.motions[1:]) if model.scene.planar else ()
         return _on_stator(record, model, motion, driven.ringing, further)
     given = model.scene.wave
     wave = WaveBlock(frequency_Hz=given.frequency, surface_ratio=given.tangential_ratio)
@@ -188,7 +188,7 @@ def _surface_alone(model: Model, stators: Stators) -> Record:
 
 def _on_stator(
     record: Record, model: Model, motion: SurfaceMotion, ringing: RingUp | None = None,
-    further: Sequence[SurfaceMotion] = (),
+    further: tuple[SurfaceMotion, ...] = (),
 ) -> Record:  # fmt: skip
     """Return a record with what the motion of its stator's surface adds; ``further``: at its other frequencies."""
     scene, beam = model.scene, motion.spreads
@@ -199,6 +199,6 @@ def _on_stator(
     record = replace(
         record, scene=scene, wave=wave_block(scene, motion, ringing), electrical=electrical,
         points=with_powers(record.points, electrical), left_out=neglected, surface=surface_columns(scene, motion),
-        surface_motion=motion, meshed_pieces=motion.wave.meshed_pieces,
+        surface_motion=motion, further_motions=further, meshed_pieces=motion.wave.meshed_pieces,
     )  # fmt: skip
     return replace(record, heat=heat_block(record))

@@ -72,7 +72,6 @@ def run_command(words: list[str]) -> None:
 
 # what the model leaves out of a shipped motor counts a tenth and more: said by design
 WARNED = {
-    "crossed": ("side faces",),
     "lithium-niobate-128yx": ("moves sideways",),
     "silicon-slider": ("overtones of the wave", "leaks into bulk waves", "adhesion"),
 }

@@ -42,6 +42,9 @@ from fem.results.stator_solution import Solution
 # evaluated directly, because the field has kinks there.  The error is 3e-5 of the largest amplitude
 # (test_passive_transducers.py).
 FEW, PER_WAVELENGTH, MARGIN, CLEAR = 500, 9, 12, 2.0
+# A face ends a beam if the angle between the beam and the face's normal has at least this cosine, that of 45 degrees:
+# it stands more across the beam than along it.  Less by rounding, so that all four faces end a beam at 45 degrees.
+END_COSINE = np.sqrt(0.5) - 1e-9
 
 Solve = Callable[[Stator, tuple[Transducer, ...], Drive, tuple[float, ...]], SurfaceWave]
 
@@ -132,13 +135,27 @@ class CrossedBeam:
             apparent=self.circuit.apparent_power,  # that of a group without a source is rounding, or zero
         )
 
+    def incoherent_amplitude(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
+        """Root of the sum of |u_z|^2 of all beams in m per V, which has no nodes, at points (x, y) in m."""
+        return np.sqrt(sum(abs(each[2]) ** 2 for each in self.motions(x, y)))
+
     def first_images(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
-        """Sum of |u_z| in m per V of the first images of all beams in the two side faces, at points (x, y) in m."""
-        images = [side * self.width - np.asarray(y) for side in (1, -1)]
-        total: np.ndarray = np.zeros(())
+        """Sum of |u_z| in m per V of the first images of all beams in their side faces, at points (x, y) in m.
+
+        The side faces of a beam are those along which it runs.  Those at which it is aimed, `END_COSINE`, are its ends,
+        which absorb.
+        """
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        total: np.ndarray = np.zeros(x.shape)
         for group, beam in self._active:
+            along = np.cos(group.angle), np.sin(group.angle)
+            images: list = []
+            if abs(along[0]) < END_COSINE:
+                images += [(-x, y), (2.0 * self.length - x, y)]
+            if abs(along[1]) < END_COSINE:
+                images += [(x, self.width - y), (x, -self.width - y)]
             for image in images:
-                s, t = group.local(x, image)
+                s, t = group.local(*image)
                 total = total + abs(beam.motion(np.clip(s, 0.0, group.stator.length), t)[2])
         return total
 

@@ -81,6 +81,8 @@ class Record:
         With a burst.
     surface_motion : studies.solve.surface_motion.SurfaceMotion or None
         The stator's answer itself, with ``wave``, from which the interior field can be rebuilt; None after `load`.
+    further_motions : tuple of studies.solve.surface_motion.SurfaceMotion
+        The stator's answers at the further frequencies of its sources; empty after `load`.
     meshed_pieces : tuple of (float, float)
         Ends along x of each meshed piece without fingers, m; empty after `load`.
     versions : dict
@@ -118,6 +120,7 @@ class Record:
     slider_wave: Columns = field(default_factory=Columns, repr=False)
     trajectories: tuple = field(default=(), repr=False)
     surface_motion: Any = field(default=None, repr=False, compare=False)
+    further_motions: tuple = field(default=(), repr=False, compare=False)
     meshed_pieces: tuple[tuple[float, float], ...] = field(default=(), repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
 
@@ -146,6 +149,11 @@ class Record:
     def surface_wave(self) -> Any:
         """Plane section of the driven stator, a fem.SurfaceWave; None without one."""
         return None if self.surface_motion is None else self.surface_motion.wave
+
+    @property
+    def surface_motions(self) -> tuple:
+        """Motions of the driven stator at all frequencies of its sources."""
+        return (self.surface_motion, *self.further_motions)
 
     @property
     def at_rest(self) -> bool:

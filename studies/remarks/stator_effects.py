@@ -12,7 +12,7 @@ Sources:
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -122,8 +122,11 @@ def _aperture(record: Record, left_out) -> Effects:
         how = "first images of the strips' beams in both side faces, which are assumed to reflect everything in phase"
         yield "side faces", AMPLITUDE, float(images.max()), how
         return
-    other = beam.with_side_faces(None if block.mirror_width else block.width)
-    worst = max(abs(other.motion(*at)[2] / motion.at(positions)[2]) - 1, key=abs)
+    changes = []
+    for each in record.surface_motions:
+        other = each.beam.with_side_faces(None if block.mirror_width else block.width)
+        changes.append(abs(other.motion(*at)[2] / each.at(positions)[2]) - 1)
+    worst = max(np.concatenate(changes), key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", AMPLITUDE, float(worst), how
 
@@ -144,16 +147,25 @@ def _own_apertures(record: Record, at: tuple) -> Effects:
 
 
 def _crossed(record: Record, positions) -> Effects:
-    """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass."""
-    beam, (x, y) = record.surface_motion.beam, zip(*positions, strict=True)
-    amplitude, solid = abs(beam.motion(x, y)[2]), model_of(record.scene).solid
-    images = float((beam.first_images(x, y) / amplitude).max())
-    how = "first images of the beams in both side faces, which are assumed to reflect everything in phase"
-    yield "side faces", AMPLITUDE, images, how
+    """Yield the neglected effects of crossing beams: images in the side faces, and metal of transducers they pass.
+
+    Both are changes of the root mean square of u_z over all frequencies, without the nodes of the beams' interference.
+    """
+    beams, (x, y) = [each.beam for each in record.surface_motions], zip(*positions, strict=True)
+    amplitude = _root_sum_square(each.incoherent_amplitude(x, y) for each in beams)
+    images = _root_sum_square(each.first_images(x, y) for each in beams)
+    how = "first images of the beams in the faces along them, which are assumed to reflect everything in phase"
+    yield "side faces", AMPLITUDE, float((images / amplitude).max()), how
+    solid = model_of(record.scene).solid
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
-    phase_shift = float(beam.shadowed(1 - metal / bare) / amplitude.min())
+    shadows = _root_sum_square(each.shadowed(1 - metal / bare) for each in beams)
+    phase_shift = float(shadows / amplitude.min())
     how = "phase change of a beam along the fingers that it crosses, from the velocities with and without metal"
     yield "metal of the transducers in the way of crossing beams", AMPLITUDE, phase_shift, how
+
+
+def _root_sum_square(values: Iterable) -> np.ndarray:
+    return np.sqrt(sum(np.square(each) for each in values))
 
 
 def _spread(record: Record, driven: Transducer, x, y) -> np.ndarray:

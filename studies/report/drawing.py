@@ -50,7 +50,7 @@ class Drawing:
         """Draw the pictures of a record into a directory; raise an exception of the drawing process here."""
         if self.process is None:
             return draw_run(record, folder)
-        request = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
+        request = pickle.dumps((replace(record, surface_motion=None, further_motions=()), folder.resolve()))
         answer, _ = self.process.communicate(request)
         if self.process.returncode:
             raise RunError(f"the pictures were not drawn: their process ended with code {self.process.returncode}")

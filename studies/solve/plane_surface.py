@@ -31,13 +31,13 @@ def with_surface(driven: Contact, solve: Solve) -> Contact:
 
 
 def surface_of_run(record: Record) -> StatorSurface:
-    """Return the waves about the slider of a run, whose record holds the motion at the first frequency."""
+    """Return the waves about the slider of a run; those that its record does not hold are solved."""
     model = model_of(record.scene)
-    first = model.alone
+    known = dict(zip(_stators(model), record.surface_motions, strict=False))
 
     def solve(stator: Model) -> SurfaceMotion:
-        if stator is first:
-            return record.surface_motion
+        if stator in known:
+            return known[stator]
         goal = SHARE * record.tolerance
         return fem.one_blas_thread(solved_motion)(stator, record.scene.positions, tolerance=goal, slider=True)
 
@@ -46,17 +46,20 @@ def surface_of_run(record: Record) -> StatorSurface:
 
 def further_motions(model: Model, tolerance: float) -> list[SurfaceMotion]:
     """Return the motions of a stator at the further frequencies of its sources, solved to a relative tolerance."""
-    drive, positions = model.scene.drive, model.scene.positions
-    stators = [model.alone_with(drive.at_frequency(each)) for each in drive.frequencies[1:]]
-    return [solved_motion(each, positions, tolerance=tolerance, slider=True, missed=True) for each in stators]
+    positions, further = model.scene.positions, _stators(model)[1:]
+    return [solved_motion(each, positions, tolerance=tolerance, slider=True, missed=True) for each in further]
 
 
 def _surface(model: Model, solve: Solve) -> StatorSurface:
+    motions = tuple(_kept(partial(solve, each)) for each in _stators(model))
+    center, frequencies = model.scene.slider.center, model.scene.drive.frequencies
+    return StatorSurface(center=center, frequencies=frequencies, motions=motions)
+
+
+def _stators(model: Model) -> tuple[Model, ...]:
+    """Return the stator alone with each frequency of its sources."""
     drive = model.scene.drive
-    several = drive.frequencies
-    stators = (model.alone, *(model.alone_with(drive.at_frequency(each)) for each in several[1:]))
-    motions = tuple(_kept(partial(solve, each)) for each in stators)
-    return StatorSurface(center=model.scene.slider.center, frequencies=several, motions=motions)
+    return (model.alone, *(model.alone_with(drive.at_frequency(each)) for each in drive.frequencies[1:]))
 
 
 def _kept(solve: Callable[[], Any]) -> Callable[[], Any]:

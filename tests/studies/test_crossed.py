@@ -10,7 +10,13 @@ from studies import Scene, run
 from studies.model import resolve
 from studies.model.model import Model
 from studies.model.resolve import build
+from studies.record import Record
+from studies.remarks.stator_effects import stator_effects
 from studies.report.beam_map import draw_surface_map
+from studies.solve.electrical import electrical_block
+from studies.solve.plane_surface import further_motions
+from studies.solve.surface_blocks import wave_block
+from studies.solve.surface_motion import solved_motion
 from studies.stator import beam
 from tests.studies.conftest import SMALL
 
@@ -51,6 +57,36 @@ def test_a_run_of_crossing_beams(crossing):
     assert 0 < effects["metal of the transducers in the way of crossing beams"] < 0.5
     assert effects["side faces"] > 0
     assert Scene.from_table("", scene.to_table()) == scene
+
+
+def test_side_faces_are_those_along_the_beams_of_every_frequency(chip):
+    """Against each source alone: the face that "front" is aimed at, whose image is larger than the wave, is its end."""
+    slider = {"freedom": "xy", "contacts": [["1 mm", 0], [0, "1 mm"]]}
+    scene = chip.replace(
+        slider=slider,
+        drive={"transducer": None, "sources": {"left": 1, "front": 1}, "source_frequencies": {"front": "2.3 MHz"}},
+    )
+    model = build(scene)
+    places = model.scene.contact_positions
+    motion = solved_motion(model.alone, places, tolerance=TOLERANCE, slider=True, missed=True)
+    further = tuple(further_motions(model, TOLERANCE))
+    record = Record(
+        scene=model.scene, tolerance=TOLERANCE, surface_motion=motion, further_motions=further,
+        wave=wave_block(model.scene, motion, None), electrical=electrical_block(model.scene.drive, motion, further),
+    )  # fmt: skip
+    sizes = {effect: size for effect, _, size, *_ in stator_effects(record)}
+    (x, y), width, length = np.transpose(places), scene.stator.width, scene.stator.length
+    left, front = motion.beam.beams[0], further[0].beam.beams[0]
+    assert further[0].beam.rows[0].angle == np.pi / 2
+    along = sum(abs(left.motion(x, side * width - y)[2]) for side in (1.0, -1.0))
+    across = [further[0].beam.rows[0].local(image, y) for image in (-x, 2 * length - x)]
+    across = sum(abs(front.motion(*each)[2]) for each in across)
+    direct = np.hypot(abs(left.motion(x, y)[2]), abs(front.motion(*further[0].beam.rows[0].local(x, y))[2]))
+    assert sizes["side faces"] == pytest.approx((np.hypot(along, across) / direct).max(), rel=1e-12)
+    assert sizes["side faces"] < 0.1
+    behind, aside = further[0].beam.rows[0].local(x, -width - y)  # the image of "front" in the face behind it
+    assert abs(front.motion(np.maximum(behind, 0.0), aside)[2]).max() > 0.3 * direct.max()
+    assert sizes["metal of the transducers in the way of crossing beams"] > 0
 
 
 def test_the_map_shows_turned_frames(crossing):
