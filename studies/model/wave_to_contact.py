@@ -107,11 +107,13 @@ class Contact:
 
             return replace(contact_slider(self.scene.slider), normal_law=mean_field_force(self.scene.slider))
         if self.rough:
-            rule = "must be absent here: run and sweep alone take rough balls, and give their steady velocities"
+            rule = "must be absent here: of rough balls run and sweep give steady velocities and limits alone"
             remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes this'
             raise SceneError("slider.roughness", f"{rule}; {remedy}")
         if self.holding:
-            rule = 'must be "DMT" or "meniscus" here: run and sweep alone take the others, and give steady velocities'
+            rule = (
+                'must be "DMT" or "meniscus" here: of the others run and sweep give steady velocities and limits alone'
+            )
             raise SceneError("slider.adhesion.model", f'{rule}, got "{self.scene.slider.adhesion.model}"')
         return contact_slider(self.scene.slider)
 

@@ -14,6 +14,7 @@ from studies.record.values import Columns
 from studies.solve.crest_pressure import contact_load
 from studies.solve.event_counts import burst_events, burst_values, steady_events
 from studies.solve.face_motion import face_point
+from studies.solve.heavy_limits import heavy_limits
 from studies.solve.loaded_wave import wave_point, wave_tables
 from studies.solve.point_answer import PointAnswer, SliderAnswer
 from studies.solve.refinement import SHARE
@@ -142,18 +143,8 @@ def _summary(driven: Contact) -> tuple[SummaryBlock, float]:
 
     Neither is computed on a loaded wave, where a threshold takes about as long as 30 levels; in the plane no release.
     """
-    if driven.rough:
-        from studies.solve.rough_answer import rough_limits
-
-        if driven.scene.burst is not None and not driven.one_stop:
-            rule = "must be absent with a burst: its answers are steady velocities"
-            remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes bursts'
-            driven.scene.refuse("slider.roughness", f"{rule}; {remedy}")
-        return _limits(driven, *rough_limits(driven)), math.inf
-    if driven.holding:
-        from studies.solve.adhesive_answer import adhesive_limits
-
-        return _limits(driven, *adhesive_limits(driven)), math.inf
+    if driven.heavy:
+        return _limits(driven, *heavy_limits(driven)), math.inf
     with slider_keys():
         driven.slider  # noqa: B018  a cached property: parameters that the contact refuses are reported here
     if driven.scene.planar:

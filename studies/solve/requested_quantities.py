@@ -13,6 +13,7 @@ from studies.record.point import Point
 from studies.refusal import refuse_outside
 from studies.solve.crest_pressure import contact_load
 from studies.solve.electrical import source_power
+from studies.solve.heavy_limits import heavy_limits
 from studies.solve.point_answer import PointAnswer
 from studies.solve.ripple import Known, NearbyContact, ripple_point, ripples
 from studies.solve.slider_burst import QUASI_STATIC
@@ -94,6 +95,12 @@ def requested_quantities(
 
         return plane_quantities(also, tolerance, driven, answer)
     point = _ripple(driven, answer, tolerance) if "ripple" in also else Point()
+    if driven.heavy and "limits" in also:
+        if driven.level > 0.0:
+            threshold, release = heavy_limits(driven)
+            point |= Point(threshold_factor=threshold / driven.level, release_factor=release / driven.level)
+        if not set(also) - {"limits", "ripple"}:
+            return point
     slider, orbits, known = driven.slider, driven.at(driven.level), answer.point
     limited = {"limits", "pressure"} & set(also) and not driven.passing
     threshold = contact.threshold_factor(slider, orbits) if limited else 0.0

@@ -75,6 +75,16 @@ def test_a_sweep_gives_the_points_of_runs(record):
     assert abs(found["velocity_m_per_s"][0]) > abs(found["velocity_m_per_s"][1])
 
 
+@pytest.mark.parametrize("slider", [{}, {"adhesion": None, "roughness": {"rms": "1 nm"}}])
+def test_limits_of_a_sweep_are_those_of_the_run(record, slider):
+    motor = scene(amplitudes=["10 nm"]).replace(slider=slider)
+    summary = run(motor, tolerance=1e-2).summary if slider else record.summary
+    found = sweep(motor, {"slider.friction_coefficient": [0.08]}, also=("limits", "ripple"), tolerance=1e-2).columns()
+    for name in ("threshold", "release"):
+        assert found[f"{name}_factor"][0] == pytest.approx(summary[f"{name}_amplitude_m"] / 10e-9, rel=1e-9)
+    assert found["velocity_ripple"][0] == 0.0
+
+
 def test_on_a_stator_the_error_of_the_wave_counts(small):
     motor = small.replace(drive={"voltage": ["120 V"]}, slider={"adhesion": {"work": 0.05, "model": "JKR"}})
     found, dry = run(motor, tolerance=1e-2), run(motor.replace(slider={"adhesion": None}), tolerance=1e-2)

@@ -135,7 +135,7 @@ def test_rough_balls_answer_steady_velocities_alone():
     from studies.model.wave_to_contact import Contact
 
     for roughness in ({"rms": "3 nm", "seed": 5}, {"rms": "3 nm"}):
-        with pytest.raises(SceneError, match="run and sweep alone take rough balls"):
+        with pytest.raises(SceneError, match="of rough balls run and sweep give"):
             _ = Contact.prescribed(build(scene(**roughness))).slider
         with pytest.raises(SceneError, match=r"slider\.roughness must be absent with a burst"):
             run(scene(**roughness).replace(wave={"burst": "1 ms"}))
