@@ -11,6 +11,7 @@ from importlib import import_module
 _PUBLIC = {
     "answers.derivatives": "velocity_derivative",
     "answers.first_use": "compiled_aside",
+    "answers.ledger": "rough_ledger",
     "answers.load_and_stall": "blocked_thrust load_line LoadLine mean_traction stall",
     "answers.pull": "damper_pull",
     "answers.steady": "steady SteadyState",

@@ -25,7 +25,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from contact import parameter_check
-from contact.averaged.asperity_stops import Stops, TangentialModel
+from contact.averaged.asperity_stops import Balanced, Powers, Stops, TangentialModel
 from contact.averaged.memory_motion import Memory
 from contact.choice import Answer
 from contact.error_estimate import reference_speed
@@ -47,6 +47,8 @@ class RoughMotion(NamedTuple):
     answer: Answer  # the velocity, m/s
     heights: tuple[float, ...]  # mean approach of each ball, m
     regime: str  # stick, slip, or intermittent: all asperities leave the surface in every cycle
+    solved: Balanced  # motion by the last tables, whose velocity differs from the answer by its error
+    doubling: int  # of the last tables
 
 
 class RoughBalls:
@@ -111,7 +113,19 @@ class RoughBalls:
         each_ball = zip(solved.heights, waves, self._parting, strict=True)
         hops = all(height - abs(wave.normal) <= part for height, wave, part in each_ball)
         regime = "stick" if answer.value == 0.0 else "intermittent" if hops else "slip"
-        return RoughMotion(answer.judged(tolerance, max(abs(velocity), reference) or 1.0), solved.heights, regime)
+        return RoughMotion(
+            answer.judged(tolerance, max(abs(velocity), reference) or 1.0), solved.heights, regime, solved, doubling
+        )
+
+    def powers(self, orbits: Orbit | Sequence[Orbit], motion: RoughMotion) -> Powers:
+        """Return the mean powers in W of a `motion` on the same orbits; zeros where the slider rests.
+
+        They are those of the tables with which the motion was found, at the velocity at which these balance.
+        """
+        waves = self._of_each(orbits)
+        if motion.answer.value == 0.0:
+            return Powers(0.0, 0.0, 0.0)
+        return self._reach(max(abs(each.normal) for each in waves)).powers(waves, motion.doubling, motion.solved)
 
     def coarse_velocity(self, orbits: Sequence[Orbit]) -> float:
         """Return the velocity in m/s of the first tables, for its differences between similar waves."""

@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.jit.compiled import compiled, native
+from contact.jit.compiled import compiled, formula, native
 from contact.law.force_table import force_at
 from contact.roots import narrowed, trial
 
@@ -43,6 +43,8 @@ ANGLE = 1e-6  # rad: last step of that search, whose error is about its square
 HEIGHT = 1e-10  # of a mean approach over its range
 VELOCITY = 1e-6  # of a velocity over that at which all slips backwards
 NOTHING = 1e-9  # force over the friction of a ball that is no drive
+FAR_AWAY = 10.0 * math.pi, 10.0 * math.pi  # angles that a search for a meeting does not start from
+APART, SECANTS, EVEN = 1e-6, 12, 1e-14  # relative step, steps, and force over the friction of a ball of a last search
 
 
 class Heavy(NamedTuple):
@@ -101,10 +103,10 @@ def _meeting(path, e, wall, y, low, high, near):
             b = theta
         closing = sine + sign * (-path.along * sine - path.behind * cosine - path.drift)
         new = theta + gap / closing if closing > 0.0 else a
+        if abs(new - theta) <= ANGLE:
+            return min(max(new, a), b)
         if not a < new < b:
             new = 0.5 * (a + b)
-        if abs(new - theta) <= ANGLE:
-            return new
         theta = new
     return theta
 
@@ -135,12 +137,28 @@ def _next_slip(path, e, y, theta, end, near):
     return mover, first, last
 
 
-@compiled
-def mean_deformation(path, e, near):
-    """Return the mean of x - y at a depth e > -1 over a cycle that repeats, zero while it does not touch.
+class Walk(NamedTuple):
+    """Where the walk of an anchor through a cycle has come to."""
 
-    Also the angles at which each wall met the anchor first; `near` are those of a depth nearby.
-    """
+    theta: float  # angle
+    end: float  # angle at which the cycle of this depth ends
+    mover: int  # wall that moves the anchor from here on, -1: it sticks
+    stop: float  # angle at which that wall ceases to
+    anchor: float  # y
+
+
+class Piece(NamedTuple):
+    """A part of the cycle in which an anchor sticks, or is moved by one wall."""
+
+    start: float
+    stop: float
+    sign: float  # of x - y in slip: 1 by the lower wall, -1 by the upper one; 0 in stick
+    anchor: float  # y in stick
+
+
+@compiled
+def first_walk(path, e):
+    """Return where the walk of the anchor at a depth e > -1 begins."""
     if e < 1.0:
         end = math.acos(-e)
         theta = -end
@@ -150,27 +168,69 @@ def mean_deformation(path, e, near):
         if abs(rate) > 1.0:
             mover = 1 if rate > 0.0 else 0
             stop = min(_slipping(path, mover, theta)[1], end)
-    else:
-        # where the upper wall, which drifts downwards, ends to move the anchor
-        theta, mover, stop = path.stop[1], -1, 0.0
-        end = theta + 2.0 * math.pi
-        y = _displacement(path, theta) + e + np.cos(theta)
-    total, met = 0.0, near
-    while theta < end:
-        if mover < 0:
-            mover, start, stop = _next_slip(path, e, y, theta, end, near)
-            if mover == 0:
-                met = start, met[1]
-            elif mover == 1:
-                met = met[0], start
-            total += _sum_of_displacements(path, theta, start) - y * (start - theta)
-            theta = start
-        if mover >= 0:
-            sign = 1.0 - 2.0 * mover
-            total += sign * (e * (stop - theta) + np.sin(stop) - np.sin(theta))
-            theta, mover = stop, -1
-            y = _displacement(path, theta) - sign * (e + np.cos(theta))
+        return Walk(theta, end, mover, stop, y)
+    # where the upper wall, which drifts downwards, ends to move the anchor
+    theta = path.stop[1]
+    return Walk(theta, theta + 2.0 * math.pi, -1, 0.0, _displacement(path, theta) + e + np.cos(theta))
+
+
+@compiled
+def next_piece(path, e, walk, near, met):
+    """Return the piece of the cycle that begins where a walk has come to, where it then is, and the angles `met`."""
+    theta, end, mover, stop, y = walk
+    if mover < 0:
+        mover, start, stop = _next_slip(path, e, y, theta, end, near)
+        if mover == 0:
+            met = start, met[1]
+        elif mover == 1:
+            met = met[0], start
+        return Piece(theta, start, 0.0, y), Walk(start, end, mover, stop, y), met
+    sign = 1.0 - 2.0 * mover
+    y = _displacement(path, stop) - sign * (e + np.cos(stop))
+    return Piece(theta, stop, sign, 0.0), Walk(stop, end, -1, stop, y), met
+
+
+@compiled
+def mean_deformation(path, e, near):
+    """Return the mean of x - y at a depth e > -1 over a cycle that repeats, zero while it does not touch.
+
+    Also the angles at which each wall met the anchor first; `near` are those of a depth nearby.
+    """
+    walk, total, met = first_walk(path, e), 0.0, near
+    while walk.theta < walk.end:
+        piece, walk, met = next_piece(path, e, walk, near, met)
+        start, stop, sign, y = piece
+        if sign == 0.0:
+            total += _sum_of_displacements(path, start, stop) - y * (stop - start)
+        else:
+            total += sign * (e * (stop - start) + np.sin(stop) - np.sin(start))
     return total / (2.0 * math.pi), met
+
+
+@compiled
+def mean_works(path, e, near):
+    """Return the means of two powers at a depth e > -1 as `mean_deformation` does, and the angles met.
+
+    They are (x - y) u' of the surface's motion u, and (x - y) y' of slip, in (c A)^2 times the angular frequency.
+    """
+    walk, work, slip, met = first_walk(path, e), 0.0, 0.0, near
+    while walk.theta < walk.end:
+        piece, walk, met = next_piece(path, e, walk, near, met)
+        start, stop, sign, y = piece
+        before, after = _displacement(path, start), _displacement(path, stop)
+        first, last = before + path.drift * start, after + path.drift * stop  # u
+        if sign == 0.0:
+            sums = _sum_of_displacements(path, start, stop)
+            # int x u' = int x x' + w int x
+            work += 0.5 * (after**2 - before**2) + path.drift * sums - y * (last - first)
+        else:
+            sines, cosines = np.sin(stop) - np.sin(start), np.cos(stop) - np.cos(start)
+            squares = 0.5 * (np.sin(stop) ** 2 - np.sin(start) ** 2)
+            products = 0.5 * (stop - start + np.sin(stop) * np.cos(stop) - np.sin(start) * np.cos(start))
+            done = sign * (e * (last - first) - path.along * squares - path.behind * products)
+            work += done
+            slip += done - sign * path.drift * (e * (stop - start) + sines) - e * cosines + squares
+    return work / (2.0 * math.pi), slip / (2.0 * math.pi), met
 
 
 @compiled
@@ -187,23 +247,33 @@ def _interval(along, behind, drift, sign):
 
 
 @compiled
-def mean_memory(table, k, height, path, cells):
-    """Return <Q>/mu of ball k at a mean approach, by so many cells of depth over which x - y is a straight line."""
-    A, deepest = path.normal, (height - table.start[k]) / path.normal
-    # depth below which the lower wall does not reach what the upper one has left
+def _last_depth(path, deepest):
+    """Return the depth below which the lower wall does not reach what the upper one has left, at most `deepest`."""
     last = 1.0
     if path.stop[0] > path.start[0]:
         left = path.stop[1]
         top = _slipping(path, 0, left)[1]
         gap = _displacement(path, top) - math.cos(top) - _displacement(path, left) - math.cos(left)
         last = max(last, 0.5 * gap)
-    last = min(last, deepest)
+    return min(last, deepest)
+
+
+@formula
+def _depth(last, cell, cells):
+    """Return the depth at the end of a cell: they are finer near the crest, where layers hardly touch."""
+    return (last + 1.0) * (cell / cells) ** 1.5 - 1.0
+
+
+@compiled
+def mean_memory(table, k, height, path, cells):
+    """Return <Q>/mu of ball k at a mean approach, by so many cells of depth over which x - y is a straight line."""
+    A, deepest = path.normal, (height - table.start[k]) / path.normal
+    last = _last_depth(path, deepest)
     total, above, before, shallow = 0.0, force_at(table, k, height + A), 0.0, -1.0
-    near = 10.0 * math.pi, 10.0 * math.pi
+    near = FAR_AWAY
     if last > -1.0:
         for cell in range(1, cells + 1):
-            # finer near the crest, where layers hardly touch
-            e = (last + 1.0) * (cell / cells) ** 1.5 - 1.0
+            e = _depth(last, cell, cells)
             deformation, near = mean_deformation(path, e, near)
             below = force_at(table, k, height - A * e)
             total += (above - below) * (deformation - before) / (e - shallow)
@@ -212,17 +282,73 @@ def mean_memory(table, k, height, path, cells):
 
 
 @compiled
+def memory_works(table, k, height, path, cells):
+    """Return the work of the surface and the loss by slip as `mean_memory` does the force.
+
+    They are means over mu, c A and the angular frequency, N.
+    """
+    A, deepest = path.normal, (height - table.start[k]) / path.normal
+    last = _last_depth(path, deepest)
+    work = slip = work_before = slip_before = 0.0
+    above, shallow, near = force_at(table, k, height + A), -1.0, FAR_AWAY
+    if last > -1.0:
+        for cell in range(1, cells + 1):
+            e = _depth(last, cell, cells)
+            worked, slipped, near = mean_works(path, e, near)
+            below = force_at(table, k, height - A * e)
+            share = (above - below) / (e - shallow)
+            work += share * (worked - work_before)
+            slip += share * (slipped - slip_before)
+            above, work_before, slip_before, shallow = below, worked, slipped, e
+    return work, slip + above * path.drift  # what is deeper slips by the drift in each cycle, and takes no work
+
+
+@compiled
+def path_of(motion, heavy, way, v):
+    """Return the path past a ball at a speed v >= 0 in the direction `way`.
+
+    `motion`: A, and the parts of u_x along u_z and a quarter of a cycle before it, m.
+    """
+    A = motion[0]
+    unit = heavy.limit_slope * A
+    along, behind, drift = way * motion[1] / unit, way * motion[2] / unit, v / (heavy.omega * unit)
+    lower, upper = _interval(along, behind, drift, 1.0), _interval(along, behind, drift, -1.0)
+    return Path(A, along, behind, drift, (lower[0], upper[0]), (lower[1], upper[1]))
+
+
+@compiled
 def _left(table, which, waves, heights, heavy, way, v, cells):
     """Return the mean force that is left along the motion at a speed v >= 0 in the direction `way`."""
     total = 0.0
     for ball in range(which.size):
-        A = waves[ball, 0]
-        unit = heavy.limit_slope * A
-        along, behind, drift = way * waves[ball, 1] / unit, way * waves[ball, 2] / unit, v / (heavy.omega * unit)
-        lower, upper = _interval(along, behind, drift, 1.0), _interval(along, behind, drift, -1.0)
-        path = Path(A, along, behind, drift, (lower[0], upper[0]), (lower[1], upper[1]))
+        path = path_of(waves[ball], heavy, way, v)
         total += mean_memory(table, which[ball], heights[ball], path, cells)
     return heavy.friction * total - heavy.load - heavy.damping * v
+
+
+@native("t i1 f2 t i f1 f1", {"which": "n", "waves": "n 3", "heights": "n", "out": "3"})
+def memory_powers(table, which, waves, heavy, cells, heights, out):
+    """Write the velocity to rounding, the power of the surface's motion along x and that of slip, W; return nothing.
+
+    ``out[0]`` holds the velocity of `memory_motion` with as many cells, which is not 0, and its mean approaches.
+    """
+    way, v = np.sign(out[0]), abs(out[0])
+    left = _left(table, which, waves, heights, heavy, way, v, cells)
+    a, fa, b = v, left, v * (1.0 + APART)
+    for _ in range(SECANTS):
+        fb = _left(table, which, waves, heights, heavy, way, b, cells)
+        if abs(fb) <= EVEN * heavy.friction * heavy.share or fa == fb:
+            break
+        a, fa, b = b, fb, b - fb * (b - a) / (fb - fa)
+    work = slip = 0.0
+    for ball in range(which.size):
+        path = path_of(waves[ball], heavy, way, b)
+        worked, slipped = memory_works(table, which[ball], heights[ball], path, cells)
+        unit = heavy.friction * heavy.limit_slope * heavy.omega * path.normal
+        work += unit * worked
+        slip += unit * slipped
+    out[0], out[1], out[2] = way * b, work, slip
+    return 0
 
 
 @compiled
@@ -255,8 +381,7 @@ def _mean_height(table, k, normal, share, steps):
 def memory_motion(table, which, waves, heavy, cells, heights, out):
     """Write the mean approaches of balls and the slider's velocity, from which the search starts; return nothing.
 
-    `which` are the balls' contacts in the table, `waves` A, and the parts of u_x along u_z and a quarter of a cycle
-    before it, in m.
+    `which` are the balls' contacts in the table, `waves` their motions as in `path_of`.
     """
     top = 0.0
     for ball in range(which.size):

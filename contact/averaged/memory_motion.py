@@ -11,15 +11,14 @@ Errors on the ball of Feenstra and Breedveld with 3 nm, at waves of 1.5 to 8 nm 
 
 import numpy as np
 
-from contact.averaged.asperity_stops import Balanced
-from contact.averaged.memory_cycle import Heavy, memory_motion
+from contact.averaged.asperity_stops import Balanced, Powers, heavy_slider, motion_of
+from contact.averaged.memory_cycle import memory_motion, memory_powers
 from contact.law.force_table import ForceTable, joined
 from contact.orbit import Orbit
 from contact.slider import Slider
 
 CELLS = 16  # of depth, of the first answer; 32 and extrapolation: 5e-5 of the velocity, `tests/contact/test_memory.py`
 ERROR = 1.0 / 12.0  # of an extrapolated velocity over the change before it; `tests/contact/test_memory_motion.py`
-FLAT = 1e-6  # of the tangential amplitude over c: a smaller normal one counts as this
 
 
 class Memory:
@@ -33,22 +32,22 @@ class Memory:
 
     def solve(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None = None, /) -> Balanced:
         """Return the steady motion with so many doublings of cells and rows; the search starts from another one."""
-        slider = self.slider
-        heavy = Heavy(
-            slider.friction_coefficient, slider.limit_slope, slider.load, slider.tangential_damping,
-            slider.preload / len(waves), waves[0].omega,
-        )  # fmt: skip
-        motions = np.empty((len(waves), 3))
-        for motion, wave in zip(motions, waves, strict=True):
-            size = abs(wave.normal)
-            along = wave.tangential * (wave.normal.conjugate() / size if size > 0.0 else 1.0)
-            motion[:] = max(size, FLAT * abs(along) / slider.limit_slope), along.real, along.imag
+        heavy, motions = heavy_slider(self.slider, waves), np.array([motion_of(self.slider, each) for each in waves])
         heights, found = np.empty(len(waves)), np.array([near.velocity, near.rate] if near else [0.0, 0.0])
         if np.any(motions[:, 0] > 0.0):
             memory_motion(self._at(doubling), self._which, motions, heavy, CELLS * 2**doubling, heights, found)
             if not any(wave.normal for wave in waves):
                 found[0] = 0.0  # a friction limit that stays as it is holds as much forwards as backwards
         return Balanced(float(found[0]), tuple(map(float, heights)), float(found[1]))
+
+    def powers(self, waves: tuple[Orbit, ...], doubling: int, solved: Balanced, /) -> Powers:
+        """Return the powers of a motion that `solve` has found with as many doublings, and that is not at rest."""
+        heavy, motions = heavy_slider(self.slider, waves), np.array([motion_of(self.slider, each) for each in waves])
+        found = np.array([solved.velocity, 0.0, 0.0])
+        memory_powers(
+            self._at(doubling), self._which, motions, heavy, CELLS * 2**doubling, np.array(solved.heights), found
+        )
+        return Powers(*map(float, found))
 
     @property
     def said(self) -> str:

@@ -45,14 +45,19 @@ def balances(record: Record) -> tuple[Balance, ...]:
     if driven.heavy:
         return _of_heavy_slider(record, driven)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
-    power = scene.slider.share * scene.frequency
-    shown = {name: text for name, text in LEDGER.items() if name not in STORED}
-    results = []
+    goal, results = record.tolerance * SHARE, []
     for level in _levels(record):
-        state = contact.steady(driven.slider, driven.at(level), tolerance=record.tolerance * SHARE, method=method)
-        entries = tuple((text, getattr(state.ledger, name) * power) for name, text in shown.items())
-        results.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
+        state = contact.steady(driven.slider, driven.at(level), tolerance=goal, method=method)
+        results.append(_balance(driven, level, state.ledger, scene.slider.share))
     return tuple(results)
+
+
+def _balance(driven: Contact, level: float, ledger, share: int) -> Balance:
+    """Return the powers of a cycle's ledger, of which the slider has a number of equal parts."""
+    power = share * driven.scene.frequency
+    shown = {name: text for name, text in LEDGER.items() if name not in STORED}
+    entries = tuple((text, getattr(ledger, name) * power) for name, text in shown.items())
+    return Balance(level=level, entries=entries, residual=ledger.relative_residual)
 
 
 def _levels(record: Record) -> list[float]:
@@ -62,12 +67,17 @@ def _levels(record: Record) -> list[float]:
 
 
 def _of_heavy_slider(record: Record, driven: Contact) -> tuple[Balance, ...]:
-    """Return the balances of balls whose adhesion holds on; rough balls have none.
+    """Return the balances of rough balls, and of balls whose adhesion holds on.
 
-    The residual is that of the normal force; what is lost in slip is the rest of the tangential one.
+    Of the latter the residual is that of the normal force; what is lost in slip is the rest of the tangential one.
     """
     if driven.rough:
-        return ()
+        from studies.solve.rough_answer import rough_ledger
+
+        share = 1 if record.scene.slider.roughness.sampled else record.scene.slider.share  # as of `rough_balls`
+        return tuple(
+            _balance(driven, level, rough_ledger(driven, level, record.tolerance), share) for level in _levels(record)
+        )
     from studies.solve.adhesive_answer import adhesive_balls
 
     balls, share, results = adhesive_balls(record.scene.slider), record.scene.slider.share, []

@@ -49,10 +49,13 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     return SliderAnswer(answers=tuple(answers), driven=driven, summary=summary, **tables)
 
 
-def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: bool = True) -> PointAnswer:
+def point_answer(
+    driven: Contact, level: float, tolerance: float, *, bursting: bool = True, balance: bool = True
+) -> PointAnswer:
     """Return the answer at one level; if a solver does not converge, the status of the point says so.
 
-    If ``bursting`` is False, only the steady state is computed, even if the scene has a burst.
+    If ``bursting`` is False, only the steady state is computed, even if the scene has a burst; ``balance`` is that of
+    `rough_answer`.
     """
     try:
         if driven.scene.planar:
@@ -62,7 +65,7 @@ def point_answer(driven: Contact, level: float, tolerance: float, *, bursting: b
         if driven.rough and not (driven.one_stop and driven.scene.burst is not None):
             from studies.solve.rough_answer import rough_answer
 
-            answer = rough_answer(driven, level, tolerance)
+            answer = rough_answer(driven, level, tolerance, balance=balance)
         elif driven.holding:
             from studies.solve.adhesive_answer import adhesive_answer
 

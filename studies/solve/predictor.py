@@ -183,7 +183,7 @@ class Predictor:
                 status = Status.ABOVE_TOLERANCE.because(f"the stator's error is {error:.1e}")
             error = error if driven.level else 0.0
             return PointAnswer(point=Point(relative_error=error, status=status), from_stator=error)
-        return point_answer(driven, driven.level, tolerance)
+        return point_answer(driven, driven.level, tolerance, balance=False)
 
 
 def _is_steady(driven: Contact) -> bool:

@@ -19,12 +19,18 @@ SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
 STEP = 1.5  # largest amplitudes go by steps of this factor, so that neighbouring scenes share their tables
 
 
-def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
-    """Return the steady velocity at a level; of a sample also the velocities of seven others, its scatter."""
+def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bool = True) -> PointAnswer:
+    """Return the steady velocity at a level; of a sample also the velocities of seven others, its scatter.
+
+    ``balance``: whether the residual of its energies is computed, which takes about as long as the velocity.
+    """
     orbits = scaled(orbits_of_each(driven.scene.slider, driven.orbits), level)
     with slider_keys():
         own, *others = _balls(driven)
         state = own.motion(orbits, tolerance=SHARE * tolerance)
+        residual = None
+        if balance and state.answer.value != 0.0:
+            residual = contact.rough_ledger(own, orbits, state).relative_residual
         further = [each.velocity(orbits, tolerance=SCATTER).value for each in others]
     velocity, speed = state.answer.value, contact.reference_speed(state.answer.value, orbits)
 
@@ -39,6 +45,7 @@ def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer
     point = Point(
         velocity_m_per_s=velocity, regime=state.regime,
         amplitude_sensitivity=float(by_amplitude) if driven.stator_error > 0 else None,
+        ledger_relative_residual=residual,
     )  # fmt: skip
     if further:
         samples = [velocity, *further]
@@ -49,6 +56,14 @@ def rough_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer
     why = "" if state.answer.status == Status.OK else state.answer.why
     point |= judged(tolerance, from_stator, from_contact, why)
     return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
+
+
+def rough_ledger(driven: Contact, level: float, tolerance: float):
+    """Return the `contact` ledger of a cycle of all balls at a level, J."""
+    slider = driven.scene.slider
+    orbits, own = scaled(orbits_of_each(slider, driven.orbits), level), _balls(driven)[0]
+    with slider_keys():
+        return contact.rough_ledger(own, orbits, own.motion(orbits, tolerance=SHARE * tolerance))
 
 
 def rough_limits(driven: Contact) -> tuple[float, float]:

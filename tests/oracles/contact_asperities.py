@@ -41,7 +41,8 @@ class CoupledAsperities:
         """Return the means of sum P and sum Q over the last of some cycles.
 
         z, surface: the approach of the ball and the surface's x at equal steps of a cycle; drift: the slider's travel
-        in a cycle.
+        in a cycle. `work` and `loss` are then the work of the surface's x in that cycle, and what slip of the springs
+        takes, J.
         """
         steps = len(z)
         paths, u = [], None
@@ -54,8 +55,8 @@ class CoupledAsperities:
         stretched, total, identity = np.zeros((n, self.eta.size)), 0.0, np.eye(n)
         own = np.zeros(n)  # displacement of each asperity by the others
         for _ in range(cycles):
-            total = 0.0
-            for u, move in zip(paths, moves, strict=True):
+            total = self.work = self.loss = 0.0
+            for u, move, shift in zip(paths, moves, surface - np.roll(surface, 1), strict=True):
                 limit = self.c * np.maximum(u[:, None] - self.eta, 0)
                 step = np.full(n, move)
                 for _attempt in range(60):
@@ -67,6 +68,9 @@ class CoupledAsperities:
                         break
                     stiffness = (np.abs(trial) < limit) @ self.weight
                     step = step - np.linalg.solve(identity + self.tangential * stiffness, left)
+                before = (stretched @ self.weight).sum()
+                self.work += 0.5 * (Q.sum() + before) * shift
+                self.loss += 0.5 * np.sum((held + stretched) * (trial - held) * self.weight)
                 stretched, own = held, self.tangential @ Q
                 total += Q.sum() / steps
         return P, total

@@ -11,6 +11,7 @@ from studies.model.roughness_of_balls import STRIDE
 from studies.model.wave_to_contact import Contact
 from studies.motor import load_line
 from studies.remarks.ball_surface import ratio
+from studies.report.energies import balances
 
 AMPLITUDES = ["3 nm", "8 nm"]
 
@@ -56,6 +57,28 @@ def test_the_budget_of_a_sample_has_the_scatter_instead_of_an_assumed_roughness(
         "roughness of the balls: where they start",
     } & set(found)
     assert "a roughness of 3 nm removes" in found["adhesion of clean smooth balls"]["source"]
+
+
+@pytest.mark.parametrize("roughness", [{"seed": 5}, {}])
+@pytest.mark.parametrize("law", ["hysteretic", "elastic"])
+def test_the_energies_of_a_run_balance(roughness, law):
+    """Twice the mass, preload and load on two balls is twice the power of one, of a mean field."""
+    load = {"load": "5 uN", "law": law}
+    record = run(scene(rms="3 nm", **roughness).replace(slider=load), tolerance=1e-3)
+    moving = [point for point in record.points if point.velocity_m_per_s]
+    assert moving
+    assert all(point.ledger_relative_residual < 1e-10 for point in moving)
+    found = [dict(each.entries) for each in balances(record)]
+    for powers, point, balance in zip(found, moving, balances(record), strict=True):
+        assert balance.residual < 1e-10
+        assert powers["work against the load"] == pytest.approx(5e-6 * abs(point.velocity_m_per_s), rel=1e-2)
+        spent = powers["lost in slip"] + powers["work against the load"] + powers["not conserved by the elastic law"]
+        assert spent == pytest.approx(powers["wave, friction force"], rel=1e-9)
+    if not roughness:
+        double = {"contacts": 2, "preload": 2 * 0.87309e-3, "load": 1e-5, "law": law}
+        twice = run(scene(rms="3 nm").replace(slider=double), tolerance=1e-3)
+        (one, *_), (two, *_) = found, [dict(each.entries) for each in balances(twice)]
+        assert two["lost in slip"] == pytest.approx(2.0 * one["lost in slip"], rel=1e-3)
 
 
 def test_an_answer_does_not_depend_on_the_other_levels(sampled):
