@@ -25,17 +25,11 @@ from fem.results.driven_answer import SurfaceWave
 from fem.results.stator_solution import Solution, driven_solution
 from fem.waveguide.port_fields import PortFields
 
-UNEVEN = "the field in three dimensions of transducers with uneven fingers (chirp, cell) is not computed"
 TINY = 1e-300  # avoids division by zero
 
 
-def beam_refusal(stator: Stator, *, even: bool = True) -> str:
-    """Sentence that says why a stator's field in three dimensions cannot be computed; empty if it can.
-
-    ``even``: whether all its transducers have equal fingers, equally spaced.
-    """
-    if not even:
-        return UNEVEN
+def beam_refusal(stator: Stator) -> str:
+    """Sentence that says why a stator's field in three dimensions cannot be computed; empty if it can."""
     if stator.pieces:
         return "the field in three dimensions of a stator with meshed pieces is not computed"
     if stator.layers:
@@ -104,7 +98,7 @@ def _refuse(wave: SurfaceWave, mirror_width: float | None) -> Iterator[Any]:
     """Raise a BeamError or an InputError for what `surface_beam` does not cover."""
     solution, stator = wave.solution, wave.solution.fields.stator
     transducers = solution.fields.transducers
-    refusal = beam_refusal(stator, even=all(each.even for each in transducers))
+    refusal = beam_refusal(stator)
     if not refusal and solution.forces is not None and stator.ends != "absorbing":
         refusal = f"the field of forces in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     if refusal:

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.beam.beam_of_section import UNEVEN, aperture_beam
+from fem.beam.beam_of_section import aperture_beam
 from fem.beam.parallel_groups import (
     ParallelGroup,
     admittances_of_groups,
@@ -312,8 +312,6 @@ def _refuse(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -
     """Raise an error for an impossible layout, and a BeamError for one that is not covered."""
     check_plan(stator, width, transducers)
     check_turned(stator)
-    if not all(each.even for each in transducers):
-        raise BeamError(UNEVEN)
     for each in transducers:
         if not is_port(each):
             raise InputError("transducer.pattern", one_electrode(TURNED, each.signs), owner=each.name)

@@ -38,16 +38,17 @@ A force sends waves of amplitudes a_b at the transducer's centre and a_b + A_bf 
 the same effect as additional potentials (Q_U^-1 Q_a A)_f, which are added to the right side of (5).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from fem.beam.lateral import amplitude_ratio, highest_wavenumber, sheet_spectrum, wavenumber_along
 from fem.beam.line_source import LineSource
-from fem.beam.point_potential import StripPotential
+from fem.beam.point_potential import Panels, StripPotential
 from fem.condense.electrode_conditions import charged
 from fem.condense.transducer import finger_ports
 from fem.geometry import Transducer
@@ -74,6 +75,11 @@ STEPS = (
     (0.1,),
     (),
 )
+DIGITS = 12  # of lengths in m that are compared
+# D is interpolated from the nodes of panels where these are so many times fewer than its distances: in transducers of
+# uneven fingers, whose pairs are all different.  It changes D by 1e-9 (test_own_aperture.py).  At 1 it costs the same;
+# at 4 a DART of 10 periods takes all its distances, and its beam 1.4 times as long.
+FEWER_NODES = 2
 SHORTEST_SHEET = 0.2  # fraction of the aperture; shorter sheets are omitted
 MAX_UNKNOWNS = 1500  # sheets of all fingers of a transducer; solving for them takes 0.5 s
 
@@ -86,14 +92,39 @@ class Coupling(NamedTuple):
     """Change of the fingers' potentials by the charges and dipoles of all sheets, tested by all sheets; in SI units.
 
     ``charges``, ``mixed`` and ``moments`` couple charge to charge, charge to dipole and dipole to dipole, in V m, V and
-    V/m per C/m or C m/m.  Shape (sheets, sheets, 2 fingers - 1); the last index k stands for two fingers that are
-    k + 1 - fingers pitches apart.
+    V/m per C/m or C m/m.  Shape (sheets, sheets, kinds); the last index is the kind of two fingers, `FingerPairs`.
     """
 
     charges: np.ndarray
     mixed: np.ndarray
     moments: np.ndarray
-    polarisability: complex  # of a finger, C per V/m
+    polarisability: np.ndarray  # of each finger, C per V/m
+
+
+class FingerPairs(NamedTuple):
+    """Kinds of two fingers of a transducer, "+" or "-": their distance and widths, which pairs may share.
+
+    Of equal and equidistant fingers there are twice as many kinds as fingers, less one, of a chirp one for each pair.
+    """
+
+    half_widths: np.ndarray  # (fingers,), m
+    offset: np.ndarray  # (kinds,): from the middle of the second finger to that of the first, m
+    first: np.ndarray  # (kinds,): a first finger of this kind
+    second: np.ndarray  # (kinds,)
+    kind: np.ndarray  # (fingers, fingers)
+
+
+@lru_cache(maxsize=64)
+def finger_pairs(transducer: Transducer) -> FingerPairs:
+    """Return the kinds of two fingers; lengths that differ by less than a picometre are equal."""
+    edges = transducer.fingers[charged(transducer.signs)]
+    half_widths, middles = np.ptp(edges, axis=1) / 2, edges.mean(axis=1)
+    offset = np.subtract.outer(middles, middles)
+    widths = np.broadcast_to(half_widths, offset.shape)
+    alike = np.stack([offset, widths.T, widths], axis=-1).round(DIGITS).reshape(-1, 3)
+    _, some, kind = np.unique(alike, axis=0, return_index=True, return_inverse=True)
+    first, second = np.unravel_index(some, offset.shape)
+    return FingerPairs(half_widths, offset[first, second], first, second, kind.reshape(offset.shape))
 
 
 def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNKNOWNS) -> np.ndarray:
@@ -162,23 +193,46 @@ def finger_coupling(
     D_cb(x) of equation (1) is evaluated at all distances between points on two fingers and averaged over them with the
     weights of a charge, 1 / ACROSS each, and of a unit dipole, x / sum x^2.
     """
-    half, count = transducer.finger_width / 2, len(transducer.signs)
-    across = half * np.cos(np.pi * (np.arange(ACROSS) + 0.5) / ACROSS)
-    offsets = np.arange(1 - count, count) * transducer.pitch
-    distances = abs(offsets[:, None, None] + np.subtract.outer(across, across))
+    pairs = finger_pairs(transducer)
+    if not pairs.kind.size:  # open strips alone
+        nothing = np.zeros((len(lengths), len(lengths), 0), dtype=complex)
+        return Coupling(nothing, nothing, nothing, np.zeros(0))
+    at, weights = _averages(source, pairs)
+    change = _change_of_potential(source, lengths, at)
+    if mirror_width is not None:
+        images = image_potential(source, transducer.aperture, at, mirror_width)
+        change += np.multiply.outer(np.outer(lengths, lengths) / transducer.aperture, images)
+    flat = change.reshape(-1, len(at)).T
+    charges, mixed, moments = ((each @ flat).T.reshape(*change.shape[:2], -1) for each in weights)
+    own = [polarisability(source, 2 * half) for half in pairs.half_widths]
+    return Coupling(charges, mixed, moments, np.array(own))
+
+
+def _averages(source: LineSource, pairs: FingerPairs) -> tuple[np.ndarray, list[csr_array]]:
+    """Distances in m at which D is evaluated, and weights (kinds, distances) of its three averages over two fingers."""
+    across = np.cos(np.pi * (np.arange(ACROSS) + 0.5) / ACROSS)
+    one, other = (np.multiply.outer(pairs.half_widths[each], across) for each in (pairs.first, pairs.second))
+    apart = abs(pairs.offset[:, None, None] + one[:, :, None] - other[:, None, :])  # (kinds, ACROSS, ACROSS)
     # A point's distance to itself is replaced by the one for which the rule gives the exact mean of log |x| over two
     # densities 1 / sqrt(1 - s^2).
-    distances[count - 1][np.eye(ACROSS, dtype=bool)] = half / (ACROSS * 2 ** (2 - 1 / ACROSS))
-    distinct, number = np.unique(distances.round(12), return_inverse=True)
-    change = _change_of_potential(source, lengths, distinct)
-    if mirror_width is not None:
-        images = image_potential(source, transducer.aperture, distinct, mirror_width)
-        change += np.multiply.outer(np.outer(lengths, lengths) / transducer.aperture, images)
-    change = change[..., number.reshape(distances.shape)]  # (sheets, sheets, offsets, ACROSS, ACROSS)
+    own = np.flatnonzero(pairs.first == pairs.second)
+    itself = pairs.half_widths[pairs.first[own]] / (ACROSS * 2 ** (2 - 1 / ACROSS))
+    apart[own[:, None], np.arange(ACROSS), np.arange(ACROSS)] = itself[:, None]
+    at, number = np.unique(apart.round(DIGITS), return_inverse=True)
     charge, dipole = np.full(ACROSS, 1 / ACROSS), across / np.sum(across**2)
-    pairs = ((charge, charge), (charge, dipole), (dipole, dipole))
-    charges, mixed, moments = (change @ second @ first for first, second in pairs)  # weights on the two fingers
-    return Coupling(charges, mixed, moments, polarisability(source, transducer.finger_width))
+    unit = np.ones((len(apart), 1))
+    moment_of_one, moment_of_other = (dipole / pairs.half_widths[each][:, None] for each in (pairs.first, pairs.second))
+    on_pairs = ((unit * charge, unit * charge), (unit * charge, moment_of_other), (moment_of_one, moment_of_other))
+    starts = np.arange(len(apart) + 1) * ACROSS**2
+    weights = [
+        csr_array(((first[:, :, None] * second[:, None, :]).ravel(), number.ravel(), starts), (len(apart), len(at)))
+        for first, second in on_pairs
+    ]
+    panels = Panels.of(source, at[0], at[-1])
+    if panels.nodes.size * FEWER_NODES > at.size:
+        return at, weights
+    interpolation = panels.interpolation(at)
+    return panels.nodes, [each @ interpolation for each in weights]
 
 
 def _change_of_potential(source: LineSource, lengths: np.ndarray, distances: np.ndarray) -> np.ndarray:
@@ -251,7 +305,7 @@ class _InSection(NamedTuple):
 
 def aperture_response(
     plain: Scatterer,
-    signs: str,
+    transducer: Transducer,
     coupling_modes: np.ndarray,
     lengths: np.ndarray,
     change: Coupling,
@@ -262,14 +316,15 @@ def aperture_response(
     ``coupling_modes``: those that couple the transducers; ``of_forces``: changes A of the amplitudes from finger
     to finger (`reception`).  The waves that it sends are S_a a + S_U U, with the blocks S of ``leaving``.
     """
-    scatterer, moments = _by_fingers(plain, signs)
+    scatterer, moments = _by_fingers(plain, transducer.signs)
     modes, at, m, sheets = scatterer.modes, scatterer.at, len(coupling_modes), len(lengths)
     fingers, ports = scatterer.potentials.shape
     arriving = np.zeros((at.ports.start, 2 * m), dtype=complex)
     arriving[at.left, :m] = modes.right[:, coupling_modes]
     arriving[at.right, m:] = modes.left[:, coupling_modes]
     section = _in_section(scatterer, moments, coupling_modes, arriving)
-    change_by_charge, added = _change_by_charges(scatterer, signs, lengths, change, section.dipoles)
+    kind = finger_pairs(replace(transducer, name="", center=0.0)).kind
+    change_by_charge, added = _change_by_charges(scatterer, kind, lengths, change, section.dipoles)
 
     size, waves = sheets * fingers, sheets * 2 * m
     before_forces = waves + ports
@@ -340,29 +395,28 @@ def _in_section(
 
 
 def _change_by_charges(
-    scatterer: Scatterer, signs: str, lengths: np.ndarray, change: Coupling, dipoles: np.ndarray
+    scatterer: Scatterer, kind: np.ndarray, lengths: np.ndarray, change: Coupling, dipoles: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """O^-1 D of equation (5), and the dipoles that the change of the potentials adds, per charge (reaction).
 
-    Both are matrices over the fingers of all sheets, (sheets fingers, sheets fingers).  ``change`` has the blocks of
-    `Coupling`: C of charges to potentials, X of dipoles to potentials, Y of dipoles to gradients.  A charge has the
-    dipoles P of the section, ``dipoles``, and causes the gradient G of the potential on each finger; with the
-    polarisability alpha of a strip this adds the dipoles A, which act back on the potentials by G^T (reciprocity):
+    Both are matrices over the fingers of all sheets, (sheets fingers, sheets fingers).  ``kind``: of each two fingers
+    (`FingerPairs`).  ``change`` has the blocks of `Coupling`: C of charges to potentials, X of dipoles to potentials,
+    Y of dipoles to gradients.  A charge has the dipoles P of the section, ``dipoles``, and causes the gradient G of the
+    potential on each finger; with the polarisability alpha of each strip this adds the dipoles A, which act back on the
+    potentials by G^T (reciprocity):
 
         G = X^T + Y P,    A = alpha O^-1 G,    D = C + X P + P^T G + G^T A.
     """
     section = scatterer.modes.section
     medium, unit = section.solid, section.length_unit
     scale = medium.stress_unit / medium.potential_unit**2  # of charges in SI to reactions
-    numbers = np.flatnonzero(charged(signs))
-    offsets = np.subtract.outer(numbers, numbers) + len(signs) - 1  # index of each pair of fingers in ``change``
     charges, mixed, moments = (
-        scale * unit**power * each[..., offsets]
+        scale * unit**power * each[..., kind]
         for power, each in enumerate((change.charges, change.mixed, change.moments))
     )
     polarisability = -change.polarisability / (scale * unit**2)
     inverse = np.linalg.inv(np.minimum.outer(lengths, lengths))  # O^-1
-    sheets, fingers = len(lengths), len(numbers)
+    sheets, fingers = len(lengths), len(kind)
     size = sheets * fingers
 
     def stacked(each: np.ndarray) -> np.ndarray:
@@ -376,5 +430,5 @@ def _change_by_charges(
     by_sheets = np.swapaxes(mixed, 2, 3) + moments @ dipoles  # G
     direct = stacked(charges + mixed @ dipoles + dipoles.T @ by_sheets)
     gradient = stacked(by_sheets)
-    added = polarisability * projected(gradient)
+    added = np.tile(polarisability, sheets)[:, None] * projected(gradient)
     return projected(direct + gradient.T @ added), added

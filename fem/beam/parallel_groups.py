@@ -99,13 +99,8 @@ def rows_of(
             angle=angle, stator=replace(stator, length=length), transducers=(), middle=(stator.length / 2, length / 2)
         )
         s, t = group.local(each.center, each.center_y)
-        own = replace(
-            each,
-            center=float(s),
-            center_y=float(t),
-            angle=0.0,
-            pattern=each.signs[::-1] if reversed_order else each.pattern,
-        )
+        own = replace(each, center=float(s), center_y=float(t), angle=0.0)
+        own = _reversed(own) if reversed_order else own
         for number, other in enumerate(groups):
             if abs(other.angle - angle) < PARALLEL and _clear(own, other.transducers):
                 groups[number] = replace(other, transducers=(*other.transducers, own))
@@ -114,6 +109,16 @@ def rows_of(
             groups.append(replace(group, transducers=(own,)))
     drive = as_drive(drive)
     return tuple(sorted(groups, key=lambda group: (not driven_names(group, drive), round(-np.cos(group.angle), 9))))
+
+
+def _reversed(transducer: Transducer) -> Transducer:
+    """Transducer with its fingers in reverse order: rotated by pi about the surface's normal."""
+    return replace(
+        transducer,
+        pattern=transducer.signs[::-1],
+        mirrored=transducer.mirrored != (transducer.cell != "plain"),
+        chirp=-transducer.chirp,
+    )
 
 
 def _clear(one: Transducer, others: tuple[Transducer, ...]) -> bool:

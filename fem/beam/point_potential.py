@@ -29,6 +29,7 @@ from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebvander
+from scipy.sparse import csr_array
 
 from fem.analytic.hankel import scaled_hankel
 from fem.beam.line_source import LineSource
@@ -45,34 +46,66 @@ SERIES = 2e-4  # |z| below which H_0 = 1 - 2i/pi (log(z / 2) + Euler's constant)
 MAX_PANELS = 300_000
 LAGUERRE = 12  # nodes on the path of steepest descent: 1e-10
 
+UNIT_NODES = chebyshev_nodes(-1.0, 1.0, TERMS)
+TO_COEFFICIENTS = np.linalg.inv(chebvander(UNIT_NODES, TERMS - 1))  # of Chebyshev polynomials, from values at the nodes
 laguerre_rule = cache(np.polynomial.laguerre.laggauss)
+
+
+class Panels:
+    """Intervals of r between two distances in m, with Chebyshev nodes, on which a function of r is a polynomial.
+
+    Their lengths double from the smallest distance up to half a wavelength, and are constant from there on.
+    """
+
+    def __init__(self, half_wavelength: float, nearest: float, farthest: float):
+        self.half_wavelength = half = half_wavelength
+        self.halvings = max(int(np.ceil(np.log2(half / max(nearest, SMALLEST)))), 0)
+        self.edges = np.append(
+            half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, int(farthest / half) + 3)
+        )
+        low, high = self.edges[:-1, None], self.edges[1:, None]
+        self.nodes = ((low + high) / 2 + (high - low) / 2 * UNIT_NODES).ravel()  # those of each panel together
+
+    @classmethod
+    def of(cls, source: LineSource, nearest: float, farthest: float) -> "Panels":
+        """For functions that oscillate as the modes of a source do."""
+        k = source.wavenumbers
+        highest = max(float((k**2).real.max()), float(abs(k).min()) ** 2)
+        return cls(np.pi / np.sqrt(highest), nearest, farthest)
+
+    def places(self, distances: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Number of the panel of each distance in m, and the place on it from -1 to 1."""
+        r = np.maximum(distances, self.edges[0])
+        exponent = np.floor(np.log2(np.minimum(r / self.half_wavelength, 1.0))).astype(int)
+        piece = self.halvings + np.where(exponent < 0, exponent, np.floor(r / self.half_wavelength).astype(int) - 1)
+        low, high = self.edges[piece], self.edges[piece + 1]
+        return piece, (2 * r - low - high) / (high - low)
+
+    def interpolation(self, distances: np.ndarray) -> csr_array:
+        """Matrix (distances, nodes) from values at the nodes to those at distances in m, (distances,)."""
+        piece, local = self.places(distances)
+        weights = chebvander(local, TERMS - 1) @ TO_COEFFICIENTS
+        columns = piece[:, None] * TERMS + np.arange(TERMS)
+        return csr_array(
+            (weights.ravel(), columns.ravel(), np.arange(len(local) + 1) * TERMS), (len(local), self.nodes.size)
+        )
 
 
 class PointPotential:
     """G(r) in V per C, tabulated between two distances in m; an additive constant is arbitrary."""
 
     def __init__(self, source: LineSource, nearest: float, farthest: float):
-        k, self.source = source.wavenumbers, source
-        highest = max(float((k**2).real.max()), float(abs(k).min()) ** 2)
-        self.half_wavelength = half = np.pi / np.sqrt(highest)
-        self.halvings = max(int(np.ceil(np.log2(half / max(nearest, SMALLEST)))), 0)
-        self.edges = np.append(
-            half * 2.0 ** np.arange(-self.halvings, 0), half * np.arange(1, int(farthest / half) + 3)
-        )
-        nodes = chebyshev_nodes(-1.0, 1.0, TERMS)
-        low, high = self.edges[:-1, None], self.edges[1:, None]
-        r = (low + high) / 2 + (high - low) / 2 * nodes
-        values = _sum_of_modes(source, np.sort(r, axis=None))
-        order = np.argsort(np.argsort(r, axis=None))
-        self._coefficients = np.linalg.inv(chebvander(nodes, TERMS - 1)) @ values[order].reshape(r.shape).T
+        self.source, self.panels = source, Panels.of(source, nearest, farthest)
+        self.half_wavelength, nodes = self.panels.half_wavelength, self.panels.nodes
+        values = np.empty(len(nodes), dtype=complex)
+        from_nearest = np.argsort(nodes)
+        values[from_nearest] = _sum_of_modes(source, nodes[from_nearest])
+        self._coefficients = TO_COEFFICIENTS @ values.reshape(-1, TERMS).T
 
     def __call__(self, distances: np.ndarray) -> np.ndarray:
         """G at distances in m, an array of any shape."""
-        r = np.maximum(distances, self.edges[0])
-        exponent = np.floor(np.log2(np.minimum(r / self.half_wavelength, 1.0))).astype(int)
-        piece = self.halvings + np.where(exponent < 0, exponent, np.floor(r / self.half_wavelength).astype(int) - 1)
-        low, high = self.edges[piece], self.edges[piece + 1]
-        twice = 2 * (2 * r - low - high) / (high - low)
+        piece, local = self.panels.places(distances)
+        twice = 2 * local
         last, before = self._coefficients[-1][piece], 0.0  # Clenshaw's recurrence
         for term in range(TERMS - 2, 0, -1):
             last, before = self._coefficients[term][piece] + twice * last - before, last
@@ -131,12 +164,10 @@ class _Antiderivatives:
 
     def __init__(self, point: PointPotential, x: np.ndarray, edges: np.ndarray):
         self.edges, self.half_widths = edges, np.diff(edges) / 2
-        nodes = chebyshev_nodes(-1.0, 1.0, TERMS)
-        y = edges[:-1, None] + self.half_widths[:, None] * (nodes + 1)
+        y = edges[:-1, None] + self.half_widths[:, None] * (UNIT_NODES + 1)
         g = point(np.hypot(x, y[..., None]))  # (panels, TERMS, x)
         self.integrands = g, g * y[..., None]
-        to_coefficients = np.linalg.inv(chebvander(nodes, TERMS - 1))
-        self.from_values = chebint(np.eye(TERMS), lbnd=-1) @ to_coefficients
+        self.from_values = chebint(np.eye(TERMS), lbnd=-1) @ TO_COEFFICIENTS
 
     def __call__(self, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Both integrals up to the positions ``stops`` along y in m, shape (stops, x) each."""

@@ -238,7 +238,7 @@ def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.nd
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
             by_kind[key] = aperture_response(
-                plain, transducer.signs, beams.coupling_modes, own_lengths, couplings[kind], changes[index]
+                plain, transducer, beams.coupling_modes, own_lengths, couplings[kind], changes[index]
             )
         responses.append(by_kind[key])
     return responses
@@ -392,8 +392,7 @@ class _Beams:
         network, modes, unit = self.network, self.network.modes, self.network.modes.section.length_unit
         port, force, transducer = network.ports[number], network.forces[number], self.transducers[index]
         k, sent = (modes.wavenumbers, force.right) if gap > 0 else (-modes.backwards, force.left)
-        pitches_from_centre = np.flatnonzero(charged(transducer.signs)) - (len(transducer.signs) - 1) / 2
-        finger_x = (transducer.center + pitches_from_centre * transducer.pitch) / unit
+        finger_x = transducer.fingers[charged(transducer.signs)].mean(axis=1) / unit
         to_centre = abs(gap) + network.scatterers[index].piece.width / 2
         mean_beams = [
             aperture_coupling(

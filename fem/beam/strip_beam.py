@@ -156,8 +156,7 @@ def strip_beam(
     InputError
         If a transducer is turned or beside the middle line, or has fingers of one electrode only in all strips.
     """
-    even = all(each.even for each in transducers)
-    if spreads and (refusal := beam_refusal(stator, even=even)):
+    if spreads and (refusal := beam_refusal(stator)):
         raise BeamError(refusal)
     if spreads and stator.ends != "absorbing":
         raise BeamError(f"the beams of strips need stator.ends = 'absorbing', got {stator.ends!r}")

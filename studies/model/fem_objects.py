@@ -171,13 +171,13 @@ def section_reason(block: Stator, whole, positions, transducers: tuple = ()) -> 
     positions : sequence of (float, float) or None
         Of the contacts, m; None without a slider.
     transducers : tuple
-        Blocks or ``fem.Transducer`` objects, some of which may be uneven, apodised or slanted.
+        Blocks or ``fem.Transducer`` objects, some of which may be apodised or slanted.
     """
     if block.diffraction is not None:
         return "" if block.diffraction else "stator.diffraction is false"
     if positions is None:
         return "stator.diffraction is absent, and the scene has no slider"
-    refusal = fem.beam_refusal(whole, even=all(each.even for each in transducers))
+    refusal = fem.beam_refusal(whole)
     if not refusal and whole.ends != "absorbing" and not all(each.uniform_along_y for each in transducers):
         return "between reflecting ends the beams of strips are not computed"
     if refusal or whole.ends == "absorbing" or any(y for _, y in positions):

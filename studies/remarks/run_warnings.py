@@ -155,8 +155,7 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings about the finite aperture, about lossless stators with reflecting ends and about thin plates."""
     for each in record.model_error:
         if each.effect == "finite aperture" and abs(each.size) > DECIDES:
-            even = all(each.even for each in record.scene.transducer)
-            refused = fem.beam_refusal(model_of(record.scene).stator, even=even)
+            refused = fem.beam_refusal(model_of(record.scene).stator)
             size = f"{100 * each.size:+.0f} % of u_z"
             remedy = refused or "stator.diffraction = true includes it"
             yield f"the plane section neglects that the aperture is finite, about {size}: {remedy}"

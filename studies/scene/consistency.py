@@ -121,21 +121,6 @@ def check_transducers(scene) -> Refused:
             yield f"{at}.center", rule
 
 
-def check_uneven(scene) -> Refused:
-    """Refuse uneven fingers where a beam is needed, which is not computed for them."""
-    for index, each in enumerate(scene.transducer if scene.stator is not None else ()):
-        if each.even:
-            continue
-        key = "cell" if each.cell != "plain" else "chirp"
-        if scene.crossed:
-            yield f"transducer.{index}.{key}", f"must be absent {fem.TURNED}: uneven fingers have no beam"
-        elif scene.stator.diffraction:
-            yield (
-                f"transducer.{index}.{key}",
-                "must be absent with stator.diffraction = true: uneven fingers have no beam",
-            )
-
-
 def check_strips(scene) -> Refused:
     """Refuse what apodised and slanted transducers do not take."""
     if scene.stator is None:
@@ -260,7 +245,6 @@ CHECKS = (
     check_transducers,
     check_electrodes,
     check_turned,
-    check_uneven,
     check_strips,
     check_direction,
     check_slider,

@@ -616,12 +616,6 @@ class Transducer(Block):
             yield "apodisation", f"must be one number for each of the {self.fingers} fingers, got {len(numbers)}"
         if isinstance(numbers, tuple) and not any(numbers):
             yield "apodisation", "must let one finger at least reach over the middle line, got zeros"
-        if not self.even:
-            rule = "must be absent with chirp or a cell: the beams of such strips are not computed"
-            if min(self.overlaps or (1.0,)) < 1.0:
-                yield "apodisation", rule
-            if self.slant != 0.0:
-                yield "slant", rule
 
     @property
     def overlaps(self) -> tuple[float, ...] | None:

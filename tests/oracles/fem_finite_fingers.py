@@ -182,26 +182,31 @@ class FiniteFingers:
     @cached_property
     def blocks(self) -> np.ndarray:
         """Z at distances 0, pitch, ... (x_i - x_j > 0), shape (fingers, across, across, along, along)."""
-        total = self._dynamic() + self._static()
+        return self.coupling([(number * self.pitch, self.half_width, self.half_width) for number in range(self.count)])
+
+    def coupling(self, kinds) -> np.ndarray:
+        """Z of two fingers of each kind: x_i - x_j >= 0, a_i, a_j in m; (kinds, across, across, along, along)."""
+        total = self._dynamic(kinds) + self._static(kinds)
         sign = (-1.0) ** np.arange(self.along)
         total = total * np.outer(sign, sign) / np.pi  # both signs of k_y
-        return total.reshape(self.count, self.across, self.across, self.along, self.along)
+        return total.reshape(len(kinds), self.across, self.across, self.along, self.along)
 
     def _products(self, k_y, kernel) -> np.ndarray:
         """Sums over k_y of J J' times a kernel, (n, columns), shape (columns, along, along)."""
         bessel = jv(self._orders, k_y[:, None] * self.half_length)
         return np.stack([bessel.T @ (column[:, None] * bessel) for column in kernel.T])
 
-    def _dynamic(self) -> np.ndarray:
+    def _dynamic(self, kinds) -> np.ndarray:
         path, weights = self._path()
         first, third, scale = self._parts()
-        over = jv(np.arange(self.across), path[:, None] * self.half_width)
+        over = {a: jv(np.arange(self.across), path[:, None] * a) for _, *both in kinds for a in both}
         columns = []
-        for number in range(self.count):
-            wave = np.exp(-1j * path * number * self.pitch)
+        for distance, one, other in kinds:
+            wave = np.exp(-1j * path * distance)
             for m, n in self._pairs:
                 parity = wave + (-1) ** (m + n) / wave
-                columns.append(self._phase(m, n) * over[:, m] * over[:, n] * parity * weights / (2 * np.pi))
+                both = over[one][:, m] * over[other][:, n]
+                columns.append(self._phase(m, n) * both * parity * weights / (2 * np.pi))
         columns = np.stack(columns, axis=1)
         rows, cols = np.tril_indices(len(path))
         rest = np.empty((len(path), len(path)), dtype=complex)
@@ -212,39 +217,45 @@ class FiniteFingers:
         kernel = np.tril(rest) @ columns + np.tril(rest, -1).T @ columns
         return self._products(path, kernel * weights[:, None])
 
-    def _static(self) -> np.ndarray:
+    def _static(self, kinds) -> np.ndarray:
         first, third, scale = self._parts()
-        a, b, pairs = self.half_width, self.half_length, len(self._pairs)
-        last = self.longest / a
+        b, pairs, narrowest = self.half_length, len(self._pairs), min(each[1] for each in kinds)
+        last = self.longest / narrowest
         k_y, weights = _panels(np.linspace(0.0, last, int(np.ceil(last * b / np.pi)) + 1), self.points)
+        total = np.zeros((len(kinds), pairs, self.along, self.along), dtype=complex)
+        nodes = np.cos(np.pi * (np.arange(16) + 0.5) / 16)
+        basis = np.cos(np.outer(np.arccos(nodes), np.arange(self.across))) / 16
+        for number, (distance, one, other) in enumerate(kinds):
+            if distance == 0.0:
+                total[number] = self._with_itself(k_y, weights, one)
+                continue
+            near = np.hypot(k_y, scale) < 45 / (distance - one - other)
+            q = np.hypot(k_y[near], scale)[:, None, None]
+            x = distance + np.subtract.outer(one * nodes, other * nodes)
+            values = (first * kv(0, q * x) + third * x / q * kv(1, q * x)) / np.pi
+            kernel = np.einsum("sm,qst,tn->qmn", basis, values, basis, optimize=True).reshape(-1, pairs)
+            total[number] = self._products(k_y[near], kernel * weights[near, None])
+        return total.reshape(-1, self.along, self.along)
+
+    def _with_itself(self, k_y, weights, a) -> np.ndarray:
+        """Static part of a finger of half width a, of which products along y are integrated over k_y."""
+        first, third, scale = self._parts()
         table = np.geomspace(scale * 0.999, 2000 / a, 300)
-        own = CubicSpline(np.log(table), self._own_static(table, first, third))
+        own = CubicSpline(np.log(table), self._own_static(table, first, third, a))
         kernel = own(np.log(np.hypot(k_y, scale)))
-        total = np.zeros((self.count * pairs, self.along, self.along), dtype=complex)
-        total[:pairs] = self._products(k_y, kernel * weights[:, None])
-        rest, step = np.linspace(np.log(last), np.log(table[-1]), 2000, retstep=True)
+        total = self._products(k_y, kernel * weights[:, None])
+        rest, step = np.linspace(np.log(k_y[-1]), np.log(table[-1]), 2000, retstep=True)
         size = np.full(len(rest), step)
         size[[0, -1]] /= 2
         outer = own(np.log(np.hypot(np.exp(rest), scale))) * (np.exp(rest) * size)[:, None] / 2
         for kind in (jv, yv):
-            bessel = kind(self._orders, np.exp(rest)[:, None] * b)
-            total[:pairs] += np.stack([bessel.T @ (column[:, None] * bessel) for column in outer.T])
-        nodes = np.cos(np.pi * (np.arange(16) + 0.5) / 16)
-        basis = np.cos(np.outer(np.arccos(nodes), np.arange(self.across))) / 16
-        for number in range(1, self.count):
-            near = np.hypot(k_y, scale) < 45 / (number * self.pitch - 2 * a)
-            if not near.any():
-                break
-            q = np.hypot(k_y[near], scale)[:, None, None]
-            x = number * self.pitch + a * np.subtract.outer(nodes, nodes)
-            values = (first * kv(0, q * x) + third * x / q * kv(1, q * x)) / np.pi
-            kernel = np.einsum("sm,qst,tn->qmn", basis, values, basis, optimize=True).reshape(len(q), pairs)
-            total[number * pairs : (number + 1) * pairs] = self._products(k_y[near], kernel * weights[near, None])
+            bessel = kind(self._orders, np.exp(rest)[:, None] * self.half_length)
+            total += np.stack([bessel.T @ (column[:, None] * bessel) for column in outer.T])
         return total
 
-    def _own_static(self, q, first, third) -> np.ndarray:
-        """The static functions of a finger with itself, integrated over k_x, shape (q, pairs)."""
-        a, last = self.half_width, 400.0
+    def _own_static(self, q, first, third, a) -> np.ndarray:
+        """The static functions of a finger of half width a with itself, integrated over k_x, shape (q, pairs)."""
+        last = 400.0
         k, weights = _panels(np.linspace(0.0, last, 267), 10)
         rest, step = np.linspace(np.log(last), np.log(1e7), 3000, retstep=True)
         size = np.full(len(rest), step)
@@ -320,10 +331,15 @@ class FiniteFingers:
         lift = np.linalg.solve(net, isolated @ found[:, 0, 0])
         return found - np.tensordot(lift, units, axes=1)
 
+    @property
+    def half_widths(self) -> np.ndarray:
+        """Half widths of the fingers, m."""
+        return np.full(self.count, self.half_width)
+
     def nodes(self, along: int, across: int):
         """Gauss-Chebyshev nodes on the fingers, x and y in m, and the functions there, (across, :), (along, :)."""
         angles = [np.pi * (np.arange(n) + 0.5) / n for n in (across, along)]
-        x = self.centers[:, None, None] + self.half_width * np.cos(angles[0])[:, None]
+        x = self.centers[:, None, None] + np.outer(self.half_widths, np.cos(angles[0]))[:, :, None]
         y = self.half_length * np.cos(angles[1])
         over, length = np.cos(np.outer(np.arange(self.across), angles[0])), np.cos(np.outer(self._orders, angles[1]))
         return *np.broadcast_arrays(x, y), over / across, length / along
@@ -333,6 +349,43 @@ class FiniteFingers:
         x, y, over, length = self.nodes(along or 4 * self.along, across or self.across + 2)
         charges = np.einsum("ms,jmn,nt->jst", over, coefficients, length, optimize=True)
         return x.ravel(), y.ravel(), charges.ravel()
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnevenFingers(FiniteFingers):
+    """Fingers of any widths at any places: ``edges`` in m, (count, 2); pitch and half_width are not used."""
+
+    edges: np.ndarray = None
+    pitch: float = np.nan
+    half_width: float = np.nan
+
+    @property
+    def centers(self) -> np.ndarray:
+        """Positions of the fingers' centres, m."""
+        return self.edges.mean(axis=1)
+
+    @property
+    def half_widths(self) -> np.ndarray:
+        """Half widths of the fingers, m."""
+        return np.ptp(self.edges, axis=1) / 2
+
+    @cached_property
+    def _factors(self):
+        """Factors of the matrix of all fingers; Z of two fingers in the other order is its transpose."""
+        pairs = [(i, j) for i in range(self.count) for j in range(i + 1)]
+        middles, halves = self.centers, self.half_widths
+        own = [(middles[i] - middles[j], halves[i], halves[j]) for i, j in pairs]
+        own = [tuple(np.round(each, 12).tolist()) for each in own]
+        kinds = sorted(set(own))
+        blocks = self.coupling(kinds)
+        matrix = np.empty((self.count, self.size, self.count, self.size), dtype=complex)
+        for (i, j), kind in zip(pairs, own, strict=True):
+            block = blocks[kinds.index(kind)].transpose(0, 2, 1, 3).reshape(self.size, self.size)
+            matrix[i, :, j], matrix[j, :, i] = block, block.T
+        return lu_factor(matrix.reshape(self.count * self.size, -1))
+
+    def _free(self, tested) -> np.ndarray:
+        return lu_solve(self._factors, tested.ravel()).reshape(tested.shape)
 
 
 class Field:

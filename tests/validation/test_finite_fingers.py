@@ -10,7 +10,7 @@ import pytest
 
 from studies.model.model import Model
 from studies.runs import run
-from tests.oracles.fem_finite_fingers import VACUUM, Field, FiniteFingers, Pair, PlaneResponse
+from tests.oracles.fem_finite_fingers import VACUUM, Field, FiniteFingers, Pair, PlaneResponse, UnevenFingers
 from tests.oracles.test_fem_finite_fingers import plate
 from tests.studies.predictions import changed
 
@@ -103,6 +103,32 @@ def test_one_transducer(aperture, thickness, count, admittance, worst, rms):
     off = abs(found.at(places) - motion) / section
     assert off.max() < worst
     assert np.sqrt(np.mean(off[2] ** 2)) < rms
+    covered(found, places, motion)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "pairs"), [({"cell": "DART"}, 3), ({"chirp": 0.3}, 4)])
+def test_uneven_fingers(kind, pairs):
+    """Of unequal widths at unequal distances: as `test_one_transducer`; those of the mean pitch are far from it."""
+    settings = [f"transducer.0.{key}={value}" for key, value in kind.items()]
+    settings += [f"transducer.0.finger_pairs={pairs}", "transducer.0.aperture=5 mm"]
+    places = places_for(5e-3, 12)
+    found = solved("twente-left", *settings).surface_motion
+    one = found.wave.solution.fields.transducers[0]
+    row = UnevenFingers(
+        response=response(5e-3), count=len(one.fingers), half_length=one.aperture / 2, across=4, along=24,
+        edges=one.fingers - one.center,
+    )  # fmt: skip
+    plus = np.array([sign == "+" for sign in one.signs])
+    charges = row.charges(row.constant(plus - 0.5), np.ones((1, row.count)))
+    x, y = np.transpose(places)
+    motion = field(5e-3).motion(x - one.center, y, *row.point_charges(charges))[:3]
+    admittance = 2j * np.pi * FREQUENCY * charges[plus, 0, 0].sum()
+    off = abs(found.at(places) - motion) / abs(found.wave.motion(x)[1])
+    print(kind, abs(found.circuit.admittance / admittance - 1), off.max(axis=1), np.sqrt(np.mean(off[2] ** 2)))
+    assert found.circuit.admittance == pytest.approx(admittance, rel=1e-3)
+    assert off.max() < 5e-3
+    assert np.sqrt(np.mean(off[2] ** 2)) < 2.5e-3
     covered(found, places, motion)
 
 

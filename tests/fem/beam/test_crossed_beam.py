@@ -46,11 +46,15 @@ def turned(transducer, angle):
     return replace(transducer, center=MIDDLE + x, center_y=y, angle=transducer.angle + angle)
 
 
-@pytest.mark.parametrize("degrees", [37.0, 90.0, 180.0, -120.0])
-def test_turning_everything_turns_the_field(degrees):
+@pytest.mark.parametrize(
+    ("degrees", "fingers"),
+    [(37.0, {}), (90.0, {}), (180.0, {}), (-120.0, {}), (180.0, {"chirp": 0.3}), (180.0, {"cell": "DART"})],
+)
+def test_turning_everything_turns_the_field(degrees, fingers):
     angle, x, y = np.radians(degrees), *PLACES
-    as_it_was = crossed(LEFT, FRONT)
-    after = crossed(turned(LEFT, angle), turned(FRONT, angle))
+    left = replace(LEFT, **fingers)
+    as_it_was = crossed(left, FRONT)
+    after = crossed(turned(left, angle), turned(FRONT, angle))
     moved = np.stack([x - MIDDLE, y], axis=-1) @ turn(angle)
     expected, found = as_it_was.motion(x, y), after.motion(MIDDLE + moved[:, 0], moved[:, 1])
     back = np.vstack([turn(angle) @ found[:2], found[2:]])

@@ -1,15 +1,16 @@
 """A transducer's response to the finite aperture of its own charges."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from fem.beam import point_potential
+from fem.beam import own_aperture, point_potential
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.line_source import LineSource
-from fem.beam.own_aperture import STEPS, finger_coupling, mirrored_mode_mean, sheet_lengths
+from fem.beam.own_aperture import STEPS, finger_coupling, finger_pairs, mirrored_mode_mean, sheet_lengths
 from fem.beam.point_potential import StripPotential
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.condense.transducer import finger_ports
@@ -28,14 +29,19 @@ def over_the_aperture(function) -> complex:
 
 
 def one_mode(k: complex, potential: complex = 1.0, slope: complex = 0.0) -> LineSource:
+    return modes([k], [potential], slope)
+
+
+def modes(wavenumbers, potentials, slope: complex = 0.0) -> LineSource:
+    none = np.zeros(len(wavenumbers))
     return LineSource(
-        surface=np.ones(1, dtype=bool),
-        wavenumbers=np.array([k]),
-        amplitudes=np.zeros(1),
-        tangential=np.zeros(1),
-        normal=np.zeros(1),
-        shear=np.zeros(1),
-        potential=np.array([potential]),
+        surface=np.ones(len(none), dtype=bool),
+        wavenumbers=np.array(wavenumbers),
+        amplitudes=none,
+        tangential=none,
+        normal=none,
+        shear=none,
+        potential=np.array(potentials),
         static=0.0,
         slope=slope,
     )
@@ -62,11 +68,7 @@ def test_the_static_pole_is_a_double_integral_of_a_logarithm():
 
 def test_wide_strips_take_the_path_of_steepest_descent(monkeypatch):
     """Sixty wavelengths, three modes and the pole at 0: both ways, at all lengths."""
-    source = replace(
-        one_mode(6300 - 1j, slope=0.7e3),
-        wavenumbers=np.array([6300 - 1j, 900 - 4000j, -5000 - 3j]),
-        potential=np.array([1.0, 0.4j, -0.3]),
-    )
+    source = modes([6300 - 1j, 900 - 4000j, -5000 - 3j], [1.0, 0.4j, -0.3], slope=0.7e3)
     x, lengths = np.array([0.0, 0.3e-3, 2e-3, 9e-3]), np.array([0.2e-3, 3e-3, 55e-3, 58e-3, 60e-3])
     table = StripPotential(source, x, lengths[-1])
     direct = table(lengths)
@@ -87,6 +89,61 @@ def test_sheets_of_unequal_lengths():
     expected = u @ kernel @ v - 2.4e-3 * np.exp(-1j * k * one.pitch)
     for pair in ((0, 1), (1, 0)):
         assert found.charges[pair][[0, 2]] == pytest.approx([expected, expected], rel=1e-5)
+
+
+def test_fingers_of_unequal_widths():
+    """Mean of D over two fingers, of charges and dipoles: against the double integral with many points on each."""
+    k, lengths = 6300.0 - 60j, np.array([APERTURE])
+    one = Transducer(
+        name="t", center=0.0, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=APERTURE, cell="DART"
+    )
+    found, pairs = finger_coupling(one_mode(k), one, lengths), finger_pairs(one)
+    middles, halves = one.fingers.mean(axis=1), np.ptp(one.fingers, axis=1) / 2
+    s = np.cos(np.pi * (np.arange(24) + 0.5) / 24)
+    for i, j in ((2, 0), (0, 2), (2, 1)):
+        x = abs(np.subtract.outer(middles[i] + halves[i] * s, middles[j] + halves[j] * s))
+        change = StripPotential(one_mode(k), x.ravel(), APERTURE)(lengths)[0].reshape(x.shape)
+        change = change - APERTURE * np.exp(-1j * k * x)
+        dipole = 2 / 24 * s / np.array(halves)[[i, j], None]  # x / sum x^2
+        kind = pairs.kind[i, j]
+        assert found.charges[0, 0, kind] == pytest.approx(change.mean(), rel=1e-5)
+        assert found.mixed[0, 0, kind] == pytest.approx(change.mean(axis=0) @ dipole[1], rel=1e-3)
+        assert found.moments[0, 0, kind] == pytest.approx(dipole[0] @ change @ dipole[1], rel=1e-2)
+    assert found.charges[0, 0, pairs.kind[2, 0]] == found.charges[0, 0, pairs.kind[0, 2]]
+    assert found.polarisability == pytest.approx([each.item() for each in map(partial(own_dipole, k), halves)])
+    assert found.polarisability[2] != pytest.approx(9 * found.polarisability[0], rel=1e-3)
+
+
+def own_dipole(k: complex, half: float) -> np.ndarray:
+    """Equation (2) of the module for one mode."""
+    return np.array(-half / (2 * (-1j * k * np.exp(-1j * k * half))))
+
+
+def test_few_kinds_of_pairs_unless_all_distances_differ():
+    row = Transducer(name="t", center=0.0, finger_pairs=6, period=1e-3, metallisation=0.5, aperture=APERTURE)
+    for own, kinds in (({}, 23), ({"chirp": 1e-11}, 23), ({"chirp": 0.2}, 12 * 11 + 12), ({"cell": "DART"}, 8 * 11)):
+        pairs = finger_pairs(replace(row, **own))
+        assert len(pairs.offset) == kinds, own
+        middles = replace(row, **own).fingers.mean(axis=1)
+        np.testing.assert_allclose(pairs.offset[pairs.kind], np.subtract.outer(middles, middles), atol=1e-11)
+
+
+@pytest.mark.parametrize("kind", [{"chirp": 0.1}, {"cell": "DART", "chirp": -0.2}])
+def test_interpolation_between_the_distances_of_uneven_fingers(kind, monkeypatch):
+    """D at the nodes of panels against D at every distance, without and with mirrors."""
+    source = modes([6300 - 1j, 900 - 4000j, -5000 - 3j], [1.0, 0.4j, -0.3], slope=0.7e3)
+    row = Transducer(name="t", center=0.0, finger_pairs=8, period=1e-3, metallisation=0.5, aperture=APERTURE, **kind)
+    lengths = sheet_lengths(row)
+    for mirror_width in (None, 7e-3):
+        found = finger_coupling(source, row, lengths, mirror_width)
+        monkeypatch.setattr(own_aperture, "FEWER_NODES", 10**6)
+        every = finger_coupling(source, row, lengths, mirror_width)
+        monkeypatch.undo()
+        assert abs(found.charges - every.charges).max() > 0.0
+        for one, other in zip(found[:3], every[:3], strict=True):
+            # the arbitrary zero of the potential of a floating section is another
+            difference = one - other - (one - other)[0, 0, 0] * np.outer(lengths, lengths)[..., None] / lengths[0] ** 2
+            assert abs(difference).max() < 1e-8 * abs(other).max()
 
 
 def test_lengths_of_sheets():

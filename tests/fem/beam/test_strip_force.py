@@ -150,15 +150,23 @@ def test_a_wide_strip_beside_wide_transducers_is_the_section():
     assert beam.scattering_error < 1e-3
 
 
-@pytest.mark.parametrize(("orientation", "name", "largest"), [("Z", "PZT-8", 0.01), ("128YX", "LiNbO3 (Kovacs)", 0.05)])
-def test_a_transducer_receives_what_it_sends_to_the_strip(orientation, name, largest):
+@pytest.mark.parametrize(
+    ("orientation", "name", "largest", "fingers"),
+    [
+        ("Z", "PZT-8", 0.01, {}),
+        ("128YX", "LiNbO3 (Kovacs)", 0.05, {}),
+        ("Z", "PZT-8", 0.01, {"cell": "DART"}),
+        ("Z", "PZT-8", 0.01, {"chirp": 0.4}),
+    ],
+)
+def test_a_transducer_receives_what_it_sends_to_the_strip(orientation, name, largest, fingers):
     """The charges that the strip's waves induce, summed, against the velocity of the transducer's own beam there.
 
     They share the modes; the first comes from the response to arriving waves, the second from the beam per volt.
     """
     solid = cut(name, orientation, quality=100.0)
     stator = replace(plate(solid, length=40.0), thickness=np.inf)
-    row = (comb(stator, "a", 8.0, finger_pairs=2, aperture=4e-3, termination="short"),)
+    row = (comb(stator, "a", 8.0, finger_pairs=2, aperture=4e-3, termination="short", **fingers),)
     force = strip(stator, 25.0, center_y=0.5e-3)
     beam = forced(stator, force, row)
     assert 0 < beam.scattering_error < largest
