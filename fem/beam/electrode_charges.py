@@ -112,8 +112,8 @@ def _node_charges(solution: Solution, transducer: int, sides: np.ndarray) -> tup
     ``sides``: unknowns of the transducer's two lines and its potentials, (2 n + potentials, sheets).
     """
     fields, section, piece = solution.fields, solution.fields.section, solution.fields.owners.index(transducer)
-    own = fields.transducers[transducer]  # of uneven fingers the smallest half of a cell, or less
-    half_cell = 1.001 * (own.pitch / 2 if own.even else own.finger_width / 2 + own.half_gap) / section.length_unit
+    row = fields.transducers[transducer]  # of uneven fingers the smallest half of a cell, or less
+    half_cell = 1.001 * (row.pitch / 2 if row.even else row.finger_width / 2 + row.half_gap) / section.length_unit
     positions, reactions, metal = [], [], []
     for part, starts, part_sides in distinct_columns(fields.network.scatterers[piece].columns, sides, finest=half_cell):
         own = part.surface_reactions

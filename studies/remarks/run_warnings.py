@@ -18,6 +18,7 @@ from studies.model.model import model_of
 from studies.model.wave_to_contact import contact_slider
 from studies.record import Record
 from studies.record.text import percent
+from studies.record.waveform import is_step
 from studies.remarks.ball_effects import NODE
 from studies.remarks.ball_surface import AT_LARGEST, DECIDES, of_patch, smooth_balls
 from studies.remarks.heat_warnings import heat_warnings
@@ -40,7 +41,7 @@ RIPPLE = 0.1  # range of the velocity over half a wavelength, over the larger of
 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return all warnings about a run, ordered from the drive to the slider."""
-    warnings = list(scene_warnings(record.scene))
+    warnings = [*scene_warnings(record.scene), *_steps(record.scene)]
     if record.scene.piece:
         model = model_of(record.scene)
         warnings += model.stator.piece_warnings(record.scene.frequency, model.transducers)
@@ -61,6 +62,18 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         ]  # fmt: skip
         warnings += wave_warnings(record)
     return tuple(warnings)
+
+
+def _steps(scene: Scene) -> Iterator[str]:
+    """Yield a warning for each edge of a burst's waveform that is shorter than a period of its wave."""
+    source = scene.source
+    if source is None or source.waveform is None:
+        return
+    for name in ("rise", "fall"):
+        edge = getattr(source.waveform, name)
+        if edge > 0.0 and is_step(edge, scene.frequency):
+            period = f"{1e6 / scene.frequency:.3g} us"
+            yield f"{source.block}.waveform.{name} of {edge * 1e6:.3g} us is taken as a step: a period is {period}"
 
 
 def _strength(scene: Scene):

@@ -20,8 +20,9 @@ class Waveform(Block):
     shape: Annotated[
         str | None,
         choice("ramp", "modulated", "chirp"),
-        "ramp: linear edges (rise, fall). modulated: 1 + depth sin(2 pi frequency t). chirp: a linear sweep of the "
-        "frequency. Each may have edges. Required unless file is given.",
+        "ramp: linear edges (rise, fall; those shorter than a period of the wave are steps). modulated: 1 + depth "
+        "sin(2 pi frequency t). chirp: a linear sweep of the frequency. Each may have edges. Required unless file is "
+        "given.",
     ] = None
     rise: Annotated[float, Quantity("s", zero=True), "Time in which the amplitude rises linearly from 0 to 1."] = 0.0
     fall: Annotated[
@@ -42,7 +43,7 @@ class Waveform(Block):
         str | None,
         TEXT,
         "CSV file of the waveform, from the scene's folder: columns time_s and amplitude, and perhaps phase_deg or "
-        "frequency_offset_Hz; linear between its rows, constant before the first and after the last.",
+        "frequency_offset_Hz, no others; linear between its rows, constant before the first and after the last.",
     ] = None
 
     def check_file(self) -> Any:

@@ -130,8 +130,6 @@ transducer.0.slant=0.1; stator.sides=mirror | transducer.0.slant must be absent 
 transducer.0.slant=0.1; transducer.1.angle=30; stator.ends=absorbing | transducer.0.slant must be absent where
 transducer.0.slant_strips=0 | transducer.0.slant_strips must be an integer from 1 to 256
 transducer.0.chirp=1.2 | transducer.0.chirp must be between -1 and 1, got 1.2
-transducer.0.chirp=0.1; stator.diffraction=true | transducer.0.chirp must be absent with stator.diffraction = true
-transducer.0.cell=DART; transducer.0.angle=30; stator.ends=absorbing | transducer.0.cell must be absent where
 transducer.0.patern=+-+- | transducer.0.patern ... did you mean pattern?
 drive.sources={left="fast"} | drive.sources.left must be a plain number or "amplitude at phase deg"
 drive.sources={left="1 at ten deg"} | drive.sources.left must be a plain number

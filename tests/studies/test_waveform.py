@@ -21,6 +21,7 @@ from studies.model.resolve import build, resolved
 from studies.model.wave_to_contact import Contact
 from studies.record.run_pictures import trajectories
 from studies.record.waveform import modulation
+from studies.remarks.run_warnings import warnings_of
 from studies.runs import run
 from studies.solve.ring_up import ring_up
 from tests.oracles.contact_motion import Motor
@@ -53,7 +54,10 @@ def test_a_waveform_of_one_is_the_burst_bit_for_bit(tmp_path):
     file = tmp_path / "one.csv"
     file.write_text("time_ms,amplitude\n0,1\n1,1\n")
     plain = motion(given("wave.burst=2 ms"))
-    shapes = ('{shape="modulated",depth=0,frequency="1 kHz"}', f'{{file="{file}"}}', '{shape="chirp",sweep=[0,0]}')
+    shapes = (
+        '{shape="modulated",depth=0,frequency="1 kHz"}', f'{{file="{file}"}}', '{shape="chirp",sweep=[0,0]}',
+        '{shape="ramp",rise="0.45 us",fall=1e-15}',
+    )  # fmt: skip
     for shape in shapes:
         shaped = motion(given("wave.burst=2 ms", f"wave.waveform={shape}"))
         assert shaped.method == plain.method
@@ -241,6 +245,7 @@ def test_what_is_refused_when_it_runs(settings, message):
         ("time_s,amplitude,phase_deg,frequency_offset_Hz\n0,1,0,0\n1,1,0,0\n", "one of the columns phase_deg and"),
         ("time_s,amplitude\n0,one\n1,1\n", "must be a finite number, got 'one'"),
         ("time_s,amplitude\n0,1\n1\n", "must have 2 values, got 1"),
+        ("time_s,amplitude,ch2_V,note\n0,1,0,0\n1,1,0,0\n", "frequency_offset_Hz alone: remove ch2_V, note"),
         (
             "time_s,amplitude,frequency_offset_MHz\n0,1,-3\n1,1,0\n",
             "frequency_offset must be at most 0.1 of the wave's frequency, 220000 Hz, got 3e.06 Hz",
@@ -254,6 +259,28 @@ def test_what_is_refused_of_a_file(tmp_path, text, message):
     with pytest.raises(SceneError, match=message) as raised:
         resolved(scene)  # what `sawmotor check` does
     assert str(raised.value).startswith("wave.waveform.file")
+
+
+def test_edges_shorter_than_a_period_are_steps_and_said_to_be():
+    found = {}
+    for edge in ("0.4545 us", "0.4546 us"):  # a period is 0.45455 us
+        scene = given("wave.burst=20 us", f'wave.waveform={{shape="ramp",rise="{edge}"}}')
+        found[edge] = modulation(scene), [each for each in warnings_of(run(scene, tolerance=1e-2)) if "a step" in each]
+    step, ramp = found.values()
+    assert step == (None, ["wave.waveform.rise of 0.455 us is taken as a step: a period is 0.455 us"])
+    assert ramp[0].envelope.time[1] == pytest.approx(0.4546e-6)
+    assert ramp[1] == []
+
+
+def test_a_file_is_read_once(tmp_path):
+    """What is solved is what was checked, whatever becomes of the file."""
+    file = tmp_path / "drive.csv"
+    file.write_text("time_us,amplitude\n0,0\n10,1\n")
+    scene = build(given("wave.burst=20 us", f'wave.waveform={{file="{file}"}}')).scene
+    file.unlink()
+    assert modulation(scene).mean_square == pytest.approx((1 / 3 + 1) / 2, rel=1e-6)
+    with pytest.raises(SceneError, match=r"wave\.waveform\.file"):
+        modulation(given("wave.burst=20 us", f'wave.waveform={{file="{file}"}}'))
 
 
 def test_a_motion_that_needs_its_events_has_no_answer_with_a_waveform():
