@@ -188,10 +188,7 @@ def _levels(table, tolerance):
 
 
 def _exact(question):
-    """Two motions that differ in the order of collocation and in its tolerance; finer ones where one does not converge.
-
-    The coarsest fail in one of a thousand drawn motions.
-    """
+    """Two motions that differ in nodes and tolerance of their segments; finer ones where one does not converge."""
     pairs = [pair for level, pair in EXACT.items() if question.tolerance >= level]
     for k, (fine, coarse) in enumerate(pairs):
         try:

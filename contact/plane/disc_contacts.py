@@ -31,11 +31,15 @@ from contact.plane.radau import Map, Nodes, radau
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
 CLOSE = 1e-9  # of an event, in phase: forces are continuous there, their integrals err by its square
+ENDS = 1e-8  # approach below which a contact that opens has opened where slip and stick alternate; its force is 1e-12
 PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
 MAX_TURN = 3.0  # rad of angle per rad of phase, of the guess at the start of a segment
 MAX_TRIES = 60  # trials of the length of one segment
+MAX_NEWTON = 4  # of them by Newton's method towards an event
+MAX_SEGMENTS = 200_000  # of one call
+MAX_IDLE = 20  # events of a contact at one instant
 
 
 class RegimeEnd(IntEnum):
@@ -321,14 +325,16 @@ def _fill_contact(problem, i, known, state, work):
     for j in range(n):
         fill_kinematics(problem, i, work.surface[j, i], work.q[j], work.p[j], stage[j, i])
     if regime == Regime.SLIP:
+        opens = stage[n - 1, i, Stage.Z] < -1e-9
         for j in range(n - 1):
-            if stage[j, i, Stage.Z] <= 0.0:  # opens before the end: the caller shortens the segment
-                for k in range(n):
-                    stage[k, i, Stage.LAMBDA] = 1.0
-                return True
-        if stage[n - 1, i, Stage.Z] < -1e-9:
-            for k in range(n):
-                stage[k, i, Stage.LAMBDA] = 1.0
+            opens = opens or stage[j, i, Stage.Z] <= 0.0
+        if opens:  # before the end: the caller shortens the segment, to where the height with these forces tells
+            for j in range(n):
+                row = stage[j, i]
+                if not known:
+                    row[Stage.N_X], row[Stage.N_Y] = work.start[i, Stage.N_X], work.start[i, Stage.N_Y]
+                row[Stage.LAMBDA] = 1.0
+                fill_forces(problem, i, regime, row)
             return True
         if not _slip_angles(problem, i, state.alpha[i], known, work):
             return False
@@ -442,11 +448,15 @@ def _first_event(problem, first, last, length, kind, state, work):
                     old = 0.0
             if which == RegimeEnd.PASS and old <= 1e-11:
                 continue
+            if which == RegimeEnd.TOUCH and old <= 0.0 and work.start[i, Stage.Z_RATE] <= 0.0:
+                old = 0.0  # it has just opened
             for j in range(n):
                 row = work.stage[j, i]
                 new, phase = _guard(problem, i, regime, which, row), length * nodes.phase[kind, j]
                 if phase_old > at:
                     break
+                if which == RegimeEnd.TOUCH and old == 0.0 and new < 0.0 and row[Stage.Z_RATE] < 0.0:
+                    continue
                 if which == RegimeEnd.PASS and new < -1e-13:
                     x, y, limit = row[Stage.E_X], row[Stage.E_Y], problem.limit_slope[i] * row[Stage.Z]
                     d_x, d_y = x - x_old, y - y_old
@@ -584,13 +594,15 @@ def pass_event(problem, i, which, state, row):
             counts[i, Count.SLIPS] += 1
         else:
             state.regime[i] = Regime.STICK
-    elif which == RegimeEnd.OPEN or (which != RegimeEnd.PASS and row[Stage.Z] < CLOSE and row[Stage.Z_RATE] <= 0.0):
+    elif which == RegimeEnd.OPEN or (which != RegimeEnd.PASS and row[Stage.Z] < ENDS and row[Stage.Z_RATE] <= 0.0):
         # at the very end of a contact slip and stick are one
         state.regime[i] = Regime.SEPARATED
         state.e[i, 0] = state.e[i, 1] = 0.0
         counts[i, Count.OPENED] += 1
     elif which == RegimeEnd.SLIP:
-        state.regime[i], state.alpha[i] = Regime.SLIP, np.arctan2(row[Stage.E_Y], row[Stage.E_X])
+        at_once = state.begins[i] == 1  # e = 0
+        along_x, along_y = (row[Stage.W_X], row[Stage.W_Y]) if at_once else (row[Stage.E_X], row[Stage.E_Y])
+        state.regime[i], state.alpha[i] = Regime.SLIP, np.arctan2(along_y, along_x)
         counts[i, Count.SLIPS] += 1
     elif which == RegimeEnd.STICK:
         size, limit = np.hypot(row[Stage.E_X], row[Stage.E_Y]), c * row[Stage.Z]
@@ -622,85 +634,122 @@ def begin(problem, first, last, state, work):
 
 
 @compiled
+def _next_length(length, at, crossing, step, falls, tries, bracket):
+    """Return the length of the next trial of a segment that is to end at a guard's zero.
+
+    `bracket`: lengths without and with a crossing, and the guard there (0: unknown). Newton's `step` serves where the
+    guard `falls` at the end; after some trials the secant of the bracket, by the Illinois method, or its middle: near
+    z = 0 the slope of the polynomial through lambda may err by half.
+    """
+    low, at_low, high, at_high = bracket
+    if tries > MAX_NEWTON and high < np.inf:
+        if at_low > 0.0 > at_high:
+            return (low * at_high - high * at_low) / (at_high - at_low)
+        return 0.5 * (low + high)
+    new = at if crossing == 1 else length + step
+    if not (low < new < high) or not falls:
+        new = at if crossing == 1 and low < at < high else 0.5 * (low + min(high, 2.0 * length))
+    return new
+
+
+@compiled
+def _narrowed(bracket, length, crossing, value):
+    """Return the bracket of a guard's zero, narrowed by a trial, see `_next_length`."""
+    low, at_low, high, at_high = bracket
+    if crossing == 1:
+        return low, at_low, length, 0.0
+    if value < 0.0:
+        return low, (0.5 * at_low if at_high < 0.0 else at_low), length, value
+    return length, value, high, (0.5 * at_high if at_low > 0.0 else at_high)
+
+
+@compiled
+def _solve_next(problem, first, last, left, state, work):
+    """Solve the next segment of at most a length, up to the first event in it.
+
+    Return (its length, the contact of the event, its guard, error). The length is 0 where the event lies at the start
+    and negative where no segment is solved; the contact is -1 without an event.
+    """
+    length, n = min(max(state.total[Total.STEP], LEAST_STEP), MAX_STEP), work.phase.size
+    if length > 0.8 * left:
+        length = left
+    begun = Map.LINEAR
+    for i in range(first, last):
+        if state.begins[i] == 1:
+            begun = Map.BEGIN
+    everything = 0.0, 0.0, np.inf, 0.0
+    kind, target, guard, tries, bracket = begun, -1, 0, 0, everything
+    for _ in range(MAX_TRIES):
+        if not solve_segment(problem, first, last, length, kind, False, state, work):
+            length, kind, target = 0.4 * length, begun, -1
+            continue
+        i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
+        if i < 0 and target < 0:
+            error = segment_error(problem, first, last, state, work)
+            if error <= work.tolerance or length < 1e-7:
+                return length, -1, 0, error
+            length = length * shorter(error, work)
+            continue
+        if i >= 0 and which == RegimeEnd.NONE:  # a gap that closes between two nodes
+            length, kind, target = at, begun, -1
+            continue
+        if i >= 0 and at < 1e-11 and length > 1e-8 and _rises(problem, i, which, state, work):
+            # the guard rises from zero and falls again before the first node
+            length, kind, target = 0.2 * length, begun, -1
+            continue
+        if i >= 0 and begun == Map.BEGIN and kind == Map.BEGIN and at > 1e-9:
+            # both ends of a segment are singular: two segments
+            length, target = 0.5 * at, -1
+            continue
+        if i >= 0 and (i != target or which != guard):
+            target, guard, tries, bracket = i, which, 0, everything
+        tries += 1
+        value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
+        rate = guard_rate(problem, target, guard, length, kind, work)
+        step = -value / rate if rate < 0.0 else 0.0
+        bracket = _narrowed(bracket, length, crossing, value)
+        parted = bracket[2] - bracket[0] >= CLOSE
+        # lambda is known no better than the angle at the nodes
+        least = -max(CLOSE, 1e-3 * work.tolerance) if guard == RegimeEnd.STICK else -CLOSE
+        ends = crossing != 1 and value > least and (abs(step) < CLOSE or abs(value) < 1e-15 or not parted)
+        if guard == RegimeEnd.PASS:  # a bend of the force, not an event: near is enough
+            ends = ends or (crossing != 1 and tries > 4)
+        elif not parted and abs(value) > 1e3 * CLOSE and length > 1e3 * CLOSE:
+            # the guard falls between two nodes alone, in a segment that is too long for it
+            length, kind, target = 0.5 * length, begun, -1
+            continue
+        if ends or (crossing != 1 and tries == 1 and kind == Map.END):
+            error = segment_error(problem, first, last, state, work)
+            if error > work.tolerance and length > 1e-7:
+                length, kind, target = length * shorter(error, work), begun, -1
+                continue
+            if ends:
+                return length, target, guard, error
+        if i >= 0 and (at < 1e-11 or (not parted and length < 1e3 * CLOSE)):
+            return 0.0, target, guard, 0.0
+        new = _next_length(length, at, crossing, step, rate < 0.0, tries, bracket)
+        length, kind = min(new, left), Map.END
+    return -1.0, -1, 0, 0.0
+
+
+@compiled
 def advance(problem, first, last, until, state, work):
     """Move body and contacts `first` to `last` up to a phase; return True where all segments converge."""
     n, total = work.phase.size, state.total
     begin(problem, first, last, state, work)
-    for _ in range(200000):
+    idle = 0  # events since the last segment
+    for _ in range(MAX_SEGMENTS):
         left = until - total[Total.PHASE]
         if left <= 1e-12:
             return True
-        length = min(max(total[Total.STEP], LEAST_STEP), MAX_STEP)
-        if length > 0.8 * left:
-            length = left
-        kind = Map.LINEAR
-        for i in range(first, last):
-            if state.begins[i] == 1:
-                kind = Map.BEGIN
-        begun, low, high, target, guard, done, error, passes = kind, 0.0, np.inf, -1, 0, False, 0.0, 0
-        for _ in range(MAX_TRIES):
-            if not solve_segment(problem, first, last, length, kind, False, state, work):
-                length, kind, target, high, low = 0.4 * length, begun, -1, np.inf, 0.0
-                continue
-            i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
-            if i < 0 and target < 0:
-                error = segment_error(problem, first, last, state, work)
-                if error <= work.tolerance or length < 1e-7:
-                    done = True
-                    break
-                length = length * shorter(error, work)
-                continue
-            if i >= 0 and which == RegimeEnd.NONE:  # a gap that closes between two nodes
-                length, kind, target = at, begun, -1
-                continue
-            if i >= 0 and at < 1e-11 and length > 1e-8 and _rises(problem, i, which, state, work):
-                # the guard rises from zero and falls again before the first node
-                length, kind, target = 0.2 * length, begun, -1
-                continue
-            if i >= 0 and begun == Map.BEGIN and kind == Map.BEGIN and at > 1e-9:
-                # both ends of a segment are singular: two segments
-                length, target = 0.5 * at, -1
-                continue
-            if i >= 0 and (i != target or which != guard):
-                target, guard, low, high = i, which, 0.0, np.inf
-            if guard == RegimeEnd.PASS:  # a bend of the force, not an event: near is enough
-                passes += 1
-                if passes > 4 and crossing != 1:
-                    error = segment_error(problem, first, last, state, work)
-                    if error <= work.tolerance or length < 1e-7:
-                        done = True
-                        break
-                    length, kind, target = length * shorter(error, work), begun, -1
-                    continue
-            value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
-            rate = guard_rate(problem, target, guard, length, kind, work)
-            if crossing == 1 or value < 0.0:
-                high = length
-            else:
-                low = length
-            step = -value / rate if rate < 0.0 else 0.0
-            if crossing != 1 and (abs(step) < CLOSE or abs(value) < 1e-15 or high - low < CLOSE) and value > -1e-9:
-                error = segment_error(problem, first, last, state, work)
-                if error <= work.tolerance or length < 1e-7:
-                    done = True
-                    break
-                length, kind, target = length * shorter(error, work), begun, -1
-                continue
-            if i >= 0 and at < 1e-11:  # at the start of the segment
-                length, done = max(at, 1e-15), True
-                break
-            new = at if crossing == 1 else length + step
-            if not (low < new < high) or rate >= 0.0:
-                new = at if crossing == 1 and low < at < high else 0.5 * (low + min(high, 2.0 * length))
-            kind = Map.END
-            length = min(new, left)
-        if not done:
+        length, target, guard, error = _solve_next(problem, first, last, left, state, work)
+        if length < 0.0 or idle > MAX_IDLE * (last - first):
             return False
-        if target >= 0 and length < 1e-11:
+        if length < 1e-11 and target >= 0:
             pass_event(problem, target, guard, state, work.start[target])
-            if length < 1e-14:
-                total[Total.STEPS] += 1.0
+            idle += 1
             continue
+        idle = 0
         finish_segment(problem, first, last, state, work)
         grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / n)
         proposed = length * max(0.3, min(2.5, grow))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from contact import Slider
-from contact.plane import SurfaceWaves
+from contact.plane import PlaneWave, PlaneWaves, SurfaceWaves
 
 F, MU, R_X = 0.87309e-3, 0.08, 0.67
 
@@ -58,3 +58,34 @@ def drawn(seed, mass=math.inf):
     across = along * 0.3 * np.exp(2j * np.pi * rng.random((len(frequencies), n)))
     u_x, u_y = (along * np.cos(beta) - across * np.sin(beta)), (along * np.sin(beta) + across * np.cos(beta))
     return slider, SurfaceWaves(frequencies=frequencies, amplitudes=np.stack([u_x, u_y, u_z], axis=-1))
+
+
+def drawn_on_three_balls(seed):
+    """Return a slider on three equal balls in plane waves, and the rise time in s, drawn by a fixed seed.
+
+    Two balls often meet the same wave, so that their events come at one instant or nearly so.
+    """
+    rng = np.random.default_rng([seed, 7])
+    arm, first = 3e-3 * rng.uniform(0.7, 2), rng.choice([0.0, rng.uniform(0, 2 * np.pi)])
+    angle, mass = first + np.arange(3) * 2.0 * np.pi / 3.0, 0.089e-3 * 10 ** rng.uniform(-1, 1)
+    freedom, preload = str(rng.choice(["xy", "xy yaw", "axle"])), mass * 9.81 * rng.choice([1.0, 3.0])
+    values = dict(
+        x=arm * np.cos(angle), y=arm * np.sin(angle), preload=preload, mass=mass, freedom=freedom,
+        normal_damping=mass * 10 ** rng.uniform(3, 5), tangential_damping=float(rng.choice([0, 1e-4])),
+        tilt=str(rng.choice(["held", "free"])),
+    )  # fmt: skip
+    if freedom != "xy":
+        values |= dict(inertia=mass * 1e-5, torque=float(rng.choice([0.0, 1e-8])))
+    if freedom != "axle" and rng.random() < 0.3:
+        values |= dict(load=tuple(0.2 * 0.08 * preload * rng.uniform(-1, 1, 2)))
+    waves = []
+    for k in range(int(rng.integers(1, 3))):
+        frequency = 2.2e6 if k == 0 or rng.random() < 0.6 else 2.3e6
+        direction = float(rng.choice([0, np.pi / 2, np.pi, rng.uniform(0, 6.28)]))
+        wavelength = float(rng.choice([1e-3, 1.8e-3]))
+        normal = 10 ** rng.uniform(0, 1.3) * 1e-9 * np.exp(1j * rng.choice([0, 1.57, rng.uniform(0, 6)]))
+        waves.append(
+            PlaneWave(frequency=frequency, wavelength=wavelength, direction=direction, normal=normal, ratio=R_X)
+        )
+    slider, rise = ball(**values), float(rng.choice([0.0, 5 / 2.2e6, 30 / 2.2e6]))
+    return slider, PlaneWaves(waves=tuple(waves)).at(slider.x, slider.y), rise
