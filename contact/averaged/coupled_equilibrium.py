@@ -40,7 +40,9 @@ MAX_RESIDUAL = 1e-8
 STEP = 1e-6  # of the finite differences, in scaled unknowns
 # Largest change in one step: of a scaled unknown, and of an amplitude over the incident one
 MAX_MOVE, MAX_WAVE = 1.0, 0.5
-MEMORY = 16  # number of steps that Anderson's method combines
+# MEMORY: number of steps that Anderson's method combines. SAMPLE: about as many of the amplitudes' parts enter its
+# least squares; they change smoothly along the wave.
+MEMORY, SAMPLE = 16, 4000
 # Stagnation: in PATIENCE steps the residuals have not fallen below FALL times their value before. The search then
 # returns to the point of the smallest residuals and computes the derivatives there. It ends after USELESS stagnations
 # in a row without progress, or after MAX_EVALUATIONS.
@@ -62,21 +64,32 @@ class Anderson:
     """Anderson's method, which improves the step f(x) of a fixed-point iteration by the last steps.
 
     With the changes dx and df of the last points x and steps f, it takes f - gamma (dx + df), where gamma minimises
-    |f - gamma df|.
+    |f - gamma df| over a sample of the quantities.
     """
 
-    def __init__(self):
-        self.points, self.steps = [], []
+    def __init__(self, count: int, first: int):
+        # the first ones, and the others at equal distances: an odd one, for real and imaginary parts take turns
+        stride = max((count - first) // SAMPLE, 1) | 1
+        self.sample = slice(None) if stride == 1 else np.r_[:first, first:count:stride]
+        self.last = None  # point and step
+        self.changes: list[np.ndarray] = []  # df in the sample
+        self.moves: list[np.ndarray] = []  # dx + df
 
     def step(self, point, step):
         """Return a better step than `step` from a point."""
-        kept = min(MEMORY, step.size)
-        self.points, self.steps = [*self.points[-kept:], point], [*self.steps[-kept:], step]
-        if len(self.steps) == 1:
+        last, self.last = self.last, (point, step)
+        if last is None:
             return step
-        dx, df = np.diff(self.points, axis=0), np.diff(self.steps, axis=0)
-        gamma = np.linalg.lstsq(df.T, step, rcond=1e-10)[0]
-        return step - gamma @ (dx + df)
+        change, kept = step - last[1], min(MEMORY, step.size) - 1
+        self.changes = [*self.changes[-kept:], change[self.sample]] if kept else [change[self.sample]]
+        move = change + point
+        move -= last[0]
+        self.moves = [*self.moves[-kept:], move] if kept else [move]
+        gamma = np.linalg.lstsq(np.array(self.changes).T, step[self.sample], rcond=1e-10)[0]
+        better = step.copy()
+        for factor, each in zip(gamma, self.moves, strict=True):
+            better -= factor * each
+        return better
 
 
 def _largest(values) -> float:
@@ -266,10 +279,10 @@ class Equilibrium:
             columns[SPEED, SPEED] -= cycle.slider.tangential_damping * cycle.wave.omega * self.speed / self.friction
         return columns.T[np.ix_(active, active)]
 
-    def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
+    def solve(self, load: float, w: float | None = None, side: float = 0.0, close: float = CLOSE) -> Balance:
         """Return the equilibrium under a load, or at the fixed velocity over omega `w`; only that on a given wave.
 
-        `side`: sign of the motion before a velocity of zero.
+        `side`: sign of the motion before a velocity of zero; `close`: tolerance of the search on a wave that is loaded.
         """
         self.load, self.preload_at = load, self.cycle.slider.preload_point(load)
         active = list(self.plane)
@@ -286,12 +299,12 @@ class Equilibrium:
             self._evaluate(side)
             return self._balance(0.0)
         try:
-            speed_error = _Search(self, active, side).run()
+            speed_error = _Search(self, active, side, close).run()
         except ConvergenceError:
             if w is None:
                 raise
             self.begin()
-            speed_error = _Search(self, active, side, careful=True).run()
+            speed_error = _Search(self, active, side, close, careful=True).run()
         return self._balance(speed_error * self.speed)
 
     def _balance(self, error):
@@ -315,9 +328,9 @@ class _Search:
     After such a stagnation the search is careful: it shortens more, and lets the amplitudes follow after every step.
     """
 
-    def __init__(self, equations: Equilibrium, active: list[int], side: float, careful: bool = False):
-        self.equations, self.active, self.side = equations, active, side
-        self.method, self.jacobian, self.slope = Anderson(), None, None
+    def __init__(self, equations: Equilibrium, active: list[int], side: float, close: float, careful: bool = False):
+        self.equations, self.active, self.side, self.close = equations, active, side, close
+        self.method, self.jacobian, self.slope = None, None, None
         self.before = self.step = self.best = None
         self.sizes: list[float] = []  # residuals and changes since the last derivatives
         self.last = self.last_change = self.least = self.reached = np.inf
@@ -396,7 +409,7 @@ class _Search:
         return _largest(step)
 
     def _is_solved(self) -> bool:
-        if self.sizes[-1] < CLOSE:
+        if self.sizes[-1] < self.close:
             return True
         if not (self.careful and self._stale):
             return False
@@ -416,7 +429,8 @@ class _Search:
             self.stagnations, self.reached = (0, self.least) if progress else (self.stagnations + 1, self.reached)
             self.slope, self.wave_step = equations.newton_step()
         if stale or self.jacobian is None:
-            self.method, self.sizes, self.jacobian = Anderson(), [self.least], equations.jacobian(self.active)
+            self.method = Anderson(equations.at(self.active).size, len(self.active))
+            self.sizes, self.jacobian = [self.least], equations.jacobian(self.active)
         self.last, self.last_change = _largest(self.residual), self.change
         self.before, self.shortenings = equations.at(self.active), 0
         newton = _solved(self.jacobian, -self.residual)

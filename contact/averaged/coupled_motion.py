@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact import parameter_check
-from contact.averaged.coupled_equilibrium import SPEED, Balance, Equilibrium
+from contact.averaged.coupled_equilibrium import CLOSE, SPEED, Balance, Equilibrium
 from contact.averaged.cycle_mean import ContactMean, MeanForces
 from contact.averaged.equilibrium import balanced_speed, net_force
 from contact.averaged.overtone_cycle import OvertoneCycle
@@ -29,6 +29,9 @@ FULL_SLIP = 1.001  # safety factor on the velocity above which every contact sli
 # the square of the number.
 NUMBERS = (8, 16, 32, 64)
 OVERTONE_ERROR = 5e-4  # half of the default tolerance
+# Tolerance of an equilibrium that only tells whether or which way the slider moves, and the velocity or the force,
+# scaled, from which on it tells: 50 times the tolerance.
+ROUGH, CLEAR = 1e-3, 0.05
 HOPS = 0.999  # mean fraction of the cycle in contact below which the motion counts as intermittent
 
 
@@ -210,11 +213,11 @@ class CoupledSearch:
                 self.cycle.begin(state.forward * size, state.backward * size)
         self.moves, self.truncation = state.velocity_over_omega != 0.0, near.truncation
 
-    def rest(self, side: float, load: float = 0.0) -> Balance:
+    def rest(self, side: float, load: float = 0.0, close: float = CLOSE) -> Balance:
         """Return the equilibrium in the limit v -> 0 of motions of sign `side`."""
-        return self.equilibrium.solve(load, 0.0, side)
+        return self.equilibrium.solve(load, 0.0, side, close)
 
-    def under(self, load: float) -> Balance:
+    def under(self, load: float, close: float = CLOSE) -> Balance:
         """Return the equilibrium under a signed load; the slider moves or is held."""
         if not self.loads:
             return self._bracketed(load)
@@ -222,13 +225,13 @@ class CoupledSearch:
         if not self.moves:
             # one contact at rest takes 8 evaluations; a search for the velocity of a held slider gives up after 200
             with suppress(ConvergenceError):
-                low, high, held = self._at_rest(load)
-                if low.traction <= load <= high.traction:
-                    return replace(held, traction=load)
+                held = self._held(load)
+                if held is not None:
+                    return held
             self.equilibrium.unknowns = start.copy()
             self.cycle.begin(*waves)
         try:
-            equilibrium = self.equilibrium.solve(load)
+            equilibrium = self.equilibrium.solve(load, close=close)
             self.moves = self._is_moving(equilibrium)
             if self.moves:
                 return equilibrium
@@ -237,6 +240,15 @@ class CoupledSearch:
         self.equilibrium.unknowns = start
         self.cycle.reset()
         return self._bracketed(load)
+
+    def _held(self, load) -> Balance | None:
+        """Return the equilibrium of a slider that is held under a load; None if it moves."""
+        margin = CLEAR * self.equilibrium.friction
+        for close, beside in ((ROUGH, margin), (CLOSE, 0.0)):
+            low, high, held = self._at_rest(load, close)
+            if not low.traction - beside <= load <= high.traction + beside:
+                return None
+        return replace(held, traction=load)
 
     def _is_moving(self, equilibrium):
         """Return True if the velocity exceeds rounding; a smaller one may belong to sticking contacts."""
@@ -266,12 +278,12 @@ class CoupledSearch:
         moving = self.equilibrium.solve(load, search.velocity)
         return replace(moving, error=abs(search.force / search.slope))  # the last Newton step
 
-    def _at_rest(self, load) -> tuple[Balance, Balance, Balance]:
+    def _at_rest(self, load, close=CLOSE) -> tuple[Balance, Balance, Balance]:
         """Return the equilibria at v = 0 with the least and the largest <sum Q>, and that of the two that is held."""
         side = -1.0 if load <= 0.0 else 1.0
-        other = self.rest(-side, load)
+        other = self.rest(-side, load, close)
         # computed last, so that the wave amplitudes belong to these forces if the slider is held
-        held = self.rest(side, load)
+        held = self.rest(side, load, close)
         return (other, held, held) if side < 0.0 else (held, other, held)
 
     @staticmethod
@@ -283,7 +295,9 @@ class CoupledSearch:
         """Return a load with the sign of the motion that it opposes."""
         if load == 0.0:
             return 0.0
-        free = self.under(0.0)
+        free = self.under(0.0, ROUGH)
+        if abs(free.w) < CLEAR * self.equilibrium.speed:
+            free = self.under(0.0)
         if self._is_moving(free):
             return math.copysign(load, free.w)
         return math.copysign(load, -1.0 if self.rest(-1.0).traction < 0.0 else 1.0)

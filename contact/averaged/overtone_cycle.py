@@ -10,7 +10,7 @@ driving wave meets the rows, or back, and `self.downstream_...` are in that orde
 import numpy as np
 
 from contact.averaged.cycle_mean import ContactMean, MeanForces, forces_of
-from contact.averaged.march import march
+from contact.averaged.march import march, real_form
 from contact.averaged.overtone_march import Classes, Spectrum, Waves, overtone_march, samples
 from contact.averaged.row_cycle import RowCycle
 from contact.exceptions import ConvergenceError
@@ -109,7 +109,7 @@ class OvertoneCycle(RowCycle):
         slope = np.zeros((m, 2, 2), complex)
         force[:, column], amplitude[:, column] = normal + self.driving_orbit * tangential, self.waves
         slope[:, column, column] = self.sums(forces.cycles[ContactMean.SHARE] * self.k_n)
-        return march(self.turn, force, slope, amplitude, self.g, self.incident)[:, column] - self.waves
+        return march(self.turn, force, real_form(slope), amplitude, self.g, self.incident)[:, column] - self.waves
 
     def tangent(self, *_):
         """Return None: the search uses the iteration of `advance` and no Newton step."""

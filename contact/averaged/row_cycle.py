@@ -19,12 +19,14 @@ along the wave, has the unit (c k_t p(ell)) (c ell).
 The unknown waves are U+ and U- at the rows, `forward` and `backward`; `march` states their equations.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from contact import body
 from contact.averaged.cycle_mean import ContactMean, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import BACKWARD, CLOSED, FORWARD, cycle_arrays
-from contact.averaged.march import march, passed
+from contact.averaged.march import march, passed, real_form
 from contact.averaged.riding import mean_loads, quadrature
 from contact.body import Coordinates, Paths, tilted
 from contact.codes import Shape, Tangential
@@ -177,10 +179,20 @@ class RowCycle:
         moves = abs(u_x) > TANGENTIAL_SHARE * abs(c) * largest
         s_n = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * largest)
         s_t = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=moves)
-        # J = dF/dq of F = (P_1 + C* Q_1, P_1 + C Q_1), P_1 = s_n u_z and Q_1 = s_t u_x, with u_z = q_0 + q_1 and
-        # u_x = C q_0 + C* q_1 in the amplitudes q = (forward, backward): s_n [[1, 1], [1, 1]] + s_t times this matrix
+        parts = np.stack([s_n, s_t], axis=1).view(float)
+        return (parts @ self._by_stiffness).reshape(-1, 4, 4)
+
+    @cached_property
+    def _by_stiffness(self):
+        """Real matrices J of `march`, (4, 16), for the real and the imaginary part of s_n and of s_t.
+
+        J = dF/dq of F = (P_1 + C* Q_1, P_1 + C Q_1), P_1 = s_n u_z and Q_1 = s_t u_x, with u_z = q_0 + q_1 and
+        u_x = C q_0 + C* q_1 in the amplitudes q = (forward, backward).
+        """
+        c = self.wave.orbit
+        by_normal = np.ones((2, 2), complex)
         by_tangential = np.array([[abs(c) ** 2, c.conjugate() ** 2], [c**2, abs(c) ** 2]])
-        return s_n[:, None, None] + by_tangential * s_t[:, None, None]
+        return real_form(np.array([by_normal, 1j * by_normal, by_tangential, 1j * by_tangential])).reshape(4, 16)
 
     def tangent(self, approach, w: float, side: float, forces: MeanForces):
         """Return the derivatives of the rows' forces with respect to their amplitudes, shape (m, 4, 4); see `march`."""

@@ -289,15 +289,30 @@ def test_newtons_step_is_exact_where_contacts_stick():
         assert now == pytest.approx(then, abs=1e-8 * 20e-9)
 
 
-def test_few_rows_are_solved_as_many_are(monkeypatch):
-    from contact.averaged import march
+@pytest.mark.parametrize("rows", [1, 2, 40])
+def test_the_amplitudes_of_linear_rows_keep_the_jumps_of_both_waves(rows):
+    # Equations (1) and (2) of `march`, with amplitudes on both sides that follow from the means
+    from contact.averaged.march import march, real_form
 
-    slider, passing = grid(5, 2), wave(backward=9e-9j, strip_width=2e-4)
-    dense = pillar_motion(slider, passing, loading=True)
-    monkeypatch.setattr(march, "MAX_DENSE", 0)
-    banded = pillar_motion(slider, passing, loading=True)
-    assert dense.velocity == pytest.approx(banded.velocity, rel=1e-11)
-    assert dense.exit_over_entry == pytest.approx(banded.exit_over_entry, rel=1e-11)
+    def drawn(*shape):
+        return draw.normal(size=shape) + 1j * draw.normal(size=shape)
+
+    draw, g = np.random.default_rng(rows), 0.1
+    turn = np.exp(-1j * np.sort(draw.uniform(0.0, 20.0, rows)))
+    force, q, incident, slope = drawn(rows, 2), drawn(rows, 2), drawn(2), draw.normal(size=(rows, 4, 4))
+    found = march(turn, force, slope, q, g, incident)
+    forward, backward = np.full(rows + 1, incident[0]), np.full(rows + 1, incident[1])
+    for j in range(rows):
+        forward[j + 1] = 2.0 * found[j, 0] / turn[j] - forward[j]
+    for j in range(rows - 1, -1, -1):
+        backward[j] = 2.0 * found[j, 1] * turn[j] - backward[j + 1]
+    there = force + (slope @ (found - q).view(float)[..., None])[..., 0].view(complex)
+    assert np.diff(forward) == pytest.approx(1j * g * there[:, 0] / turn, abs=1e-12)
+    assert np.diff(backward) == pytest.approx(-1j * g * there[:, 1] * turn, abs=1e-12)
+    linear = drawn(rows, 2, 2)  # as in complex numbers
+    assert real_form(linear) @ q.view(float)[..., None] == pytest.approx(
+        (linear @ q[..., None]).view(float).reshape(rows, 4, 1)
+    )
 
 
 def test_a_wave_that_falls_to_a_tenth_leaves_the_traction_of_a_small_wave():
