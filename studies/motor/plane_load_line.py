@@ -16,7 +16,7 @@ from studies.record.plots import curve, finished
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
 from studies.scene.plane_keys import AXLE
-from studies.solve.plane_motor import PER_MINUTE, PlaneMotor
+from studies.solve.plane_motor import PER_MINUTE, PlaneMotor, friction_torque
 from studies.study_list import Answered, Panel, judged
 
 LOGGER = logging.getLogger(__name__)
@@ -37,7 +37,7 @@ def plane_load_lines(driven: Contact, points: int, tolerance: float) -> Answered
 
 
 def _of_rotor(motor: PlaneMotor, points: int, title: str) -> Answered:
-    stall, friction = plane.stall_torque(motor.slider, motor.waves), _friction_torque(motor)
+    stall, friction = plane.stall_torque(motor.slider, motor.waves), friction_torque(motor.slider)
     torque = np.linspace(0.0, 1.0, points)[:-1] * stall.value
     turning = [motor.state(slider=replace(motor.slider, torque=float(each))).yaw_rate for each in torque]
     rates, torque = np.append(turning, 0.0), np.append(torque, stall.value)
@@ -54,13 +54,6 @@ def _of_rotor(motor: PlaneMotor, points: int, title: str) -> Answered:
     ]
     data = {"torque_N_m": np.abs(torque), "rotation_rpm": PER_MINUTE * np.abs(rates)}
     return [Panel(name=OF_TORQUE, title=title, data=data)], findings, answer
-
-
-def _friction_torque(motor: PlaneMotor) -> float:
-    """Return the torque of contacts that all slip at rest, each across its arm, N m."""
-    slider = motor.slider
-    arms = np.hypot(np.atleast_1d(slider.x) - slider.axis[0], np.atleast_1d(slider.y) - slider.axis[1])
-    return float(slider.friction_coefficient * slider.preload * arms.mean())
 
 
 def _of_slider(motor: PlaneMotor, points: int, title: str) -> Answered:

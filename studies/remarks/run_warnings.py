@@ -15,7 +15,8 @@ import fem
 from studies.model.fem_objects import unturned
 from studies.model.free_way import free_way
 from studies.model.model import model_of
-from studies.model.wave_to_contact import contact_slider
+from studies.model.plane import contact_load
+from studies.model.wave_to_contact import Contact, contact_slider
 from studies.record import Record
 from studies.record.text import percent
 from studies.record.waveform import is_step
@@ -27,6 +28,9 @@ from studies.remarks.model_error import SHARED
 from studies.remarks.scene_warnings import scene_warnings
 from studies.remarks.stator_effects import surface_strain
 from studies.scene import Scene
+from studies.scene.plane_keys import AXLE
+from studies.scene.slider_keys import Slider
+from studies.solve.plane_motor import friction_torque
 from studies.solve.solved_stator import contact_of_run
 
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
@@ -233,15 +237,8 @@ def _contact(record: Record) -> Iterator[str]:
             f"the surface moves sideways under the slider, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {'reduce the drive of the crossing transducers' if record.scene.crossed else nearer}"
         )
+    yield from _dragged(record.scene.slider, driven)
     slider, orbits = contact_slider(record.scene.slider.along_x), driven.at(max(record.scene.levels))
-    friction = slider.static_friction(driven.contacts)
-    if slider.load > friction:
-        limit, share = "the damper alone" if slider.tangential_damping else "nothing", record.scene.slider.share
-        yield (
-            f"slider.load, {slider.load * share:.4g} N, exceeds the friction that holds the slider, "
-            f"{friction * share:.4g} N: it drags the slider back even without a wave, and {limit} limits the speed: "
-            "lower slider.load"
-        )
     if slider.preload == 0:
         return
     pull, share = contact.damper_pull(slider, orbits)
@@ -268,6 +265,30 @@ def _contact(record: Record) -> Iterator[str]:
         )
 
 
+def _dragged(block: Slider, driven: Contact) -> Iterator[str]:
+    """Yield warnings about a force or a torque on the slider that is larger than the friction which holds it."""
+    load, key = block.scalar_load, "slider.load"
+    if block.incline is not None and any(block.incline):
+        load, key = (
+            math.hypot(*contact_load(block)) + load * block.opposes,
+            "slider.incline" + f" with {key}" * (load > 0),
+        )
+    friction = block.share * contact_slider(block.along_x).static_friction(driven.contacts)
+    if load > friction and block.freedom != AXLE:  # an axle carries it
+        limit = "the damper alone" if block.damping.tangential else "nothing"
+        yield (
+            f"{key}, {load:.4g} N, exceeds the friction that holds the slider, "
+            f"{friction:.4g} N: it drags the slider back even without a wave, and {limit} limits the speed: "
+            f"lower {key}"
+        )
+    if block.turns and abs(block.torque) > (friction := friction_torque(driven.slider)):
+        yield (
+            f"slider.torque, {block.torque:.4g} N m, exceeds the torque of the friction that holds the slider, "
+            f"{friction:.4g} N m: it turns the slider even without a wave, and nothing limits the rate: "
+            "lower slider.torque"
+        )
+
+
 def _points(record: Record) -> Iterator[str]:
     """Yield warnings about a slider that turns between two points, that is too fast, or that always sticks."""
     omega, named = 2 * math.pi * record.wave.frequency_Hz, record.scene.named
@@ -282,7 +303,8 @@ def _points(record: Record) -> Iterator[str]:
                 f"the slider reverses its direction between {named(low)} and {named(high)} ({before * 1e3:.3g} and "
                 f"{after * 1e3:.3g} mm/s): give {record.scene.level_key} more values between them"
             )
-    fastest = max((abs(velocity) for _, velocity in moving), default=0.0)
+    speeds = (math.hypot(each.velocity_m_per_s or 0.0, each.lateral_velocity_m_per_s or 0.0) for each in record.points)
+    fastest = max(speeds, default=0.0)
     if fastest > USUAL_SPEED:
         yield (
             f"the slider runs at {fastest:.4g} m/s; surface-acoustic-wave motors reach 1 to 2 m/s: check the units of "

@@ -57,6 +57,8 @@ def check_slider(slider: Any) -> Refused:
         yield "freedom", "must be absent with slider.axis: the slider turns about its axle"
     if slider.axis is None and slider.freedom == AXLE:
         yield "axis", "is required and missing: the place of the axle, [x, y] from the slider's centre in m"
+    if slider.freedom == AXLE and slider.opposes:
+        yield "load", "must be [F_x, F_y] or absent with slider.axis, whose axle carries it: give slider.torque"
     if slider.travel is not None:
         yield "travel", "must be absent in the plane: a burst follows the slider there"
     if slider.pillars is not None:

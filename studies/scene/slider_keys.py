@@ -86,8 +86,8 @@ class Slider(Block):
     load: Annotated[
         float | tuple[float, float],
         Quantity("N", zero=True) | plane_keys.VECTOR,
-        "Constant force opposite to the direction in which the unloaded slider moves; in the plane also [F_x, F_y], "
-        "against +x and +y.",
+        "Constant force opposite to the direction in which the unloaded slider moves or, where it rests, would start; "
+        "in the plane also [F_x, F_y], against +x and +y.",
     ] = 0.0
     freedom: Annotated[
         str,
@@ -312,6 +312,11 @@ class Slider(Block):
         if not self.planar:
             return self
         return replace(self, freedom="x", axis=None, inertia=None, torque=0.0, incline=None, load=0.0, tilt="held")
+
+    @property
+    def opposes(self) -> bool:
+        """Whether its load is a number, which acts against its motion, and not zero."""
+        return not isinstance(self.load, tuple) and self.load != 0.0
 
     @property
     def static_coefficient(self) -> float:

@@ -61,7 +61,9 @@ def point_answer(
         if driven.scene.planar:
             from studies.solve.plane_answer import plane_point_answer
 
-            return plane_point_answer(driven, level, tolerance, bursting=bursting)
+            answer = plane_point_answer(driven, level, tolerance, bursting=bursting)
+            _refuse_runaway(math.hypot(answer.point.velocity_m_per_s, answer.point.lateral_velocity_m_per_s))
+            return answer
         if driven.rough and not (driven.one_stop and driven.scene.burst is not None):
             from studies.solve.rough_answer import rough_answer
 

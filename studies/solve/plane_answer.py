@@ -31,13 +31,11 @@ WEAKEST_FIRST = ("separated", "stick", "slip", "intermittent")
 
 
 def plane_threshold(driven: Contact) -> float:
-    """Return the level at which the slider starts to move; inf where a load that is a number follows its direction."""
-    load = driven.scene.slider.load
-    if not (isinstance(load, tuple) or load == 0.0):
-        return math.inf
+    """Return the level at which the slider starts to move; inf where its waves beat too slowly for one."""
     try:
+        motor = PlaneMotor.at_threshold(driven)
         with slider_keys():
-            return plane.threshold_factor(driven.slider, driven.surface_at(1.0))
+            return plane.threshold_factor(motor.slider, motor.surface)
     except contact.ConvergenceError:
         return math.inf
 

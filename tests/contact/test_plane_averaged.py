@@ -175,6 +175,18 @@ def test_a_contact_that_never_slips_is_held_within_a_band():
         assert pushed.held == held
 
 
+def test_a_held_contact_slips_only_where_friction_does_work():
+    """A pushed ball that touches its limit sticks, as along x; one on a wave slips while one beside the wave holds."""
+    pushed = steady(ball(load=(0.2 * MU * F, 0.0)), beams(0.3, 0), tolerance=1e-3)
+    assert pushed.held
+    assert pushed.regimes == ("stick",)
+    pair = ball(x=(-1e-3, 1e-3), y=(0.0, 0.0), preload=2 * F)
+    beside = SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-1j * R_X * 1e-9, 0.0, 0.5e-9], [0.0, 0.0, 0.0]]])
+    state = steady(pair, beside, tolerance=1e-3)
+    assert state.held
+    assert state.regimes == ("slip", "stick")
+
+
 def test_coasting_without_a_wave_is_coulombs_friction():
     none = SurfaceWaves(frequencies=[2.2e6], amplitudes=np.zeros((1, 1, 3)))
     means = mean_forces(ball(), none, (0.03, -0.04))

@@ -94,6 +94,42 @@ def test_a_number_as_load_acts_against_the_motion():
     assert velocity(loaded) @ towards < velocity(free) @ towards
 
 
+@pytest.mark.parametrize(("share", "amplitudes"), [(0.3, ["0.5 nm", "1 nm", "3 nm"]), (0.9, ["0.5 nm"])])
+def test_a_number_as_load_below_and_above_the_stall_is_that_along_x(share, amplitudes):
+    """The kernels along x: threshold under the load, slider pushed back, and held where the free one rests too."""
+    table = scene({}, level=amplitudes, load=share * LIMIT).to_table()
+    table["wave"].pop("sources")
+    own = run(Scene.from_table("", table), tolerance=1e-3)
+    table["slider"].pop("freedom")
+    line = run(Scene.from_table("", table), tolerance=1e-3)
+    assert own.summary.threshold_amplitude_m == pytest.approx(line.summary.threshold_amplitude_m, rel=6e-4)
+    for here, there in zip(own.points, line.points, strict=True):
+        assert here.velocity_m_per_s == pytest.approx(there.velocity_m_per_s, abs=1e-4 * LIMIT / 1e-3)
+        assert here.regime == there.regime
+    assert min(each.velocity_m_per_s for each in own.points) < -1e-3
+
+
+def test_a_load_a_slope_and_a_torque_beyond_the_friction_are_warned_about():
+    damped = {"damping": {"normal": 0.5, "tangential": 1e-3}}
+    dragged = run(scene({}, level=["0.5 nm"], load=1.2 * LIMIT, **damped))
+    line = scene({}, level=["0.5 nm"], load=1.2 * LIMIT, **damped).to_table()
+    line["wave"].pop("sources")
+    line["slider"].pop("freedom")
+    line = run(Scene.from_table("", line))
+    assert set(line.warnings) & set(dragged.warnings) >= {each for each in line.warnings if "drags" in each} != set()
+    assert dragged.points[0].velocity_m_per_s == pytest.approx(line.points[0].velocity_m_per_s, rel=1e-6)
+    assert dragged.points[0].velocity_m_per_s == pytest.approx(-0.2 * LIMIT / 1e-3, rel=1e-2)
+    assert dragged.summary.threshold_amplitude_m == line.summary.threshold_amplitude_m == 0.0
+    pulled = run(scene({}, level=["0.5 nm"], load=[0.0, 1.2 * LIMIT], **damped))
+    assert any("slider.load, 8.382e-05 N, exceeds the friction" in each for each in pulled.warnings)
+    sloping = run(scene({}, level=["0.5 nm"], incline=[0.0, 30.0], **damped))
+    assert any(each.startswith("slider.incline, 0.0004365 N, exceeds the friction") for each in sloping.warnings)
+    turned = {"contacts": THREE, "freedom": "xy yaw", "mass": "0.267 g", "preload": "2.61927 mN", "torque": "2 uN m"}
+    (turning,) = [each for each in run(scene({}, wavelength="1 mm", **turned)).warnings if "slider.torque" in each]
+    friction = 3 * LIMIT * 6e-3
+    assert f"2e-06 N m, exceeds the torque of the friction that holds the slider, {friction:.4g} N m" in turning
+
+
 @pytest.mark.parametrize("angle", [30.0, -117.0])
 def test_a_turned_scene_has_the_turned_answer(angle):
     plain = run(scene({}, {"direction": 70, "phase": 50}, load=["2 uN", "-1 uN"]))

@@ -60,6 +60,7 @@ REFUSED = [  # keys of the slider, and the refused key and words of its sentence
     ('freedom = "xy"\nadhesion = { model = "meniscus" }', "slider.adhesion", "must be left out with slider.freedom"),
     ('torque = "1 uN m"', "slider.torque", 'choose slider.freedom = "xy yaw", or give slider.axis'),
     ('freedom = "axle"', "slider.axis", "is required and missing"),
+    ('axis = [0, 0]\nload = "1 uN"', "slider.load", "whose axle carries it: give slider.torque"),
     ('freedom = "xy"\ntravel = true', "slider.travel", "a burst follows the slider"),
     ('freedom = "xy"\ntilt = "pitch"', "slider.tilt", '"held" or "free"'),
     ('freedom = "xy"\nincline = [90, 0]', "slider.incline.0", "below 90"),
