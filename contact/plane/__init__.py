@@ -16,7 +16,7 @@ _PUBLIC = {
     "state": "Band PlaneState Powers",
     "steady_state": "mean_forces mean_motion MeanPlaneForces steady",
     "burst_path": "PlaneTrajectory",
-    "plane_waves": "PlaneWave PlaneWaves SurfaceWaves places",
+    "plane_waves": "from_upward_zero PlaneWave PlaneWaves SurfaceWaves places",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = sorted(_HOME)

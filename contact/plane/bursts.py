@@ -61,7 +61,8 @@ def burst(
     ----------
     slider, surface
         As for `steady`. On a field the waves are followed: those under a contact are taken anew when it has moved by
-        1 um or turned that far. A motion given at the contacts alone stays the same.
+        1 um or turned that far. A motion given at the contacts alone stays the same. The burst begins at the time zero
+        of the amplitudes; `from_upward_zero` gives the one at which `contact.burst` begins along x.
     duration, after : float
         Length of the burst, and time followed after it, s; with `after` inf until the slider has stopped, by the
         averaged motion.

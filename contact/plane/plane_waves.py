@@ -4,6 +4,7 @@ Time dependence exp(+i omega t), complex peak amplitudes; x and y along the surf
 the direction beta has u_along = i r u_z, as the forward wave of `contact.PassingWave`: it drives towards -beta.
 """
 
+import cmath
 import math
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -70,6 +71,17 @@ class SurfaceWaves:
     def scaled(self, factor: complex) -> "SurfaceWaves":
         """Return the motion with all amplitudes multiplied by a factor."""
         return replace(self, amplitudes=self.amplitudes * factor)
+
+    def later(self, time: float) -> "SurfaceWaves":
+        """Return the motion whose time begins at a later time in s."""
+        turn = np.exp(2j * math.pi * self.frequencies * time)
+        return replace(self, amplitudes=self.amplitudes * turn[:, None, None])
+
+    @property
+    def upward_zero(self) -> float:
+        """Angle of the fastest wave in rad, 0 to 2 pi, at which its u_z of the first contact crosses zero upwards."""
+        normal = self.amplitudes[int(np.argmax(self.frequencies)), 0, 2]
+        return (-0.5 * math.pi - cmath.phase(complex(normal))) % (2.0 * math.pi)
 
     def turned(self, angle: float) -> "SurfaceWaves":
         """Return the motion turned by an angle in rad, positive from x to y."""
@@ -148,6 +160,41 @@ class PlaneWaves:
 
 
 Surface = SurfaceWaves | Field
+
+
+@dataclass(frozen=True, kw_only=True)
+class Later:
+    """A field of waves whose time begins at a later time in s."""
+
+    surface: Field
+    time: float
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> SurfaceWaves:
+        """Return the motion at positions (n,) in m."""
+        return self.surface.at(x, y).later(self.time)
+
+
+def from_upward_zero(slider, surface: Surface) -> Surface:
+    """Return the waves with a time that begins where u_z of the first contact crosses zero upwards.
+
+    So begins a burst along x (`contact.burst`).  The waves keep their phases against each other; of several frequencies
+    it is u_z of the fastest.
+
+    Examples
+    --------
+    >>> from contact import Slider
+    >>> slider = Slider(
+    ...     radius=1e-3, mass=1e-7, preload=0.87309e-3, load=(0.0, 0.0), friction_coefficient=0.08,
+    ...     effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0,
+    ...     contact_damping=0.0, normal_damping=0.05, tangential_damping=0.0, freedom="xy",
+    ... )
+    >>> waves = from_upward_zero(slider, SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-1.34e-9j, 0.0, 2e-9]]]))
+    >>> (1e9 * waves.amplitudes).round(6) + 0.0  # u_z = 2 nm sin(omega t)
+    array([[[-1.34+0.j,  0.  +0.j,  0.  -2.j]]])
+    """
+    waves = surface_under(slider, surface)
+    time = waves.upward_zero / waves.omega
+    return waves.later(time) if isinstance(surface, SurfaceWaves) else Later(surface=surface, time=time)
 
 
 def surface_under(slider, surface: Surface, pose=(0.0, 0.0, 0.0)) -> SurfaceWaves:

@@ -122,7 +122,8 @@ def contact_cycle(slider: Slider, surface: Surface, *, points_per_cycle: int, to
     basis, units, problem = averaged.basis, averaged.scaled, averaged.problem
     error = np.abs(fine.force - coarse.force)
     error += np.abs(basis) @ np.abs(root.derivative) @ np.abs(basis.T) @ root.error
-    phase = _phases(problem, units.period, points_per_cycle)
+    count = points_per_cycle * round(units.period / (2.0 * math.pi))
+    phase = waves.upward_zero + units.period * np.arange(1, count + 1) / count
     stage, regime = averaged.samples(root.unknown, phase)
     angle = problem.ratio * phase[:, None]
     cos, sin = (np.einsum("kw,wni->kni", function(angle), part)
@@ -140,12 +141,3 @@ def contact_cycle(slider: Slider, surface: Surface, *, points_per_cycle: int, to
         contact_velocity=at_contact * units.speed, velocity=velocity, yaw_rate=yaw_rate,
         mean_force=fine.force[:2] * units.force, force_error=error[:2] * units.force,
     )  # fmt: skip
-
-
-def _phases(problem, period: float, points_per_cycle: int) -> np.ndarray:
-    """Return phases of one period that begin behind an upward zero crossing of u_z of the first contact."""
-    fastest = int(np.argmax(problem.ratio))
-    cos, sin = problem.cos[fastest, 0, 2], problem.sin[fastest, 0, 2]
-    begin = -math.atan2(cos, sin) % (2.0 * math.pi)
-    count = points_per_cycle * round(period / (2.0 * math.pi))
-    return begin + period * np.arange(1, count + 1) / count

@@ -46,7 +46,13 @@ def step_of(driven: Contact, surface: Any, duration: float, tolerance: float, po
     slider = plane.turned(driven.slider, float(pose[2]))
     there = Shifted(surface=surface, place=(float(pose[0]), float(pose[1])))
     return plane.burst(
-        slider, there, duration=duration, after=math.inf, tolerance=tolerance, samples=SAMPLES, method="averaged"
+        slider,
+        plane.from_upward_zero(slider, there),
+        duration=duration,
+        after=math.inf,
+        tolerance=tolerance,
+        samples=SAMPLES,
+        method="averaged",
     )
 
 

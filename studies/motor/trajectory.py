@@ -55,8 +55,9 @@ def run(scene: Scene, *, duration: float = DURATION, tolerance: float = 1e-2) ->
     start, begin = None, 0.0
     for number, (name, levels) in enumerate(bursts, start=1):
         LOGGER.info(f"burst of {name}")
+        surface = plane.from_upward_zero(driven.slider, driven_by(sources, levels))
         motion = plane.burst(
-            driven.slider, driven_by(sources, levels), duration=duration, samples=SAMPLES, tolerance=tolerance,
+            driven.slider, surface, duration=duration, samples=SAMPLES, tolerance=tolerance,
             after=math.inf if number == len(bursts) else 0.0, start=start, method="averaged",
         )  # fmt: skip
         legs += legs_of(name, motion, start, begin)

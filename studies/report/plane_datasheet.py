@@ -94,6 +94,7 @@ def _start_and_stop(motor: PlaneMotor, surface: Sum, point: Point) -> Iterator[R
     if not speed > 0.0 or not force > 0.0 or (not axle and speed <= SLOW):
         return
     inertia = slider.inertia if axle else slider.mass
+    surface = plane.from_upward_zero(slider, surface)
     motion = plane.burst(
         slider, surface, duration=TIME_CONSTANTS * inertia * speed / force, after=math.inf, tolerance=PATH_TOLERANCE,
         samples=SAMPLES, method="averaged",

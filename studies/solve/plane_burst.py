@@ -1,5 +1,7 @@
 r"""The motion of a slider in the plane during and after the burst of a run, on the waves of its way.
 
+As along x the burst begins where u_z of the first contact crosses zero upwards, and lasts a whole number of cycles; of
+several frequencies those of the fastest.
 The waves of a stator grow as 1 - exp(-t/tau) and fade likewise; tau is the time that the ring-up under the slider's
 centre costs (`ring_up`), the integral of one minus its envelope: the impulse of a burst depends on that time to first
 order. The slider is followed to rest; where a contact comes to fingers, a piece or an edge of the stator, the motion
@@ -68,12 +70,14 @@ def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, 
     scene, rise = driven.scene, 0.0 if driven.ringing is None else driven.ringing.time
     method = method_of(scene, "a burst", METHODS)
     after = _after(slider, speed, scene.burst)
-    surface = travelled(driven, level)
-    cycles = (scene.burst + after) * max(surface.at(*plane.places(slider, (0.0, 0.0, 0.0))).frequencies) * slider.count
+    surface = plane.from_upward_zero(slider, travelled(driven, level))
+    fastest = max(surface.at(*plane.places(slider, (0.0, 0.0, 0.0))).frequencies)
+    duration = max(1, round(scene.burst * fastest)) / fastest
+    cycles = (duration + after) * fastest * slider.count
     if method == "averaged" or (method == "auto" and cycles > EVENTS):
         after = math.inf
     motion = plane.burst(
-        slider, surface, duration=scene.burst, after=after, tolerance=tolerance, samples=SAMPLES, method=method,
+        slider, surface, duration=duration, after=after, tolerance=tolerance, samples=SAMPLES, method=method,
         rise_time=rise,
     )  # fmt: skip
     motion, end = on_free_surface(driven, slider, motion)

@@ -32,17 +32,22 @@ def burst_scene(*sources, burst="0.2 ms", **keys):
     return scene(*(sources or ({},)), burst=burst, **(DAMPED | keys))
 
 
-def test_along_one_wave_it_is_the_burst_of_a_slider_that_moves_along_x():
-    """Events in the plane against the scalar kernels: velocity at the end, and displacement after the stop."""
-    plane_run = run(burst_scene(), tolerance=1e-3)
-    table = burst_scene().to_table()
+@pytest.mark.parametrize(("burst", "phase"), [("0.2 ms", 0), ("0.2001 ms", 70), ("18.2 us", -140)])
+def test_along_one_wave_it_is_the_burst_of_a_slider_that_moves_along_x(burst, phase):
+    """Events in the plane against the scalar kernels, whatever the phase: both begin at an upward zero of u_z."""
+    plane_run = run(burst_scene({"phase": phase}, burst=burst), tolerance=1e-5)
+    table = burst_scene(burst=burst).to_table()
     table["slider"].pop("freedom")
     table["wave"].pop("sources")
-    line_run = run(Scene.from_table("", table), tolerance=1e-3)
+    line_run = run(Scene.from_table("", table), tolerance=1e-5)
     (own,), (other,) = plane_run.points, line_run.points
-    # the first wave begins at its crest in the plane, and crosses zero upwards along the line
-    assert own.velocity_at_burst_end_m_per_s == pytest.approx(other.velocity_at_burst_end_m_per_s, rel=5e-2)
-    assert own.displacement_m == pytest.approx(other.displacement_m, rel=5e-2)
+    ((_, motion),), ((_, line),) = plane_run.trajectories, line_run.trajectories
+    scale = motion.reference
+    assert own.velocity_at_burst_end_m_per_s == pytest.approx(other.velocity_at_burst_end_m_per_s, abs=1e-6 * scale)
+    assert motion.duration == pytest.approx(line.duration, rel=1e-12)
+    during = line.time <= line.duration * (1.0 + 1e-12)
+    along = np.trapezoid(np.append(0.0, line.velocity[during]), np.append(0.0, line.time[during]))
+    assert motion.pose[motion.burst_end, 0] == pytest.approx(along, abs=1e-4 * scale * motion.duration)
     assert own.lateral_displacement_m == pytest.approx(0.0, abs=1e-15)
     assert own.burst_method == "exact"
     assert own.status == "ok"
