@@ -58,7 +58,7 @@ class PlaneMotor:
     def loaded(self, velocity: np.ndarray) -> "PlaneMotor":
         """Return the motor with its load of a number against a velocity (2,)."""
         slider = self.scene.slider
-        return replace(self, slider=opposing(self.slider, slider.load / slider.share, velocity))
+        return replace(self, slider=opposing(self.slider, slider.scalar_load / slider.share, velocity))
 
     @property
     def waves(self) -> plane.SurfaceWaves:
