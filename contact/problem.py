@@ -104,6 +104,15 @@ def contact_parameters(problem, i):
 
 
 @formula
+def unpacked(contact):
+    """Return the parameters with the normal law as `in_units` makes it, so that kernels share what is compiled."""
+    return ContactParameters(
+        contact.stiffness, contact.limit_slope, contact.friction, contact.contact_damping, contact.stick_band,
+        normal.with_pull(contact.normal, contact.normal.pull), contact.length, contact.omega, contact.law,
+    )  # fmt: skip
+
+
+@formula
 def full_friction(problem):
     """Return mu times preload and attraction, the friction of closed contacts that carry the preload and all slip."""
     pull = problem.stiffness * problem.normal.pull * np.sum(problem.factors.stiffness)

@@ -43,7 +43,7 @@ from contact.body import Coordinates, approach, at_phase, harmonic_response, nor
 from contact.codes import SlipWindow
 from contact.jit.compiled import compiled, native
 from contact.law.protocol import slip_limit
-from contact.problem import contact_parameters
+from contact.problem import contact_parameters, unpacked
 
 # Largest number of events of a contact in a cycle; phases per cycle at which (3) and (4) of a bent limit are evaluated
 MAX_EVENTS, SCANNED = 60, 128
@@ -458,7 +458,7 @@ def contact_cycles(problem, h, v, before, rule, work, out):
         _, _, d, e = at_phase(paths, i, co, si)
         wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0] = (reach, 0.0, d, e)
         path = Path(approach(paths, i, 0.0, Coordinates(-h, 0.0)), v[i], _side(v[i], before), wave, reach, 0.0)
-        half = _add_contact(contact_parameters(problem, i), path, rule, work)
+        half = _add_contact(unpacked(contact_parameters(problem, i)), path, rule, work)
         out[ContactMean.NORMAL, i] = means[Mean.NORMAL] / TURN
         out[ContactMean.TANGENTIAL, i] = means[Mean.TANGENTIAL] / TURN
         cos, sin = force.normal_cos[0] / np.pi, force.normal_sin[0] / np.pi

@@ -27,7 +27,7 @@ from contact.error_estimate import (
 )
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.normal import NormalLaw
-from contact.law.protocol import Law, with_numbers
+from contact.law.protocol import Law
 from contact.problem import ContactFactors, SliderNumber, changed, in_units
 
 # f_n/f up to which a slider that moves at the larger amplitude is called held, with that velocity as its error.
@@ -83,17 +83,20 @@ def solve_problems(sweep: Sweep, out, todo, harmonics: int, first: int, stride: 
     harmonics : int
         Of the slider's fast motion; 0: averaging of first order.
     """
-    _solve_problems(sweep, out, todo, harmonics, first, stride, sweep_arrays(harmonics, sweep.paths.height.shape[1]))
+    law = sweep.law._replace(numbers=np.empty(sweep.laws.shape[1]))
+    arrays = sweep_arrays(harmonics, sweep.paths.height.shape[1])
+    _solve_problems(sweep, law, out, todo, harmonics, first, stride, arrays)
 
 
-@native("t f2 i1 i i i t")
-def _solve_problems(sweep, out, todo, harmonics, first, stride, arrays):
-    """Do the work of `solve_problems`; return 0."""
+@native("t t f2 i1 i i i t")
+def _solve_problems(sweep, law, out, todo, harmonics, first, stride, arrays):
+    """Do the work of `solve_problems`; `law` takes the numbers of one slider's law after the other's. Return 0."""
     for t in range(first, todo.size, stride):
         k = todo[t]
         own, wave = sweep.which[k, 0], sweep.which[k, 1]
         slider, omega = sweep.sliders[own], sweep.omegas[wave]
-        law = with_numbers(sweep.law, sweep.laws[own])
+        for number in range(law.numbers.size):
+            law.numbers[number] = sweep.laws[own, number]
         paths = of_run(sweep.paths, wave)
         length = _scale_paths(slider, sweep.heights[own], paths, sweep.factors[k], arrays.paths)
         own_factors = ContactFactors(sweep.contact_factors[own, 0], sweep.contact_factors[own, 1])

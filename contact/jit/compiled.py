@@ -43,7 +43,7 @@ HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
 _MARKS = (b"@compiled", b"@formula", b"@native", b"@summed")
 # modules whose constants are compiled into kernels, and the compilers themselves
-_FROZEN = ("codes.py", "collocation.py", "radau.py", "problem.py", "compiled.py", "compiler.py")
+_FROZEN = ("codes.py", "collocation.py", "radau.py", "problem.py", "compiled.py", "compiler.py", "short_pipeline.py")
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting
@@ -144,16 +144,24 @@ class Kernel:
             numba.config.CACHE_DIR = usual
 
     def _jitted(self, **options):
-        return _numba().njit(nogil=True, error_model="numpy", fastmath=self.freedom, **options)(self.function)
+        options = {"nogil": True, "error_model": "numpy", "fastmath": self.freedom} | options
+        return _numba().njit(**options)(self.function)
 
     @property
     def inner(self):
-        """Numba's own, for calls from other kernels: without wrappers for Python; one for all threads."""
-        known = vars(self).get("_inner")
+        """Numba's own, for calls from other kernels: without wrappers for Python; one for all threads.
+
+        While machine code is compiled it is another one, which counts no references (`contact.jit.short_pipeline`).
+        """
+        from contact.jit import compiler, short_pipeline
+
+        bare = compiler.is_deferred()
+        known = vars(self).get(_INNER[bare])
         if known is None:
-            made = self._jitted(no_cpython_wrapper=True, no_cfunc_wrapper=True)
+            options = compiler.BARE | {"pipeline_class": short_pipeline.pipeline()} if bare else {}
+            made = self._jitted(no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
             _DISPATCHERS.append(made)
-            known = vars(self).setdefault("_inner", made)  # of two threads at once, the first's
+            known = vars(self).setdefault(_INNER[bare], made)  # of two threads at once, the first's
         return known
 
 
@@ -257,7 +265,8 @@ def _kept_or_compiled(name, called, make, *arguments):
     except Exception as failed:
         ORDINARY[called] = f"{type(failed).__name__}: {failed}"
         for kernel in _KERNELS:
-            vars(kernel).pop("_inner", None)
+            for name in _INNER.values():
+                vars(kernel).pop(name, None)
         return None
 
 
@@ -265,6 +274,7 @@ def _kept_or_compiled(name, called, make, *arguments):
 # looked up by the address of a function. A new law at the address of a deleted one would be given the dead type, with
 # the error "underlying object has vanished".
 _DISPATCHERS: list = []
+_INNER = {False: "_inner", True: "_bare"}  # attributes of a `Kernel`; True: for machine code
 # kernels and callbacks that numba's ordinary compiler compiles, and why
 ORDINARY: dict[str, str] = {}
 

@@ -2,7 +2,8 @@
 
 Numba would optimise every function by itself and again inside each that calls it, and wrap each for Python.  Here
 optimisation waits until all functions are linked into one module with one entry, so that LLVM runs once and inlines
-across them.  Reference counts are left out, for nothing is allocated.
+across them.  Reference counts are left out, for nothing is allocated, and so are the passes that no kernel needs
+(`contact.jit.short_pipeline`).
 
 The entry takes the address of a table of 64-bit words, in which the arguments lie one after the other: a number is one
 word, an array 1 + ndim words (its address and its lengths), a named tuple the words of its fields.  Kernels and None
@@ -13,17 +14,21 @@ import gc
 import hashlib
 import math
 import re
+import threading
 from contextlib import contextmanager
 from functools import cache
 from operator import attrgetter
+
+from contact.jit.short_pipeline import pipeline, slow_parts_replaced
 
 # the only outside functions that a kernel may call: LLVM's intrinsics, mathematics and memory functions of the C
 # library, and complex arithmetic of the compiler's runtime
 _LIBRARY = re.compile(
     r"llvm\..*|sin|cos|tan|sqrt|asin|acos|atan|atan2|hypot|pow|exp|log|floor|ceil|fmod|cbrt|mem(set|cpy|move)|__\w+c3"
 )
-# numba's functions that count references, replaced by empty ones
-_COUNTING = re.compile(r"^define [^\n]*@NRT_(in|de)cref\([^{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
+# options of numba for functions without Python's or numba's memory
+BARE = {"nogil": True, "error_model": "numpy", "_nrt": False}
+_STATE = threading.local()
 
 
 def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
@@ -44,7 +49,7 @@ def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
 def callback_code(function, count: int, numba) -> bytes:
     """Return the object file of a C function `kernel` of so many doubles that returns one."""
     with _deferred():
-        library = numba.cfunc(_signature(count), error_model="numpy")(function)._library
+        library = numba.cfunc(_signature(count), pipeline_class=pipeline(), **BARE)(function)._library
     return optimised(library, wrapper=True)
 
 
@@ -80,6 +85,11 @@ def pointer_type(callback):
     return types.ExternalFunctionPointer(_signature(callback.count), _ADDRESS)
 
 
+def is_deferred() -> bool:
+    """Return True if this thread compiles machine code: functions that kernels call are then compiled bare."""
+    return getattr(_STATE, "deferred", False)
+
+
 @contextmanager
 def _deferred():
     """Let numba lower functions without optimising them, and without Python's collector, a seventh of the time."""
@@ -92,9 +102,12 @@ def _deferred():
         collecting = gc.isenabled()
         codegen._library_class, codegen.set_env = deferred_library(usual), lambda name, environment: None
         gc.disable()
+        _STATE.deferred = True
         try:
-            yield
+            with slow_parts_replaced():
+                yield
         finally:
+            _STATE.deferred = False
             if collecting:
                 gc.enable()
             codegen._library_class = usual
@@ -137,7 +150,7 @@ def lowered(kernel, words, arguments, numba):
     )
     exec(source, scope)
     signature = types.int64(types.CPointer(types.int64))
-    return numba.cfunc(signature, error_model="numpy")(scope["entry"])._library
+    return numba.cfunc(signature, pipeline_class=pipeline(), **BARE)(scope["entry"])._library
 
 
 def argument_type(kind, argument, words, numba):
@@ -282,11 +295,7 @@ def optimised(library, *, wrapper=False):
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, codemodel="jitdefault",
         jit=True,
     )  # fmt: skip
-    text = _COUNTING.sub("", str(_linked(library)))
-    for name in ("incref", "decref"):
-        text = re.sub(rf"^declare [^\n]*@NRT_{name}\([^\n]*$", "", text, flags=re.MULTILINE)
-        text += f"\ndefine internal void @NRT_{name}(ptr %0) alwaysinline {{\n  ret void\n}}\n"
-    module = llvm.parse_assembly(text)
+    module = _linked(library)
     entry = next(
         f.name
         for f in module.functions

@@ -66,16 +66,6 @@ class Law(NamedTuple):
 
 
 @formula
-def with_numbers(law, numbers):
-    """Return the law with other numbers."""
-    return Law(
-        law.kind, law.rated, law.bent, numbers, law.coefficient, law.limit_ratio, law.limit_rate, law.stuck,
-        law.sliding, law.deformation, law.energy, law.back, law.force, law.guard, law.guard_rate, law.follow,
-        law.callbacks,
-    )  # fmt: skip
-
-
-@formula
 def slip_limit(problem, z):
     """Return X, the deformation at which slip begins; `z` a number or, where X/z is one number, an array."""
     return problem.law.limit_ratio(problem, z) * z

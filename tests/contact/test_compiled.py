@@ -229,6 +229,44 @@ def test_a_process_does_not_wait_for_ever(places, tmp_path):
     assert files(tmp_path) == [file]
 
 
+def halves(values):
+    """Return both halves of an array."""
+    return values[: values.size // 2], values[values.size // 2 :]
+
+
+def test_what_machine_code_shares_counts_references_when_python_calls_it(places, tmp_path):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    shared = compiled.Kernel(halves)
+
+    def sum_of_first(values):
+        first, second = shared(values)
+        return first[0] + 2 * second[0]
+
+    def both(values):
+        first, second = shared(values)
+        return shared(first), second
+
+    assert compiled.Native(sum_of_first, ("i1",))(np.arange(1, 9)) == 1 + 2 * 5
+    assert not compiled.ORDINARY
+    # without counts, the arrays that the next call returns would not keep their memory
+    (first, second), last = compiled.Kernel(both)(np.arange(1000) + 0)
+    np.testing.assert_array_equal(np.concatenate([first, second, last]), np.arange(1000))
+    assert not compiler.is_deferred()
+
+
+def test_numbas_own_functions_are_back_after_a_kernel_even_one_that_fails(places, tmp_path):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    from numba.core.ir import Inst
+    from numba.core.types.functions import BaseFunction
+
+    usual = vars(Inst)["_rec_list_vars"], vars(BaseFunction)["get_call_type"]
+    assert answer()[0] == RIGHT
+    places.setattr(compiler, "lowered", gone)
+    compiled.Native(total, ("t",))(Weights(np.array([1.5])))
+    assert compiled.ORDINARY
+    assert (vars(Inst)["_rec_list_vars"], vars(BaseFunction)["get_call_type"]) == usual
+
+
 class Weights(NamedTuple):
     values: np.ndarray
 
