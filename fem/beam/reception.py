@@ -23,7 +23,7 @@ Limits: the solid must be isotropic about z and the ends must absorb.  Otherwise
 to their own charges, as in the section.  Open strips always respond as in the section.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
@@ -46,7 +46,9 @@ from fem.beam.own_aperture import (
     Coupling,
     aperture_response,
     finger_coupling,
+    no_coupling,
     sheet_lengths,
+    with_tips,
 )
 from fem.condense.electrode_conditions import charged
 from fem.discretize.section import Section
@@ -128,7 +130,14 @@ def aperture_coupling(
     return out
 
 
-def with_apertures(fields: PortFields, mirror_width: float | None = None, fineness: int = 0) -> PortFields:
+def with_apertures(
+    fields: PortFields,
+    mirror_width: float | None = None,
+    fineness: int = 0,
+    reaches: Mapping[str, tuple[float, ...]] | None = None,
+    *,
+    plane: bool = False,
+) -> PortFields:
     """Solve the ports of a stator again for fingers of finite length, along which the charges vary.
 
     Parameters
@@ -139,6 +148,10 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
         Distance of two reflecting side faces, m.
     fineness : int
         Number of finer sets of steps along the fingers that are skipped (`sheet_lengths`).
+    reaches : mapping, optional
+        Of transducers by name, how far each finger reaches over the aperture, 0 to 1; by default all are 1.
+    plane : bool
+        True: the charges and waves of the section, on the same sheets; they are compared with those of strips.
 
     Returns
     -------
@@ -147,22 +160,30 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None, finene
         waves averaged over the aperture, with the potential of every finger that would cause its charge in the section.
         ``fields`` itself is returned if the limits of this module are not met.
     """
-    solve = aperture_solver(fields.stator, mirror_width, fineness)
+    solve = aperture_solver(fields.stator, mirror_width, fineness, reaches=reaches, plane=plane)
     if solve is None or None in fields.owners or not fields.transducers:
         return fields
     return solve(fields)
 
 
 def aperture_solver(
-    stator: Stator, mirror_width: float | None = None, fineness: int = 0, limits: tuple[float, float] | None = None
+    stator: Stator,
+    mirror_width: float | None = None,
+    fineness: int = 0,
+    limits: tuple[float, float] | None = None,
+    *,
+    reaches: Mapping[str, tuple[float, ...]] | None = None,
+    plane: bool = False,
 ) -> Callable[[StatorCascade], PortFields] | None:
     """Solver of a stator's cascade for finite apertures; None if the limits of this module are not met.
 
-    ``limits``: lowest and highest frequency (Hz), if the solver will be called at many frequencies of a band.
+    ``limits``: lowest and highest frequency (Hz), if the solver will be called at many frequencies of a band; for
+    ``reaches`` and ``plane`` see `with_apertures`.
     """
     if stator.pieces or stator.layers or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
-    return partial(_port_fields, OwnApertures(mirror_width, limits), fineness=fineness)
+    own_apertures = OwnApertures(mirror_width, limits, plane=plane)
+    return partial(_port_fields, own_apertures, fineness=fineness, reaches=reaches or {})
 
 
 class OwnApertures:
@@ -171,13 +192,15 @@ class OwnApertures:
     The modes of the full section are used, because those of a band's reduced basis do not resolve the near field.
     """
 
-    def __init__(self, mirror_width: float | None, limits: tuple[float, float] | None):
-        self.mirror_width, self.limits = mirror_width, limits
+    def __init__(self, mirror_width: float | None, limits: tuple[float, float] | None, *, plane: bool = False):
+        self.mirror_width, self.limits, self.plane = mirror_width, limits, plane
         self._at_nodes: dict[tuple, tuple] = {}
         self._lock = Lock()
 
     def coupling(self, network: Network, transducer: Transducer, lengths: np.ndarray) -> Coupling:
         """Coupling at the frequency of the network."""
+        if self.plane:
+            return no_coupling(transducer, len(lengths))
         section, frequency = network.modes.section.full, network.modes.frequency
         if self.limits is None:
             modes = network.modes if section is network.modes.section else guided_modes(section, frequency)
@@ -214,31 +237,47 @@ class OwnApertures:
         return nodes, [np.stack(each) for each in zip(*at, strict=True)]
 
 
-def _port_fields(own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int) -> PortFields:
+def _port_fields(
+    own_apertures: OwnApertures, cascade: StatorCascade, *, fineness: int, reaches: Mapping[str, tuple[float, ...]]
+) -> PortFields:
     """Fields of the cascade's ports, with one potential per finger."""
     modes = cascade.network.modes
     surface = modes.wavenumbers[modes.rayleigh].real.mean() / modes.section.length_unit
     refuse_short_apertures(cascade.transducers, 2 * np.pi / surface)
+    own_reaches = [
+        np.array(reaches[each.name])[charged(each.signs)] if each.name in reaches else None
+        for each in cascade.transducers
+    ]
     beams = _Beams.of(cascade.network, cascade.transducers, fineness, own_apertures.mirror_width)
+    beams = replace(
+        beams,
+        plane=own_apertures.plane,
+        lengths=[
+            lengths if reach is None else with_tips(lengths, reach, each, sharp=own_apertures.plane)
+            for lengths, reach, each in zip(beams.lengths, own_reaches, beams.transducers, strict=True)
+        ],
+    )
     outside, changes = beams.from_forces()
-    responses = _responses(own_apertures, beams, changes)
+    responses = _responses(own_apertures, beams, changes, own_reaches)
     network = replace(cascade.network, scatterers=tuple(each.scatterer for each in responses))
     return replace(cascade, network=network).solved(_port_solution(network, beams, responses, outside))
 
 
-def _responses(own_apertures: OwnApertures, beams: "_Beams", changes: list[np.ndarray]) -> list[ApertureResponse]:
+def _responses(
+    own_apertures: OwnApertures, beams: "_Beams", changes: list[np.ndarray], reaches: list[np.ndarray | None]
+) -> list[ApertureResponse]:
     """Response of each transducer; equal transducers share a scatterer, and without forces a response."""
     network, responses, couplings, by_kind = beams.network, [], {}, {}
-    for index, (plain, transducer, own_lengths) in enumerate(
-        zip(network.scatterers, beams.transducers, beams.lengths, strict=True)
+    for index, (plain, transducer, own_lengths, reach) in enumerate(
+        zip(network.scatterers, beams.transducers, beams.lengths, reaches, strict=True)
     ):
-        kind = id(plain), transducer.aperture
+        kind = id(plain), transducer.aperture, None if reach is None else tuple(reach.tolist())
         if kind not in couplings:
             couplings[kind] = own_apertures.coupling(network, replace(transducer, name="", center=0.0), own_lengths)
         key = (*kind, index if network.forces else 0)
         if key not in by_kind:
             by_kind[key] = aperture_response(
-                plain, transducer, beams.coupling_modes, own_lengths, couplings[kind], changes[index]
+                plain, transducer, beams.coupling_modes, own_lengths, couplings[kind], changes[index], reach
             )
         responses.append(by_kind[key])
     return responses
@@ -268,7 +307,8 @@ def _port_solution(
         shares = each.lengths / each.lengths[0]
         sides.append(sum(share * sheet.sides for share, sheet in zip(shares, sheets[-1], strict=True)))
         incoming.append(each.incoming(weights))
-        charges.append(each.scatterer.reactions(sides[-1]))
+        own = each.scatterer.reactions(sides[-1]) if each.at_ports is None else each.at_ports @ weights
+        charges.append(own)
     return PortSolution(
         sides=tuple(sides),
         incoming=tuple(incoming),
@@ -293,6 +333,7 @@ class _Beams:
     lengths: list[np.ndarray]  # of the sheets of each transducer, m
     coupling_modes: np.ndarray  # numbers of the modes that couple transducers
     mirror_width: float | None
+    plane: bool = False  # whether a beam arrives as it was sent, as in the section
 
     @classmethod
     def of(
@@ -343,13 +384,18 @@ class _Beams:
         out = np.zeros((self.first[-1], self.first[-1]), dtype=complex)
         for one, other in combinations(range(len(lines)), 2):
             gap = lines[other][0] - lines[one][1]
-            to_other = aperture_coupling(
-                modes.wavenumbers[self.coupling_modes] / unit,
-                lengths[one],
-                lengths[other],
-                (sum(lines[other]) - sum(lines[one])) / 2 * unit,
-                self.mirror_width,
-                self.transducers[other].center_y - self.transducers[one].center_y,
+            to_other = np.minimum.outer(lengths[other], lengths[one])[..., None] / lengths[other][:, None, None]
+            to_other = (
+                to_other + np.zeros(m)
+                if self.plane
+                else aperture_coupling(
+                    modes.wavenumbers[self.coupling_modes] / unit,
+                    lengths[one],
+                    lengths[other],
+                    (sum(lines[other]) - sum(lines[one])) / 2 * unit,
+                    self.mirror_width,
+                    self.transducers[other].center_y - self.transducers[one].center_y,
+                )
             )
             to_one = np.swapaxes(to_other * (lengths[other][:, None] / lengths[one])[..., None], 0, 1)
             for sender, receiver, mean_beams, phase in (

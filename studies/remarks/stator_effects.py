@@ -14,7 +14,6 @@ Sources:
 import math
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -117,7 +116,6 @@ def _aperture(record: Record, left_out) -> Effects:
         return
     beam, at = motion.beam, tuple(zip(*positions, strict=True))
     if record.scene.in_strips:
-        yield from _own_apertures(record, at)
         images = beam.first_images(*at, block.width) / abs(beam.motion(*at)[2])
         how = "first images of the strips' beams in both side faces, which are assumed to reflect everything in phase"
         yield "side faces", AMPLITUDE, float(images.max()), how
@@ -129,21 +127,6 @@ def _aperture(record: Record, left_out) -> Effects:
     worst = max(np.concatenate(changes), key=abs)
     how = "the beam with side faces that reflect like mirrors, compared with the beam without side faces"
     yield "side faces", AMPLITUDE, float(worst), how
-
-
-def _own_apertures(record: Record, at: tuple) -> Effects:
-    """Yield what the finite aperture does to the charges, which the beams of strips leave out; ``at``: x and y, m."""
-    model = model_of(record.scene)
-    if not fem.isotropic_about_normal(model.solid):
-        return
-    uniform = tuple(replace(each, overlaps=None, slant=0.0) for each in model.transducers)
-    with suppress(fem.BeamError, fem.ConvergenceError):
-        wave = fem.driven_wave(
-            model.stator, uniform, frequency=record.wave.frequency_Hz, drive=model.drive, tolerance=math.inf
-        )
-        own, cut = fem.surface_beam(wave).motion(*at)[2], fem.aperture_beam(wave, wave.solution).motion(*at)[2]
-        how = "the same transducers with uniform fingers, whose charges know their aperture, over those of the section"
-        yield "finite aperture in the charges", AMPLITUDE, float(max(abs(own / cut) - 1, key=abs)), how
 
 
 def _crossed(record: Record, positions) -> Effects:
@@ -196,9 +179,11 @@ def _finger_ends(record: Record, left_out) -> Effects:
     beam, effect, ceramic = motion.beam or left_out, "charge at the finger ends", "in lead zirconate titanate"
     covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
     whole = record.scene.crossed or record.scene.in_strips
-    charge_error = None if beam is None or covered or record.scene.in_strips else beam.charge_error(*at)
+    charge_error = None if beam is None or covered else beam.charge_error(*at)
     if charge_error is not None:
-        yield effect, AMPLITUDE, float(charge_error.max()), "change by fewer steps of the charge along the fingers"
+        how = "change by fewer steps of the charge along the fingers"
+        how = "share of what the ends and tips of the fingers change" if record.scene.in_strips else how
+        yield effect, AMPLITUDE, float(charge_error.max()), how
         return
     if motion.beam is None or covered or whole:
         yield effect, AMPLITUDE, UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"

@@ -22,7 +22,7 @@ from fem import (
     strip_beam,
     strips_of,
 )  # fmt: skip
-from fem.beam.beam_of_section import aperture_beam
+from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.surface_beam import BeamError
 from fem.geometry import MAX_STRIPS
 from fem.solve.driven_stator import driven_wave
@@ -77,10 +77,30 @@ def test_a_uniform_transducer_cut_into_strips_is_the_uniform_one():
     np.testing.assert_allclose(cut.circuit.voltages, whole.circuit.voltages, rtol=1e-9)
     np.testing.assert_allclose(cut.motion(8e-3, 0.3e-3)[[0, 2]], whole.motion(np.array([8e-3]))[:, 0], rtol=1e-9)
     spread, x, y = beam(replace(SENDER, slant=1e-12, slant_strips=4), RECEIVER, spreads=True), (7e-3, 8e-3), (0.0, 3e-3)
-    expected = aperture_beam(whole, whole.solution).motion(x, y)
-    np.testing.assert_allclose(spread.motion(x, y), expected, atol=1e-6 * abs(expected).max())
+    expected = surface_beam(whole)
+    np.testing.assert_allclose(spread.motion(x, y), expected.motion(x, y), atol=1e-6 * abs(expected.motion(x, y)).max())
+    assert spread.circuit.admittance == pytest.approx(expected.circuit.admittance, rel=1e-8)
     assert cut.power.input == pytest.approx(whole.power.input, rel=1e-9)
     assert cut.power.left == pytest.approx(whole.power.left, rel=1e-8)
+    without = aperture_beam(whole, whole.solution).motion(x, y)
+    assert abs(without - expected.motion(x, y)).max() > 0.02 * abs(without).max()
+    almost = beam(replace(SENDER, overlaps=(1.0 - 1e-12,) * 6), RECEIVER, spreads=True)
+    np.testing.assert_allclose(almost.motion(x, y), expected.motion(x, y), atol=1e-6 * abs(expected.motion(x, y)).max())
+
+
+@pytest.mark.parametrize("other", [{"overlaps": WINDOW}, {"overlaps": (0.4, 0.6, 1.0, 1.0, 0.6, 0.6)}])
+def test_straight_fingers_with_the_charges_of_the_section_are_the_strips_about_the_middle_line(other):
+    """Two ways to the even part: a section of each strip, and one section with potentials that change along y."""
+    found, x, y = beam(replace(SENDER, **other), spreads=True), (7e-3, 8e-3), np.array([0.0, 3e-3])
+    (straight,) = found.straightened
+    bare = replace(found, straightened=())
+    even = (bare.motion(x, y) + bare.motion(x, -y) * np.array([1, -1, 1])[:, None]) / 2
+    np.testing.assert_allclose(straight.plane.motion(x, y), even, atol=1e-9 * abs(even).max())
+    assert abs(found.motion(x, y) - bare.motion(x, y)).max() > 1e-3 * abs(even).max()
+    assert found.charge_error(x, y) == pytest.approx(
+        0.15 * abs((found.motion(x, y) - bare.motion(x, y))[2]) / abs(found.motion(x, y)[2])
+    )
+    assert found.power.residual < 1e-9
 
 
 def test_half_an_overlap_is_half_a_transducer():
