@@ -152,6 +152,13 @@ def sheet_lengths(transducer: Transducer, fineness: int = 0, most: int = MAX_UNK
     return small_enough[min(fineness, len(small_enough) - 1)]
 
 
+def tips(transducer: Transducer, overlaps: tuple[float, ...], *, sharp: bool) -> np.ndarray:
+    """How far each finger "+" or "-" reaches over the aperture, 0 to 1; unless ``sharp`` to its end if no gap fits."""
+    reach = np.array(overlaps)[charged(transducer.signs)]
+    whole = (1.0 - reach) * transducer.aperture / 2 < (0.0 if sharp else transducer.half_gap)
+    return np.where(whole, 1.0, reach)
+
+
 def with_tips(lengths: np.ndarray, reach: np.ndarray, transducer: Transducer, *, sharp: bool = False) -> np.ndarray:
     """Lengths of sheets, and of those that end beside the tips of fingers that reach so far over the aperture.
 
@@ -166,7 +173,7 @@ def with_tips(lengths: np.ndarray, reach: np.ndarray, transducer: Transducer, *,
             [0.0] if sharp else [side * each for each in (gap, *np.multiply(period, beside)) for side in (-1.0, 1.0)]
         )
         kept = lengths.tolist()
-        for end in (np.unique(reach * lengths[0])[::-1, None] + 2 * offsets).ravel():
+        for end in (np.unique(reach[reach < 1.0] * lengths[0])[::-1, None] + 2 * offsets).ravel():
             if 0.0 < end < lengths[0] and min(abs(np.array(kept) - end)) > SAME_END * period:
                 kept.append(float(end))
         if len(kept) <= most:

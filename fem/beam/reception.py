@@ -48,6 +48,7 @@ from fem.beam.own_aperture import (
     finger_coupling,
     no_coupling,
     sheet_lengths,
+    tips,
     with_tips,
 )
 from fem.condense.electrode_conditions import charged
@@ -245,7 +246,7 @@ def _port_fields(
     surface = modes.wavenumbers[modes.rayleigh].real.mean() / modes.section.length_unit
     refuse_short_apertures(cascade.transducers, 2 * np.pi / surface)
     own_reaches = [
-        np.array(reaches[each.name])[charged(each.signs)] if each.name in reaches else None
+        tips(each, reaches[each.name], sharp=own_apertures.plane) if each.name in reaches else None
         for each in cascade.transducers
     ]
     beams = _Beams.of(cascade.network, cascade.transducers, fineness, own_apertures.mirror_width)

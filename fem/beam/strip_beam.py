@@ -238,10 +238,10 @@ def strip_beam(
     if not kept:
         raise InputError("drive", "must drive a transducer with fingers of both electrodes")
     beams = tuple(aperture_beam(wave, wave.solution) for wave in waves) if spreads else ()
-    sources = Drive(sources={name: complex(volts[name]) for name in names})
+    together = Drive(sources={name: complex(volts[name]) for name in names})
     straightened = tuple(
         Straightened(
-            each.weight, *(aperture_beam(each.wave, driven_solution(own, sources)) for own in (each.own, each.plane))
+            each.weight, *(aperture_beam(each.wave, driven_solution(own, together)) for own in (each.own, each.plane))
         )
         for each in straight
     )
