@@ -10,6 +10,7 @@ from importlib import import_module
 _PUBLIC = {
     "plane_threshold": "threshold_factor",
     "averaged_path": "turned",
+    "each_contact": "contact_forces ContactForces",
     "bursts": "burst",
     "sampled_cycle": "contact_cycle ContactCycle",
     "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",

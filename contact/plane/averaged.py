@@ -268,7 +268,11 @@ def rest_force(averaged: Averaged, towards: np.ndarray, how=ANSWER) -> Means:
 
 def dragged(averaged: Averaged, towards: np.ndarray) -> np.ndarray:
     """Return deformations beyond every limit against a motion towards (V_x, V_y, arm omega)."""
-    velocities = averaged.rigid @ towards
+    return dragged_against(averaged.rigid @ towards)
+
+
+def dragged_against(velocities: np.ndarray) -> np.ndarray:
+    """Return deformations beyond every limit against the velocities of contacts (n, 2)."""
     speed = np.linalg.norm(velocities, axis=1, keepdims=True)
     return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
 

@@ -37,6 +37,14 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     """
     rule = "must be absent: tables over two ratios do not hold heights that scatter or a wave that the slider loads"
     scene.refuse_pillars(rule)
+    refuse_special_contacts(scene)
+    driven = driven_contact(scene, tolerance=tolerance)
+    refuse_special_friction(driven)
+    return driven
+
+
+def refuse_special_contacts(scene: Scene) -> None:
+    """Raise a SceneError for contacts of which the tables' two ratios do not hold."""
     taken = {
         "heights": "contacts of one height",
         "normal_law": "smooth contacts",
@@ -46,11 +54,13 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     for key, what in taken.items():
         if scene.slider is not None and getattr(scene.slider, key):
             scene.refuse(f"slider.{key}", f"must be absent: the tables of the averaged motor take {what}")
-    driven = driven_contact(scene, tolerance=tolerance)
+
+
+def refuse_special_friction(driven: Contact) -> None:
+    """Raise a SceneError for a friction that depends on more than the normal force."""
     if driven.slider.friction is not None:
         rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
-        scene.refuse("slider.friction_coefficient", rule)
-    return driven
+        driven.scene.refuse("slider.friction_coefficient", rule)
 
 
 def averaged_motor(

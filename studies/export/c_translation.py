@@ -3,8 +3,9 @@
 The averaged motor (`studies.export.reduced_motor`) runs in Python and in exported C from the same source, so that each
 of its formulas stands once.  The translation covers annotated functions of a module (`float`, `int`, `Array`: pointer
 to double), its constants in capitals, and in the function bodies assignments, if, while, return, arithmetic,
-comparisons, conditional expressions, indexed arrays, and calls of each other and of `sqrt`, `exp`, `abs`, `min`, `max`
-and `int`.  A variable without an annotation is a double.  Anything else is refused with its line.
+comparisons, conditional expressions, indexed arrays, and calls of each other and of `sqrt`, `exp`, `sin`, `cos`,
+`atan2`, `log`, `abs`, `min`, `max` and `int`.  A variable without an annotation is a double.  Anything else is refused
+with its line.
 """
 
 import ast
@@ -12,7 +13,10 @@ import ast
 TYPES = {"float": "double", "int": "int", "Array": "double *"}
 PREFIX = "model_"  # of the names of functions in C
 READ_ONLY = ("p", "tables")  # arguments that no translated function changes: const in C
-CALLS = {"abs": "fabs", "min": "fmin", "max": "fmax", "int": "(int)", "sqrt": "sqrt", "exp": "exp"}
+CALLS = {
+    "abs": "fabs", "min": "fmin", "max": "fmax", "int": "(int)", "sqrt": "sqrt", "exp": "exp", "sin": "sin",
+    "cos": "cos", "atan2": "atan2", "log": "log",
+}  # fmt: skip
 OPERATORS = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
     ast.Eq: "==", ast.NotEq: "!=", ast.And: "&&", ast.Or: "||", ast.USub: "-", ast.Not: "!",

@@ -13,8 +13,10 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
+from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from studies.export.c_source import description, header, source, source_text, token
@@ -49,11 +51,35 @@ VARIABLES = (
     ("temperature_rise", "output", "continuous", "K", None, "mean, of the stator above its surroundings"),
 )  # fmt: skip
 UNITS = {"V": 'kg="1" m="2" s="-3" A="-1"', "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"',
-         "W": 'kg="1" m="2" s="-3"', "K": 'K="1"'}  # fmt: skip
+         "W": 'kg="1" m="2" s="-3"', "K": 'K="1"', "rad": 'rad="1"', "rad/s": 'rad="1" s="-1"',
+         "N.m": 'kg="1" m="2" s="-2"', "rpm": 'rad="1" s="-1" factor="0.10471975511965977"'}  # fmt: skip
+
+
+class Variable(NamedTuple):
+    """A variable of an FMU."""
+
+    reference: int
+    name: str
+    causality: str
+    variability: str
+    unit: str  # empty: none, of a Boolean
+    start: float | None  # None: calculated
+    meaning: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class FmuModel:
+    """What an FMU is made of."""
+
+    title: str
+    lines: tuple[str, ...]  # description: title, drives, errors, neglected effects
+    token: str
+    sources: dict[str, str] = field(repr=False)  # motor.c, motor.h and fmu_variables.c
+    variables: tuple[Variable, ...]
 
 
 def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:
-    """Return the FMU as bytes, and why it holds no compiled library (empty if it does).
+    """Return the FMU of a motor along x as bytes, and why it holds no compiled library (empty if it does).
 
     Parameters
     ----------
@@ -66,16 +92,32 @@ def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:
     RunError
         If the compiler refuses the sources.
     """
+    starts: dict = {"load": motor.load, "preload": motor.preload}
+    variables = [
+        Variable(
+            k, name, causality, variability, motor.unit if unit is None else unit, starts.get(start, start), meaning
+        )
+        for k, (name, causality, variability, unit, start, meaning) in enumerate(VARIABLES, 1)
+    ]
     sources = {
-        "motor.c": source(motor), "motor.h": header(motor), "fmu_variables.c": source_text("fmu_variables.c"),
-        f"fmi{fmi}.c": source_text(f"fmi{fmi}.c"),
+        "motor.c": source(motor), "motor.h": header(motor), "fmu_variables.c": source_text("fmu_variables.c")
     }  # fmt: skip
+    model = FmuModel(
+        title=motor.title, lines=tuple(description(motor)), token=token(motor), sources=sources,
+        variables=tuple(variables),
+    )  # fmt: skip
+    return fmu_of(model, fmi)
+
+
+def fmu_of(model: FmuModel, fmi: str = "3") -> tuple[bytes, str]:
+    """Return an FMU as bytes, and why it holds no compiled library (empty if it does); RunError as `fmu`."""
+    sources = model.sources | {f"fmi{fmi}.c": source_text(f"fmi{fmi}.c")}
     compiled = ("motor.c", f"fmi{fmi}.c")
     library, remark = _library(sources, compiled)
     content = BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("modelDescription.xml", _description(motor, fmi, compiled))
-        archive.writestr("documentation/README.txt", "\n".join(description(motor)) + "\n")
+        archive.writestr("modelDescription.xml", _description(model, fmi, compiled))
+        archive.writestr("documentation/README.txt", "\n".join(model.lines) + "\n")
         for name, text in sources.items():
             archive.writestr(f"sources/{name}", text)
         if fmi == "3":
@@ -114,17 +156,18 @@ def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
         return (Path(folder) / target).read_bytes(), ""
 
 
-def _description(motor: AveragedMotor, fmi: str, compiled) -> str:
-    text = quoteattr("; ".join(description(motor)))
+def _description(model: FmuModel, fmi: str, compiled) -> str:
+    text = quoteattr("; ".join(model.lines))
     head = (
-        f'fmiVersion="{fmi}.0" modelName={quoteattr(motor.title)} description={text} '
+        f'fmiVersion="{fmi}.0" modelName={quoteattr(model.title)} description={text} '
         f'generationTool="sawmotor {provenance()["version"]}"'
     )
     common = f'modelIdentifier="{MODEL}" canHandleVariableCommunicationStepSize="true"'
     step = f'<DefaultExperiment startTime="0" stopTime="0.3" stepSize="{STEP:g}"/>'
-    outputs = [k for k, variable in enumerate(VARIABLES, 1) if variable[1] == "output"]
-    variables = "".join(_variable(motor, k, variable, fmi) for k, variable in enumerate(VARIABLES, 1))
-    units = "".join(f'<Unit name="{name}"><BaseUnit {base}/></Unit>' for name, base in UNITS.items())
+    outputs = [each.reference for each in model.variables if each.causality == "output"]
+    variables = "".join(_variable(each, fmi) for each in model.variables)
+    used = {each.unit for each in model.variables}
+    units = "".join(f'<Unit name="{name}"><BaseUnit {base}/></Unit>' for name, base in UNITS.items() if name in used)
     if fmi == "3":
         fields = (
             f'<CoSimulation {common} canGetAndSetFMUState="true" canSerializeFMUState="true"/>'
@@ -135,22 +178,21 @@ def _description(motor: AveragedMotor, fmi: str, compiled) -> str:
             + "".join(f'<InitialUnknown valueReference="{k}"/>' for k in outputs)
             + "</ModelStructure>"
         )
-        return _xml("fmiModelDescription", f"{head} instantiationToken={quoteattr(token(motor))}", fields)
+        return _xml("fmiModelDescription", f"{head} instantiationToken={quoteattr(model.token)}", fields)
     files = "".join(f'<File name="{name}"/>' for name in compiled)
-    unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
+    places = [k for k, each in enumerate(model.variables, 1) if each.causality == "output"]
+    unknowns = "".join(f'<Unknown index="{k}"/>' for k in places)
     fields = (
         f'<CoSimulation {common} canGetAndSetFMUstate="true"><SourceFiles>{files}</SourceFiles></CoSimulation>'
         f"<UnitDefinitions>{units}</UnitDefinitions>{step}<ModelVariables>{variables}</ModelVariables>"
         f"<ModelStructure><Outputs>{unknowns}</Outputs>"
         f"<InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>"
     )
-    return _xml("fmiModelDescription", f"{head} guid={quoteattr(token(motor))}", fields)
+    return _xml("fmiModelDescription", f"{head} guid={quoteattr(model.token)}", fields)
 
 
-def _variable(motor: AveragedMotor, reference: int, variable, fmi: str) -> str:
-    name, causality, variability, unit, start, meaning = variable
-    start = {"load": motor.load, "preload": motor.preload}.get(start, start)
-    unit = motor.unit if unit is None else unit
+def _variable(variable: Variable, fmi: str) -> str:
+    reference, name, causality, variability, unit, start, meaning = variable
     head = f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
     numbers = (f' unit="{unit}"' if unit else "") + ("" if start is None else f' start="{start!r}"')
     kind = "Boolean" if name == "sticks" else {"2": "Real", "3": "Float64"}[fmi]

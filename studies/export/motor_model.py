@@ -127,7 +127,7 @@ class MotorState:
             f"must be zero or positive: nothing drives the other way, got {level!r}",
         )
         preload = motor.preload if preload is None else preload
-        refuse_if(not preload > 0.0, "preload", f"must be positive, got {preload!r} N")
+        refuse_preload(preload)
         inputs = float(level), force / motor.share, preload / motor.share, float(duration)
         if model.advance(motor.parameters, motor.tables, self.numbers, *inputs) != 0.0:
             raise RunError("the averaged motion is not finite: check level, force and preload")
@@ -143,6 +143,11 @@ class MotorState:
     def copy(self) -> "MotorState":
         """Return an independent copy."""
         return replace(self, numbers=self.numbers.copy())
+
+
+def refuse_preload(preload: float) -> None:
+    """Raise a SceneError for a preload in N that is not positive."""
+    refuse_if(not preload > 0.0, "preload", f"must be positive, got {preload!r} N")
 
 
 def force_exponent(slider: contact.Slider) -> float:

@@ -3,12 +3,14 @@
 The burst of a scene with a waveform goes with them as a table of the input ``drive`` over time.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from studies.export.averaged_motor import averaged_motor
 from studies.export.c_source import description, header, source
 from studies.export.exported import Exported
-from studies.export.fmu import FMI_VERSIONS, fmu
+from studies.export.fmu import FMI_VERSIONS, FmuModel, fmu, fmu_of
 from studies.export.force_grid import COLUMNS, ROWS
 from studies.export.motor_model import AveragedMotor, force_exponent
 from studies.export.reduced_motor import index
@@ -20,6 +22,10 @@ from studies.scene import Scene
 def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> Exported:
     """Return NAME.fmu of a scene with a slider; ``fmi``: "3" or "2"."""
     refuse_other(fmi, FMI_VERSIONS, "--fmi")
+    if scene.planar:
+        model = _planar(scene, tolerance)
+        content, remark = fmu_of(model, fmi)
+        return Exported(files={f"{name}.fmu": content}, answer=_lines(model.lines), remarks=(remark,) * bool(remark))
     inputs = drive_input(scene, name)
     motor = averaged_motor(scene, tolerance=tolerance)
     content, remark = fmu(motor, fmi)
@@ -28,6 +34,10 @@ def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> E
 
 def c_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return motor.c and motor.h of a scene with a slider."""
+    if scene.planar:
+        model = _planar(scene, tolerance)
+        files: dict[str, bytes | str] = {file: model.sources[file] for file in ("motor.c", "motor.h")}
+        return Exported(files=files, answer=_lines(model.lines))
     inputs = drive_input(scene, name)
     motor = averaged_motor(scene, tolerance=tolerance)
     return Exported(files=inputs | {"motor.c": source(motor), "motor.h": header(motor)}, answer=_answer(motor))
@@ -92,6 +102,19 @@ def _rows(table: np.ndarray) -> str:
     return "\n".join(",".join(f"{value:.9g}" for value in row) for row in table) + "\n"
 
 
+def _planar(scene: Scene, tolerance: float) -> FmuModel:
+    """Return the averaged motor of a slider in the plane as the parts of an FMU."""
+    # with the equations in the plane, which a motor along x does without
+    from studies.export.planar_export import planar_motor
+    from studies.export.planar_source import planar_model
+
+    return planar_model(planar_motor(scene, tolerance=tolerance))
+
+
 def _answer(motor: AveragedMotor) -> tuple:
-    title, *lines = description(motor)
+    return _lines(description(motor))
+
+
+def _lines(description_of_motor: Sequence[str]) -> tuple:
+    title, *lines = description_of_motor
     return (("motor", title), *(("", line) for line in lines))

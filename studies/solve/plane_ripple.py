@@ -46,7 +46,7 @@ def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnsw
     """Return mean and range of the velocity at a level; empty where a place has no answer."""
     motor = PlaneMotor.of(driven, level, tolerance)
     try:
-        states = _of_turn(motor) if motor.slider.freedom == "axle" else _of_places(motor, wavelength(driven))
+        states = states_nearby(driven, motor)
     except contact.ConvergenceError:
         return Point()
     along, across = np.array([state.velocity for state in states]).T
@@ -68,6 +68,11 @@ def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnsw
         lowest_lateral_velocity_m_per_s=float(across.min()), highest_lateral_velocity_m_per_s=float(across.max()),
     )  # fmt: skip
     return point | relative | turn
+
+
+def states_nearby(driven: Contact, motor: PlaneMotor) -> list:
+    """Return the steady states at places within a wavelength, or over a turn of a rotor."""
+    return _of_turn(motor) if motor.slider.freedom == "axle" else _of_places(motor, wavelength(driven))
 
 
 def _apart(values: np.ndarray) -> float:

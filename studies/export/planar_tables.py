@@ -1,0 +1,273 @@
+"""Tables of the mean forces of an averaged motor in the plane, and the flat arrays that `reduced_plane` reads.
+
+A row of the tables belongs to tau and phi, the sizes of the waves. There the contacts' forces are those of
+`contact.plane.contact_forces`; a rotor's torque is the mean over a turn.
+"""
+
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+import contact
+from contact import plane
+from studies.export.motor_model import force_exponent
+from studies.export.reduced_plane import plane_index as index
+from studies.export.reduced_plane.plane_force_tables import BELOW, CLOSER, CLOSER_ABOVE, CLOSER_BELOW, KNEE, MIDDLE
+
+# Nodes of tau, phi, speed and angle with one drive and with two; of an axle, whose rates
+# have two signs. With one drive of
+# 10 nm 95 % of random points are within 2e-3 of mu P and the steady velocity within 1.6e-3; with 21 speeds 5e-2
+NODES = {1: (31, 1, 25, 48), 2: (15, 7, 17, 32)}
+AXLE_NODES = {1: (31, 1, 33, 2), 2: (17, 7, 17, 2)}
+TURN_STEPS = 13  # of a rotor: a prime, no part of the pitch of usual rings
+BEYOND = 1.5  # of the scene's largest levels: up to there the tables reach
+SMALL = 1e-3  # of tau's first step: waves at which the shares without a wave are taken
+SAME = 1e-5  # of g: elements whose tables differ by less share one; a mean errs by 1e-7 to 1e-6
+SAME_MOTION = 1e-9  # relative: contacts that move alike have one table
+DIGITS = 9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """A slider over its waves, as elements whose forces are tabulated."""
+
+    slider: contact.Slider  # one of `share` equal parts, without a load
+    share: int
+    surfaces: tuple[Any, ...] = field(repr=False)  # of each drive for a level of 1: what has ``at(x, y)``
+
+    @property
+    def freedom(self) -> str:
+        """Freedom of the slider."""
+        return self.slider.freedom
+
+    @property
+    def arm(self) -> float:
+        """Largest distance of a contact from the axle, m; 1 m where all stand on it."""
+        x, y = (np.atleast_1d(getattr(self.slider, name)) - self.slider.axis[k] for k, name in enumerate("xy"))
+        return float(np.hypot(x, y).max()) or 1.0
+
+    @property
+    def places(self) -> list[tuple[float, float]]:
+        """Places of the elements from the centre, or from the axle, m."""
+        slider = self.slider
+        if self.freedom == "xy":
+            return [(0.0, 0.0)]
+        if self.freedom == "axle":
+            return [(0.0, -self.arm)]
+        n = slider.count
+        return list(zip(*(np.broadcast_to(each, n).tolist() for each in (slider.x, slider.y)), strict=True))
+
+    def turned(self) -> list[contact.Slider]:
+        """Return the slider at the yaws over which forces are averaged."""
+        count = TURN_STEPS if self.freedom == "axle" else 1
+        return [plane.turned(self.slider, 2.0 * np.pi * k / count) for k in range(count)]
+
+    def waves(self, slider: contact.Slider) -> list[plane.SurfaceWaves]:
+        """Return the waves of each drive under a slider, for a level of 1."""
+        return [each.at(np.atleast_1d(slider.x), np.atleast_1d(slider.y)) for each in self.surfaces]
+
+    def amplitudes(self) -> list[float]:
+        """Return the largest |u_z| of each drive under the contacts for a level of 1, m."""
+        several = [[float(abs(each.amplitudes[..., 2]).max()) for each in self.waves(one)] for one in self.turned()]
+        return [max(column) for column in zip(*several, strict=True)]
+
+    @property
+    def rest_approach(self) -> float:
+        """Approach under the preload without a wave, h in m."""
+        return float((self.slider.preload / self.stiffness) ** (1.0 / force_exponent(self.slider)))
+
+    @property
+    def stiffness(self) -> float:
+        """K of all contacts, N/m^e."""
+        return float(np.broadcast_to(self.slider.normal_stiffness, self.slider.count).sum())
+
+
+class Forces:
+    """Exact mean forces of the elements of a body over mu P."""
+
+    def __init__(self, body: Body):
+        self.body, self.amplitudes = body, body.amplitudes()
+        self.turned = [(each, body.waves(each)) for each in body.turned()]
+        speeds = [
+            each.peak_speed / amplitude
+            for _, waves in self.turned
+            for each, amplitude in zip(waves, self.amplitudes, strict=True)
+        ]
+        self.speed = max(speeds)  # v_1, 1/s
+        self.alike = len(self.turned) == 1 and self._alike()
+
+    def _alike(self) -> bool:
+        """Return whether all contacts have one load, and on one wave the same motion but for its phase."""
+        ((slider, waves),) = self.turned
+        if len(waves) > 1 or waves[0].frequencies.size > 1 or slider.count == 1:
+            return False
+        motion = waves[0].amplitudes[0]
+        motion = motion * np.exp(-1j * np.angle(motion[:, 2:]))
+        if np.abs(motion - motion[0]).max() > SAME_MOTION * np.abs(motion).max():
+            return False
+        loads = plane.contact_forces(slider, self.waves_at(waves, 0.1, 0.0), np.zeros((1, 2)), np.ones((1, 2))).loads
+        return bool(np.ptp(loads) < SAME_MOTION * loads.max())
+
+    def one_of(self, slider: contact.Slider, waves: plane.SurfaceWaves) -> tuple[contact.Slider, plane.SurfaceWaves]:
+        """Return the first of contacts that are alike with its part of the load, and its motion."""
+        values = {each.name: getattr(slider, each.name) for each in fields(slider) if each.init}
+        # one value for each contact; stiffnesses of the moduli are derived anew
+        own = {name: [each[0]] for name, each in values.items() if type(each) is np.ndarray}
+        alone = replace(slider, **own, preload=slider.preload / slider.count, mass=slider.mass / slider.count,
+                        freedom="xy", tilt="held")  # fmt: skip
+        return alone, replace(waves, amplitudes=waves.amplitudes[:, :1])
+
+    @property
+    def axis(self) -> float:
+        """Direction of the first drive's motion along the surface, rad: the principal axis under all contacts."""
+        _, waves = self.turned[0]
+        u = waves[0].amplitudes[..., :2].reshape(-1, 2)
+        real = np.concatenate([u.real, u.imag])
+        x, y = np.linalg.eigh(real.T @ real)[1][:, -1]
+        return float(np.arctan2(y, x))
+
+    def size(self, tau: float) -> float:
+        """Return s in m at a ratio tau, under the slider's preload."""
+        return self.body.rest_approach * (tau / (1.0 - tau)) ** 2
+
+    def tau(self, size: float) -> float:
+        """Return the ratio tau of s in m under the slider's preload."""
+        return float(np.sqrt(size) / (np.sqrt(size) + np.sqrt(self.body.rest_approach)))
+
+    def waves_at(self, waves: list, tau: float, phi: float) -> plane.SurfaceWaves:
+        """Return the waves of all drives at the ratios tau and phi."""
+        sizes = self.size(tau) * np.array([1.0 - phi, phi])[: len(waves)]
+        parts = [each.scaled(s / a) for each, s, a in zip(waves, sizes, self.amplitudes, strict=True)]
+        parts = [each for each, s in zip(parts, sizes, strict=True) if s > 0.0]
+        frequencies = [frequency for each in parts for frequency in each.frequencies]
+        return plane.SurfaceWaves(frequencies=frequencies, amplitudes=np.concatenate([p.amplitudes for p in parts]))
+
+    def at(self, tau: float, phi: float, q: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return g, (k, elements, 2), at k ratios q = |v|/(v_1 s) and angles (rad), and the elements' shares."""
+        body, s = self.body, self.size(tau)
+        direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        v = (q * self.speed * s)[:, None] * direction
+        totals, shares, axle = np.zeros(1), np.zeros(1), body.freedom == "axle"
+        for slider, waves in self.turned:
+            n, preload = slider.count, slider.preload
+            x, y = (np.broadcast_to(each, n) for each in (slider.x, slider.y))
+            arms = np.stack([-(y - slider.axis[1]), x - slider.axis[0]], axis=1) / body.arm
+            velocities, along = ((each[:, :1, None] * arms if axle else each) for each in (v, direction))
+            body_waves = self.waves_at(waves, tau, phi)
+            one = self.one_of(slider, body_waves) if self.alike else (slider, body_waves)
+            found = plane.contact_forces(*one, velocities, along)
+            g, load = found.forces / (slider.friction_coefficient * preload), found.loads / preload
+            if self.alike:
+                g, load = np.repeat(g, n, axis=1), np.repeat(load, n)
+            if body.freedom == "xy":
+                g, load = g.sum(axis=1, keepdims=True), np.array([load.sum()])
+            elif axle:
+                torque = (g * arms).sum(axis=(1, 2))
+                g = np.stack([torque, np.zeros_like(torque)], axis=1)[:, None]
+                load = np.array([(load * np.linalg.norm(arms, axis=1)).sum()])
+            totals, shares = totals + g / len(self.turned), shares + load / len(self.turned)
+        return totals, shares
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """Nodes of the tables."""
+
+    tau: np.ndarray
+    phi: np.ndarray
+    q: np.ndarray  # speeds over v_1 s, the last one infinite
+    angle: np.ndarray  # rad
+    axis: float  # rad
+    axes: int  # see `plane_force_tables.position`
+
+    @classmethod
+    def of(cls, forces: Forces, max_tau: float, nodes: tuple | None = None) -> "Grid":
+        """Return the nodes of a body with one or two drives."""
+        body, axle = forces.body, forces.body.freedom == "axle"
+        taus, phis, nus, angles = nodes or (AXLE_NODES if axle else NODES)[len(body.surfaces)]
+        axes, axis = 2 * len(body.surfaces), 0.0 if axle else forces.axis
+        part = np.arange(angles) / angles * axes
+        sector = np.floor(part + 0.5)
+        t = 2.0 * (part - sector)
+        angle = axis + 2.0 * np.pi / axes * (sector + 0.5 * (CLOSER * t + (1.0 - CLOSER) * t**3))
+        return cls(
+            tau=np.linspace(0.0, max_tau, taus), phi=np.linspace(0.0, 1.0, phis), q=speeds(nus), angle=angle,
+            axis=axis, axes=axes,
+        )  # fmt: skip
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Number of nodes of each axis."""
+        return self.tau.size, self.phi.size, self.q.size, self.angle.size
+
+
+def speeds(count: int) -> np.ndarray:
+    """Return q at the nodes of the speed, as `plane_force_tables.speed_position` places them."""
+    part = np.linspace(0.0, 1.0, count)
+    below, above = part / BELOW - 1.0, (part - BELOW) / (1.0 - BELOW)
+    u = np.where(
+        part < BELOW,
+        MIDDLE * (1.0 + CLOSER_BELOW * below + (1.0 - CLOSER_BELOW) * below**3),
+        MIDDLE + (1.0 - MIDDLE) * (CLOSER_ABOVE * above + (1.0 - CLOSER_ABOVE) * above**3),
+    )
+    with np.errstate(divide="ignore"):
+        return np.append(KNEE * u[:-1] ** 2 / (1.0 - u[:-1] ** 2), np.inf)
+
+
+def tables_of(forces: Forces, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Return share, g_x, g_y at rest, (elements, tau, phi, 3), and g + p n, (elements, tau, phi, nu, angle, 2)."""
+    elements, (taus, phis, nus, angles) = len(forces.body.places), grid.shape
+    rest, table = np.zeros((elements, taus, phis, 3)), np.zeros((elements, taus, phis, nus, angles, 2))
+    q, angle = (each.ravel() for each in np.meshgrid(grid.q[:-1], grid.angle, indexing="ij"))
+    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    _, shares = forces.at(SMALL * grid.tau[1], 0.0, np.array([1.0]), np.zeros(1))
+    rest[:, 0, :, 0] = shares[:, None]
+    for i, tau in enumerate(grid.tau[1:], start=1):
+        for j, phi in enumerate(grid.phi):
+            g, shares = forces.at(tau, phi, q, angle)
+            rest[:, i, j, 0] = shares
+            rest[:, i, j, 1:] = g[:angles].mean(axis=0)
+            residual = g + shares[:, None] * direction[:, None]
+            table[:, i, j, :-1] = residual.swapaxes(0, 1).reshape(elements, nus - 1, angles, 2)
+    return rest, table
+
+
+def packed(
+    body: Body, forces: Forces, grid: Grid, tables: tuple, *, creep: float, steps: tuple[float, float], rise: float
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return the flat arrays of `reduced_plane`, parameters and tables; ``steps``: the longest and the fast one, s."""
+    slider, (taus, phis, nus, angles) = body.slider, grid.shape
+    p = np.zeros(index.FIRST_ELEMENT + len(body.places) * index.ELEMENT_SIZE)
+    turns, moves = body.freedom in ("xy yaw", "axle"), body.freedom in ("xy", "xy yaw")
+    p[index.MASS], p[index.INERTIA] = slider.mass * body.share, slider.inertia if turns else 1.0
+    p[index.DAMPING], p[index.YAW_DAMPING] = slider.tangential_damping * body.share, slider.yaw_damping
+    p[index.FRICTION], p[index.STIFFNESS] = slider.friction_coefficient, body.stiffness * body.share
+    p[index.EXPONENT] = force_exponent(slider)
+    p[index.MOVES], p[index.TURNS], p[index.ARMS_TURN] = moves, turns, body.freedom == "xy yaw"
+    p[index.ELEMENTS], p[index.DRIVES] = len(body.places), len(body.surfaces)
+    p[index.TAU_NODES], p[index.PHI_NODES], p[index.NU_NODES], p[index.ANGLES] = taus, phis, nus, angles
+    p[index.MAX_TAU], p[index.SPEED], p[index.CREEP] = grid.tau[-1], forces.speed, creep
+    (p[index.MAX_STEP], p[index.FAST_STEP]), p[index.RISE] = steps, rise
+    p[index.AXIS], p[index.AXES] = grid.axis, grid.axes
+    p[index.AMPLITUDE : index.AMPLITUDE + len(forces.amplitudes)] = forces.amplitudes
+    rests, whole = tables
+    parts, length = [], 0
+    known: list[int] = []
+    for number, place in enumerate(body.places):
+        own = index.FIRST_ELEMENT + number * index.ELEMENT_SIZE
+        p[own + index.ELEMENT_X], p[own + index.ELEMENT_Y] = place
+        table = whole[number]
+        around = np.concatenate([table[..., -1:, :], table, table[..., :2, :]], axis=-2)
+        same = next((k for k in known if np.abs(rests[k] - rests[number]).max() < SAME
+                     and np.abs(whole[k] - table).max() < SAME), None)  # fmt: skip
+        if same is not None:
+            other = index.FIRST_ELEMENT + same * index.ELEMENT_SIZE
+            p[own + index.REST_TABLE :][:2] = p[other + index.REST_TABLE :][:2]
+            continue
+        known.append(number)
+        for start, piece in ((index.REST_TABLE, rests[number].ravel()), (index.FORCE_TABLE, around.ravel())):
+            p[own + start] = length
+            parts.append(piece)
+            length += piece.size
+    return p, np.array([float(f"{value:.{DIGITS}g}") for value in np.concatenate(parts)])

@@ -1,0 +1,299 @@
+"""The exported averaged motor in the plane: against contact.plane's own solvers, as Python, as C and as an FMU.
+
+Truth: `contact.plane.burst` and `steady`; cases of two independent integrators, which agree to 3e-8.
+"""
+
+import ctypes
+import math
+import subprocess
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import contact
+from contact import plane
+from studies.__main__ import main
+from studies.export.fmu import compiler, fmu_of
+from studies.export.planar_export import planar_motor
+from studies.export.planar_motor import PlanarMotor
+from studies.export.planar_source import planar_header, planar_model, planar_source
+from studies.export.planar_tables import Body, Forces, Grid, packed, speeds, tables_of
+from studies.export.reduced_plane import plane_index as index
+from studies.export.reduced_plane.plane_force_tables import angle_position, speed_position
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.study_list import driven_contact
+
+BODY = {
+    "radius": "1 mm", "mass": "0.267 g", "preload": "2.61927 mN", "friction_coefficient": 0.08,
+    "contacts": [["6 mm", 0], ["-3 mm", "5.19615 mm"], ["-3 mm", "-5.19615 mm"]], "tilt": "free",
+    "effective_modulus": "64 GPa", "tangential_modulus": "12 GPa",
+    "damping": {"normal": "2 N s/m"},
+}  # fmt: skip
+ALONE = {"contacts": 1, "mass": "0.089 g", "preload": "0.87309 mN", "tilt": "held"}
+LIMIT = 0.08 * 2.61927e-3  # N: friction coefficient times preload
+LEVEL = 1e-8
+
+
+def scene(*sources, levels=("10 nm",), **slider):
+    wave = {"frequency": "2.2 MHz", "normal_amplitude": list(levels), "tangential_ratio": 0.67, "wavelength": "1.5 mm",
+            "sources": list(sources)}  # fmt: skip
+    return Scene.from_table("", {"wave": wave, "slider": BODY | slider})
+
+
+@cache
+def one_wave():
+    """Three balls on one wave, free to move and to turn."""
+    return planar_motor(scene({}, freedom="xy yaw", inertia="5 g mm^2"), tolerance=1e-2)
+
+
+def driven(motor):
+    return driven_contact(motor.scene, tolerance=1e-2, planar=True)
+
+
+def followed(motor, trajectory, duration, *levels, load=(0.0, 0.0, 0.0)):
+    """Return rates and poses of the motor at the instants of a burst, and its state at the end."""
+    state, rates, poses, now = motor.start(), [], [], 0.0
+    for each in trajectory.time:
+        if now < duration:
+            state.advance(min(each, duration) - now, *levels, load=load)
+        if each > duration:
+            state.advance(each - max(now, duration), *[0.0] * len(levels), load=load)
+        now = each
+        rates.append(state.rates)
+        poses.append(state.pose)
+    return np.array(rates), np.array(poses), state
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"),
+    [(0.0, (0.0683658806, 0.0)), (0.2, (0.0681188558, -1.7441887e-3)), (0.5, (0.0666775340, -5.5188554e-3))],
+)
+def test_a_force_across_the_wave_makes_the_drift_of_two_integrators(share, expected):
+    motor = one_wave()
+    rates = replace(motor, load=(0.0, -share * LIMIT, 0.0)).steady(LEVEL)
+    assert motor.velocity_error < 3e-3
+    assert np.hypot(*(rates[:2] - expected)) < 1.5 * motor.velocity_error * expected[0]
+    assert rates[1] == pytest.approx(expected[1], rel=1e-2, abs=1e-9)
+    assert abs(rates[2]) < 1e-9
+
+
+def test_a_burst_and_its_stop_are_those_of_the_averaged_equations():
+    motor, duration = one_wave(), 0.05
+    contact_of = driven(motor)
+    truth = plane.burst(
+        contact_of.slider, contact_of.surface_at(LEVEL), duration=duration, after=math.inf, tolerance=1e-4, samples=10,
+        method="averaged", start=(np.zeros(3), np.zeros(3)),
+    )  # fmt: skip
+    rates, poses, state = followed(motor, truth, duration, LEVEL)
+    allowed = motor.velocity_error * 0.0683658806
+    assert np.abs(rates[:, :2] - truth.velocity)[:-1].max() < allowed
+    assert np.abs(poses[:, :2] - truth.pose[:, :2]).max() < allowed * truth.time[-1]
+    state.advance(1e-3, 0.0)
+    assert state.rests
+
+
+def test_the_burst_of_the_program_differs_by_the_start_that_is_stated():
+    motor, duration = one_wave(), 0.02
+    contact_of = driven(motor)
+    truth = plane.burst(
+        contact_of.slider, contact_of.surface_at(LEVEL), duration=duration, after=0.0, tolerance=1e-3, samples=5,
+        method="averaged",
+    )  # fmt: skip
+    rates, _, _ = followed(motor, truth, duration, LEVEL)
+    (line,) = (each for each in motor.left_out if "bounce of a sudden start" in each)
+    start = float(line.split(" by ")[1].split(" m/s")[0])
+    assert 1e-6 < start < 1e-3
+    at_end = abs(rates[-1, 0] - truth.velocity[-1, 0])
+    assert at_end < 2.0 * start + motor.velocity_error * truth.reference
+
+
+def test_a_slider_that_friction_holds_creeps_as_stated_and_one_that_it_does_not_slides():
+    motor, creep = one_wave(), one_wave().parameters[index.CREEP]
+    state = motor.start()
+    state.advance(0.1, 0.0, load=(0.0, 0.5 * LIMIT, 0.0))
+    assert state.rests
+    assert state.rates[1] == pytest.approx(0.5 * creep, rel=1e-6)
+    state = motor.start()
+    state.advance(0.1, 0.0, load=(1.5 * LIMIT, 0.0, 0.0))
+    assert state.rates[0] == pytest.approx(0.5 * LIMIT / 0.267e-3 * 0.1, rel=1e-4)
+
+
+def test_tables_hold_for_other_preloads():
+    """All forces grow as a power of the lengths: with 4 P a wave 4^(2/3) as large, speeds too."""
+    motor, factor = one_wave(), 4.0 ** (2.0 / 3.0)
+    small, large = motor.start(), motor.start()
+    small.advance(0.02, LEVEL / factor)
+    large.advance(0.02 * factor / 4.0, LEVEL, preload=4.0 * motor.preload)
+    assert large.rates[0] == pytest.approx(factor * small.rates[0], rel=1e-5)
+    assert large.rates[0] > 0.02
+
+
+def test_the_nodes_lie_where_the_tables_are_read():
+    for count in (9, 25, 33):
+        places = [speed_position(float(q)) * (count - 1) for q in speeds(count)[:-1]]
+        np.testing.assert_allclose(places, np.arange(count - 1), atol=1e-6)
+    grid = Grid.of(Forces(one_wave().body), 0.7)
+    places = [angle_position(each - grid.axis, grid.axes) * grid.angle.size for each in grid.angle]
+    np.testing.assert_allclose(np.array(places) % grid.angle.size, np.arange(grid.angle.size), atol=1e-6)
+    gap = np.diff(np.unwrap(grid.angle))
+    assert gap[0] < 0.25 * gap.max()
+
+
+@cache
+def two_waves():
+    """One ball on waves along x and y of two frequencies, on a coarse grid."""
+    sources = {}, {"direction": 90, "frequency": "2.75 MHz"}
+    return planar_motor(scene(*sources, freedom="xy", **ALONE), tolerance=1e-2, nodes=(11, 5, 13, 16))
+
+
+def test_two_drives_move_along_both_axes():
+    motor = two_waves()
+    assert motor.drives == ("wave 1", "wave 2")
+    assert motor.velocity_error < 0.1  # of so coarse a grid
+    first, both = motor.steady(LEVEL, 0.0), motor.steady(LEVEL, LEVEL)
+    assert first[:2] == pytest.approx([0.0683658806, 0.0], abs=2.0 * motor.velocity_error * 0.0684)
+    contact_of = driven(motor)
+    exact = plane.mean_motion(contact_of.slider, contact_of.surface_at(LEVEL)).velocity
+    assert min(exact) > 0.05
+    reference = contact.speed_scale(float(np.hypot(*exact)), 0.1)
+    assert np.hypot(*(both[:2] - exact)) < 1.01 * motor.velocity_error * reference + 1e-4
+    second = motor.steady(0.0, LEVEL)
+    assert abs(second[0]) < 2.0 * motor.velocity_error * 0.0684 < second[1]
+
+
+class HalfPlanes:
+    """A wave that drives to -x for y > 0 and one that drives to +x for y < 0."""
+
+    def at(self, x, y):
+        side = np.where(np.asarray(y) > 0.0, 1.0, -1.0)
+        amplitudes = np.stack([0.67j * side, 0.0 * side, 1.0 + 0.0 * side], axis=-1)
+        return plane.SurfaceWaves(frequencies=[2.2e6], amplitudes=amplitudes[None])
+
+
+def test_a_rotor_is_that_of_a_dense_ring():
+    """Speed and half of the stall torque of balls dense on a ring, from an integral over the ring."""
+    turn, arm, count = 2.0 * np.pi * (np.arange(8) + 0.5) / 8, 6e-3, 8
+    slider = contact.Slider(
+        radius=1e-3, x=arm * np.cos(turn), y=arm * np.sin(turn), mass=1e-3, preload=count * 0.87309e-3, load=(0.0, 0.0),
+        friction_coefficient=0.08, effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False,
+        stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=0.0, freedom="axle", inertia=1e-8,
+        axis=(0.0, 0.0), tilt="held",
+    )  # fmt: skip
+    body = Body(slider=slider, share=1, surfaces=(HalfPlanes(),))
+    forces = Forces(body)
+    grid = Grid.of(forces, forces.tau(1.2e-8), (11, 1, 17, 2))
+    p, flat = packed(body, forces, grid, tables_of(forces, grid), creep=1e-6, steps=(1e-4, 1e-5), rise=0.0)
+    motor = PlanarMotor(scene=one_wave().scene, body=body, drives=("beams",), parameters=p, tables=flat,
+                        load=(0.0, 0.0, 0.0), limits=(1.2e-8,))  # fmt: skip
+    assert arm * motor.steady(LEVEL)[2] == pytest.approx(0.046385, rel=1e-2)
+    stall = count * arm * 2.0 / math.pi * 6.91668571e-5
+    half = replace(motor, load=(0.0, 0.0, -0.5 * stall)).steady(LEVEL)
+    assert arm * half[2] == pytest.approx(0.024705, rel=1e-2)
+    held = replace(motor, load=(0.0, 0.0, -1.001 * stall)).steady(LEVEL)
+    assert held[2] < 0.0
+    assert not half[:2].any()
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    folder, motor = tmp_path_factory.mktemp("c"), one_wave()
+    (folder / "motor.c").write_text(planar_source(motor))
+    (folder / "motor.h").write_text(planar_header(motor))
+    target = folder / "motor.so"
+    flags = ["-std=c99", "-Wall", "-Werror", "-Wno-unused-function", "-O1", "-ffp-contract=off", "-shared", "-fPIC"]
+    subprocess.run([*compiler(), *flags, "-o", target, "motor.c", "-lm"], cwd=folder, check=True)
+    return ctypes.CDLL(str(target))
+
+
+def test_c_and_python_take_the_same_steps(library):
+    motor, state = one_wave(), (ctypes.c_double * index.STATE_SIZE)()
+    inputs = (ctypes.c_double * 6)()
+    for name in ("pose", "rates"):
+        getattr(library, f"sawmotor_{name}").restype = ctypes.POINTER(ctypes.c_double)
+    library.sawmotor_start(state)
+    python = motor.start()
+    for duration, level, load in (
+        (0.01, LEVEL, (0.0, 0.0, 0.0)), (0.02, LEVEL, (0.0, -3e-5, 2e-7)), (0.005, 0.0, (0.0, 0.0, 0.0)),
+    ):  # fmt: skip
+        python.advance(duration, level, load=load)
+        inputs[:] = [level, 0.0, *load, motor.preload]
+        assert library.sawmotor_advance(state, inputs, ctypes.c_double(duration)) == 0
+    for name in ("pose", "rates"):
+        found = getattr(library, f"sawmotor_{name}")(state)[:3]
+        assert found == pytest.approx(getattr(python, name).tolist(), rel=1e-8, abs=1e-15)
+    assert abs(python.rates[2]) > 1e-4
+    inputs[0] = -1.0
+    assert library.sawmotor_advance(state, inputs, ctypes.c_double(1e-3)) == 1
+    inputs[0] = 1e-6
+    assert library.sawmotor_advance(state, inputs, ctypes.c_double(1e-3)) == 3
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fmpy's own imports
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_fmpy_runs_the_fmu(version, tmp_path):
+    fmpy = pytest.importorskip("fmpy")
+    from fmpy.validation import validate_fmu
+
+    content, remark = fmu_of(planar_model(one_wave()), version)
+    assert remark == ""
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(content)
+    assert validate_fmu(str(path)) == []
+    result = fmpy.simulate_fmu(
+        str(path), stop_time=0.05, step_size=1e-3, output_interval=1e-2,
+        start_values={"drive": LEVEL, "force_y": -0.2 * LIMIT, "torque": 1e-7},
+    )  # fmt: skip
+    assert {"x", "y", "yaw", "velocity_x", "velocity_y", "yaw_rate", "surface_amplitude"} <= set(result.dtype.names)
+    state = one_wave().start()
+    for k, now in enumerate(result["time"][1:], start=1):
+        for _ in range(10):
+            state.advance(1e-3, LEVEL, load=(0.0, -0.2 * LIMIT, 1e-7))
+        found = [result[name][k] for name in ("velocity_x", "velocity_y", "yaw_rate", "x", "y", "yaw")]
+        assert state.time == pytest.approx(now)
+        assert found == pytest.approx([*state.rates, *state.pose], rel=1e-7, abs=1e-12)
+    assert result["velocity_y"][-1] < -1e-3
+    assert "interpolation changes it by up to" in fmpy.read_model_description(str(path)).description
+
+
+@pytest.mark.parametrize(
+    ("sources", "keys", "key", "words"),
+    [
+        ([{}, {"direction": 90, "phase": 90}], {}, "wave.sources", "depends less on the place"),
+        ([{}, {"direction": 90, "frequency": "2.75 MHz"}, {"direction": 45, "frequency": "3.3 MHz"}], {},
+         "wave.sources", "at most two frequencies"),
+        ([{}], {"heights": [0.0, "1 nm", 0.0], "contacts": BODY["contacts"]}, "slider.heights", "of one height"),
+    ],
+    ids=["pattern", "three frequencies", "heights"],
+)  # fmt: skip
+def test_what_tables_do_not_hold_is_refused(sources, keys, key, words):
+    with pytest.raises(SceneError, match=words) as raised:
+        planar_motor(scene(*sources, freedom="xy", **(ALONE | {"tilt": "held"} | keys)), tolerance=1e-2)
+    assert key in str(raised.value)
+
+
+def test_inputs_that_cannot_be_are_refused():
+    state = one_wave().start()
+    with pytest.raises(SceneError, match="level must be zero or positive"):
+        state.advance(1e-3, -LEVEL)
+    with pytest.raises(SceneError, match="preload must be positive"):
+        state.advance(1e-3, LEVEL, preload=0.0)
+    with pytest.raises(RunError, match=r"the tables reach up to 1\.5e-08 m"):
+        state.advance(1e-3, 10.0 * LEVEL)
+
+
+@pytest.mark.slow
+def test_the_rotor_is_exported_by_the_command(tmp_path, monkeypatch, capsys):
+    """Torque in, angle and rotation out, at the mean rotation that its datasheet states."""
+    fmpy = pytest.importorskip("fmpy")
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "rotor", "--format", "fmu", "--voltage", "60", "--out", "rotor.fmu"]) == 0
+    assert "the torque is the mean over a turn" in capsys.readouterr().out
+    result = fmpy.simulate_fmu(
+        "rotor.fmu", stop_time=2.0, step_size=1e-3, output_interval=0.1, start_values={"drive": 60}
+    )
+    assert {"yaw", "rotation"} <= set(result.dtype.names)
+    assert not {"x", "velocity_x", "force_x"} & set(result.dtype.names)
+    assert result["rotation"][-1] == pytest.approx(-200.4 * math.pi / 30, rel=3e-2)
