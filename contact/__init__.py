@@ -35,7 +35,7 @@ _PUBLIC = {
     "law.maugis": "MaugisSphere",
     "law.adhesion": "Adhesion AdhesiveSphere meniscus_force tabor_number",
     "law.falling": "FallingFriction",
-    "law.asperities": "Asperities",
+    "law.asperities": "Asperities sample_force",
     "law.rough": "johnson_number MeanField Roughness",
     "law.table": "TabulatedForce",
     "law.user": "UserForce UserLaw",

@@ -27,8 +27,6 @@ class SliderRules(Checks):
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
         if self.law == "hysteretic" and self.stick_band > 0:
             yield "stick_band", f"must be 0 with the hysteretic law, got {self.stick_band:g} m/s"
-        if self.law == "hysteretic" and self.normal_law is not None:
-            yield "law", 'must be "elastic" with slider.normal_law: the hysteretic law knows the smooth sphere only'
         plane = getattr(self, "freedom", "x")  # a scene without this key moves along x
         what = self.special_friction or ("" if plane == "x" else f'slider.freedom = "{plane}"')
         if not what:

@@ -17,6 +17,7 @@ from contact.answers.steady import SteadyState, steady
 from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.coupled_motion import CoupledSearch, unloaded
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
+from contact.averaged.event_equilibrium import event_rest_forces, event_tangential_forces
 from contact.averaged.steady_sweep import mean_motion
 from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, search_error
@@ -97,7 +98,7 @@ def blocked_thrust(slider: Slider, orbits: Surface) -> tuple[float, float]:
         search, _, direction = unloaded(slider, orbits)
         return search.stall(direction)
     _, problem, unit = _unloaded(slider, orbits)
-    low, high = rest_forces(problem)
+    low, high = event_rest_forces(problem) if slider.law == "hysteretic" else rest_forces(problem)
     # a slider that is driven against the crests moves towards -x, so that both forces change sign
     return (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
 
@@ -126,14 +127,15 @@ def mean_traction(slider: Slider, orbits: Surface, velocities: np.ndarray) -> np
         return np.array([search.traction(v, math.copysign(slider.load, v)) for v in np.asarray(velocities, float)])
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed
-    return side * mean_tangential_forces(problem, speeds) * unit
+    means = event_tangential_forces if slider.law == "hysteretic" else mean_tangential_forces
+    return side * means(problem, speeds) * unit
 
 
 def _unloaded(slider: Slider, orbits: Surface):
     """Return (drive direction, problem without load whose crests drive towards +x, its unit of force in N)."""
     slider, listed = prescribed(slider, orbits)
     free = replace(slider, load=0.0)
-    refuse_unless_applicable(free, listed, STIFFEST_STEADY)
+    refuse_unless_applicable(free, listed, STIFFEST_STEADY, memory=slider.law == "hysteretic")
     side, driven = towards_plus(listed)
     problem = scaled(free, driven, direction=1.0, start=0.0)
     return side, problem, slider.unit_mass * problem.omega**2 * problem.length
@@ -197,7 +199,9 @@ def full_stall(slider, orbits, near, tolerance):
     friction, above which the contacts cannot hold the slider; where the secant points beyond it, it is verified, and
     raised if the slider still moves there. Later it is a load that has been seen to stall.
     """
-    direction = np.sign(mean_motion(replace(slider, load=0.0), orbits).velocity)
+    free = replace(slider, load=0.0)
+    answer = mean_motion(free, orbits) if slider.law == "elastic" else steady(free, orbits, tolerance=tolerance)
+    direction = np.sign(answer.velocity)
     limit = slider.static_friction(len(orbits)) * (1.0 - 1e-12)  # at the friction itself nothing holds the slider
 
     def velocity(load):

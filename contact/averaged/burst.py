@@ -37,10 +37,13 @@ STICKS = (
 UNSETTLED = "not converged", "the averaged motion was not finite or changed too abruptly; use method exact"
 
 
-def refusals(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST) -> tuple[str, ...]:
-    """Return the reasons why averaging does not apply; empty if it does."""
+def refusals(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST, *, memory: bool = False) -> tuple[str, ...]:
+    """Return the reasons why averaging does not apply; empty if it does.
+
+    ``memory``: whether the means are those of cycles of the event-driven solver, which knows the hysteretic law.
+    """
     why: tuple[str, ...] = ()
-    if slider.law != "elastic" or slider.reciprocal:
+    if (slider.law != "elastic" and not memory) or slider.reciprocal:
         why += ("it knows the elastic law without its reciprocal force only",)
     if slider.stick_band > 0.0:
         why += ("slider.stick_band needs the events",)
@@ -57,9 +60,11 @@ def refusals(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST) -> tupl
     return why
 
 
-def refuse_unless_applicable(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST) -> None:
-    """Raise a `ConvergenceError` if averaging does not apply."""
-    why = refusals(slider, orbits, stiffest)
+def refuse_unless_applicable(
+    slider: Slider, orbits: Orbits, stiffest: float = STIFFEST, *, memory: bool = False
+) -> None:
+    """Raise a `ConvergenceError` if averaging does not apply; ``memory`` as in `refusals`."""
+    why = refusals(slider, orbits, stiffest, memory=memory)
     if why:
         raise ConvergenceError(
             "not applicable", f"the averaged method does not apply: {', '.join(why)}; use method exact"

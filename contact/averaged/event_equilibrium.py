@@ -141,6 +141,18 @@ def _held(problem, height, rest):
     return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion)
 
 
+def event_rest_forces(problem: Problem) -> tuple[float, float]:
+    """Return the extreme mean tangential forces of a cycle at rest, as `equilibrium.rest_forces`, of any law."""
+    (least, _), (largest, _) = _rest_cycles(problem, riding_approach(problem))
+    return float(least), float(largest)
+
+
+def event_tangential_forces(problem: Problem, speeds: np.ndarray) -> np.ndarray:
+    """Return the mean tangential forces at constant velocities, as `equilibrium.mean_tangential_forces`, of any law."""
+    height = riding_approach(problem)
+    return np.array([mean_tangential_force(problem, height, float(v), 0.0)[0] for v in speeds])
+
+
 def opposed(slider: Slider, orbits: Orbits) -> float:
     """Return the direction of motion that a load opposes (`equilibrium.load_direction`)."""
     if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:

@@ -119,7 +119,7 @@ def account_contact(problem, grid, state, nodes, segment, i):
             if regime == Regime.SLIP or regime == Regime.CREEP:
                 slip_loss += weighted_q * sign * slip
             elif regime == Regime.ANNULUS:
-                slip_loss += weight * friction * annulus_slip(z, own[ContactRow.FRONT, i, k]) * slip
+                slip_loss += weight * friction * annulus_slip(z, own[ContactRow.FRONT, i, k], contact.normal) * slip
         if law.kind == Tangential.ELASTIC and not rated:
             leak -= weight * spring(contact, regime, sign, point)[1] * z_rate
     if rated:

@@ -210,7 +210,7 @@ class Motion:
             if old == new and self.regime[i] != Regime.SEPARATED:
                 continue
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
-                self.memory, i, self.regime[i], self.sign[i], old, new, contact_parameters(self.problem, i).limit_slope
+                self.memory, i, self.regime[i], self.sign[i], old, new, contact_parameters(self.problem, i)
             )
         state.slider[:] = height, normal_velocity, speed
 

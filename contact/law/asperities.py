@@ -18,7 +18,8 @@ At pi/4 the caps already overlap by geometry; a smaller share would change conta
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -28,6 +29,8 @@ from contact import parameter_check
 from contact.exceptions import ConvergenceError, InputError
 from contact.law.force_table import ForceTable
 from contact.law.normal import SPHERE, stiffness
+from contact.law.table import TabulatedForce
+from contact.roots import bracketed
 
 CLOSE = 1e-12  # residual of (1) over the largest approach at which Newton's method ends
 MAX_NEAR = 2500  # asperities of a ball; a table of them takes about a minute
@@ -36,6 +39,7 @@ MERGED = 0.25 * math.pi  # radius over the distance of the nearest asperity from
 
 ROWS = 24  # approaches of a ball at which the forces are solved, of a first table
 FINE = 1024  # rows of the table of a ball's whole force
+LAW_ROWS, LAW_PIECES = 192, 1024  # approaches of a ball that is tabulated as a normal law, and pieces of the table
 
 
 class State(NamedTuple):
@@ -166,24 +170,41 @@ class RoughBall:
         """Return whether the force of all at an approach z in m is at least one in N."""
         return float(self.forces(self.at(z).approaches).sum()) >= force
 
+    @property
+    def lowest(self) -> float:
+        """Approach in m at which the first asperity touches."""
+        return -float(np.max(self.free))
+
     def force_table(self, deepest: float, doubling: int) -> ForceTable:
         """Return the force of all up to an approach in m, from `ROWS` solutions doubled so many times.
 
         Between them each u_j is a cubic in z.
         """
-        lowest, rows = -float(np.max(self.free)), ROWS * 2**doubling
-        z, spacing = np.linspace(lowest, deepest, rows + 1, retstep=True)
+        between = self.between(deepest, ROWS * 2**doubling)
+        fine, step = np.linspace(0.0, ROWS * 2**doubling, FINE + 1, retstep=True)
+        force, slope = between(fine)
+        spacing = (deepest - self.lowest) / (ROWS * 2**doubling)
+        return ForceTable(force[None], step * slope[None], np.array([self.lowest]), np.array([step * spacing]))
+
+    def between(self, deepest: float, rows: int) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """Return a function that gives the force of all in N, and its derivative, at a number of rows behind `lowest`.
+
+        Between the rows, at which the forces are solved, each u_j is a cubic in z.
+        """
+        z, spacing = np.linspace(self.lowest, deepest, rows + 1, retstep=True)
         approaches, rates = solved(self, z)
-        fine, step = np.linspace(0.0, rows, FINE + 1, retstep=True)
-        row = np.minimum(fine.astype(int), rows - 1)
-        t, low, high = (fine - row)[:, None], approaches[row], approaches[row + 1]
-        rise, fall = spacing * rates[row], spacing * rates[row + 1]
-        cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
-        u = low + t * (rise + t * (square + t * cubic))
-        slopes = 1.5 * self.stiffness * np.sqrt(np.minimum(np.maximum(u, 0.0), self.merged))
-        slopes *= rise + t * (2.0 * square + 3.0 * t * cubic)
-        force, slope = self.forces(u).sum(axis=1), step * slopes.sum(axis=1)
-        return ForceTable(force[None], slope[None], np.array([lowest]), np.array([step * spacing]))
+
+        def forces(place):
+            row = np.clip(place.astype(int), 0, rows - 1)
+            t, low, high = (place - row)[:, None], approaches[row], approaches[row + 1]
+            rise, fall = spacing * rates[row], spacing * rates[row + 1]
+            cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
+            u = low + t * (rise + t * (square + t * cubic))
+            slopes = 1.5 * self.stiffness * np.sqrt(np.minimum(np.maximum(u, 0.0), self.merged))
+            slopes *= rise + t * (2.0 * square + 3.0 * t * cubic)
+            return self.forces(u).sum(axis=1), slopes.sum(axis=1)
+
+        return forces
 
     def at(self, z: float, near: np.ndarray | None = None) -> State:
         """Return the state at an approach z in m; `near` are approaches u_j from which the search starts.
@@ -239,3 +260,36 @@ def solved(ball, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         near = states[-1].approaches + (z[1] - z[0]) * states[-1].rates
     approaches, rates = (np.array(each) for each in zip(*states, strict=True))
     return approaches, rates
+
+
+def sample_force(
+    samples: Sequence[Asperities], sphere_radius: float, effective_modulus: float, *, share: float, deepest: float
+) -> TabulatedForce:
+    """Return the mean normal force of balls with these samples as a normal law of one ball.
+
+    Each ball stands at the approach at which it carries a `share` of the preload in N, as statics demands of three
+    balls. Balls that then move alike are together as many of this one, also with the memory of Mindlin and Deresiewicz,
+    in which all layers of one depth slip alike. Approaches go up to `deepest` in m.
+    """
+    balls = [each.ball(sphere_radius, effective_modulus, deepest) for each in samples]
+    forces = [each.between(deepest, LAW_ROWS) for each in balls]
+
+    def force(k, z):
+        place = (z - balls[k].lowest) / (deepest - balls[k].lowest) * LAW_ROWS
+        return np.where(place > 0.0, forces[k](place)[0], 0.0)
+
+    every = range(len(balls))
+    rest = [
+        bracketed(lambda z, k=k: float(force(k, np.array([z]))[0]) - share, balls[k].lowest, deepest, tolerance=1e-15)
+        for k in every
+    ]
+    begin = min(ball.lowest - at for ball, at in zip(balls, rest, strict=True))
+    end = deepest - max(rest) - begin
+    # every asperity that touches is a kink of the curvature: the error counts where a hundredth of the load is carried
+    share_of_end = (2.0**0.5 - 1.0) * np.linspace(0.0, 1.0, 2 * LAW_PIECES + 1)
+    z = end * share_of_end * (2.0 + share_of_end)
+    mean = sum(force(k, z + begin + rest[k]) for k in every) / len(balls)
+    mean[0] = 0.0
+    table = TabulatedForce(end, end, mean[::2] ** (2.0 / 3.0), "sphere", 0.0)
+    missed = np.abs(table.middles**1.5 - mean[1::2]) / np.maximum(mean[1::2], 0.01 * share)
+    return replace(table, error=float(np.max(missed)))

@@ -17,14 +17,17 @@ loop. With u = x - c z and w = x + c z the rule (1) reads u + c eta <= y <= w - 
 
 and the force is the moment of the chain,
 
-    Q = mu K M,    M = (3/2c) int_0^z sqrt(eta) dy,    +-(eta_2^1.5 - eta_1^1.5) of a line from eta_1 to eta_2.  (5)
+    Q = mu K M,    M = (1/c) int_0^z p'(eta) dy,    +-(p(eta_2) - p(eta_1)) of a line from eta_1 to eta_2.        (5)
+
+p = z^1.5 is the normal force of a sphere over K. For any other that begins as a sphere's, of rough balls for instance,
+the springs have the stiffnesses p'' d eta, and all else is the same: Jaeger and Ciavarella (`averaged.memory_cycle`).
 
 The spring at eta = 0 follows the same stop operator as the elastic law. Its anchor is y(0) = 0, so that x is its
 deflection. A contact that touches is in one of three regimes:
 
     annulus  The springs from the *front* eta_f to the edge z slip towards s. Their anchors form the *open line*, (2) or
              (3) with the present u or w. The front is where the open line meets the chain: inside it the springs stick.
-    grow     No spring slips, |x'| <= c z'. The edge moves outwards and writes a curve (4), dM = (3/2c) sqrt(z) dx.  (6)
+    grow     No spring slips, |x'| <= c z'. The edge moves outwards and writes a curve (4), dM = p'(z) dx/c.  (6)
     slip     Gross slip: the open line covers all springs, and the chain is empty.
 
 If the front comes back to the inner end of a piece, the piece is *wiped out*: it is removed from the chain. When slip
@@ -65,7 +68,7 @@ from contact.codes import Event, Guard, Regime, Tangential
 from contact.jit.compiled import compiled, formula
 from contact.law import elastic
 from contact.law.elastic import FAR_SIDE
-from contact.law.normal import hertz
+from contact.law.normal import energy, load, slope
 from contact.law.protocol import Law
 from contact.roots import interpolate
 
@@ -112,7 +115,7 @@ def copy(memory: Memory) -> Memory:
 
 
 @compiled
-def front(memory, i, s, z, x, c):
+def front(memory, i, s, z, x, c, normal):
     """Return (eta_f, M there): where the open line of slip towards s meets the last piece of the chain.
 
     The open line has one u (s = +1) or w (s = -1), `constant`. It meets a frozen line, which is of the other sign, at
@@ -127,7 +130,7 @@ def front(memory, i, s, z, x, c):
         k = _crossed(memory, i, s, constant)
         return _front_on_curve(memory, i, k, s, c, constant)[:2]
     eta = max(s * (corner[W if s > 0.0 else U] - constant) / (2.0 * c), 0.0)
-    return eta, corner[MOMENT] + kind * (hertz(eta) - hertz(corner[ETA]))
+    return eta, corner[MOMENT] + kind * (load(eta, normal) - load(corner[ETA], normal))
 
 
 @compiled
@@ -184,26 +187,26 @@ def _front_on_curve(memory, i, k, s, c, constant):
 
 
 @compiled
-def moment(memory, i, regime, s, z, x, c):
+def moment(memory, i, regime, s, z, x, c, normal):
     """Return (M, eta_f) of a contact with approach z and deformation x, eq. (5)."""
     if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0, 0.0
-    power = hertz(z)
+    whole = load(z, normal)
     if regime == Regime.SLIP:
-        return s * power, 0.0
+        return s * whole, 0.0
     if regime == Regime.GROW:
         return memory.level[i], z
-    eta, below = front(memory, i, s, z, x, c)
-    return below + s * (power - hertz(eta)), eta
+    eta, below = front(memory, i, s, z, x, c, normal)
+    return below + s * (whole - load(eta, normal)), eta
 
 
 @formula
-def annulus_slip(z, eta):
-    """Return the sum of the slip limits (1) of the springs from eta to z over mu K, (3/4) int (z - t)/sqrt(t) dt.
+def annulus_slip(z, eta, normal):
+    """Return the sum of the slip limits (1) of the springs from eta to z over mu K, int (z - t) p''(t) dt.
 
     All of them slip at the speed of the open line: this sum times mu K and that speed is the friction power.
     """
-    return hertz(z) - 1.5 * z * np.sqrt(eta) + 0.5 * hertz(eta)
+    return load(z, normal) - load(eta, normal) - (z - eta) * slope(eta, normal)
 
 
 @compiled
@@ -236,14 +239,14 @@ def write_curve(memory, i, z, x, level, c):
 
 
 @compiled
-def freeze(memory, i, regime, s, z, x, c):
+def freeze(memory, i, regime, s, z, x, contact):
     """Make the open line of annular or gross slip the last piece of the chain; False if there is no room."""
     if regime != Regime.ANNULUS and regime != Regime.SLIP:
         return True
-    eta, below = 0.0, 0.0
+    eta, below, c = 0.0, 0.0, contact.limit_slope
     if regime == Regime.ANNULUS:
         trim(memory, i, s, z, x, c)
-        eta, below = front(memory, i, s, z, x, c)
+        eta, below = front(memory, i, s, z, x, c, contact.normal)
     k = memory.number[i]
     if k >= memory.kind.shape[1]:
         return False
@@ -252,7 +255,7 @@ def freeze(memory, i, regime, s, z, x, c):
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
     memory.kind[i, k], memory.arc[i, k] = 1 if s > 0.0 else -1, k
     memory.number[i] = k + 1
-    memory.level[i] = below + s * (hertz(z) - hertz(eta))
+    memory.level[i] = below + s * (load(z, contact.normal) - load(eta, contact.normal))
     return True
 
 
@@ -290,7 +293,7 @@ def follow(problem, memory, i, regime, which, s, point):
         kind = Event.SLIP_TO_STICK if regime == Regime.SLIP else Event.REVERSAL
         if regime == Regime.SLIP:
             x = s * c * z
-        freeze(memory, i, regime, s, z, x, c)
+        freeze(memory, i, regime, s, z, x, problem)
         if z_rate > 0.0:
             return Regime.GROW, s, x, kind
         return _begin_slip(memory, i, -s), -s, x, kind
@@ -323,7 +326,7 @@ def force(problem, memory, i, regime, s, point, level, front_before):
     if z <= 0.0:
         return 0.0, front_before
     if regime == Regime.ANNULUS:
-        level, front_before = moment(memory, i, regime, s, z, x, problem.limit_slope)
+        level, front_before = moment(memory, i, regime, s, z, x, problem.limit_slope, problem.normal)
     return problem.friction * problem.stiffness * level, front_before
 
 
@@ -407,18 +410,18 @@ def is_full(memory):
 @formula
 def moment_rate(problem, z, x_rate):
     """Return dM/dt of a contact that grows without slip, eq. (6)."""
-    return 1.5 / problem.limit_slope * np.sqrt(max(z, 0.0)) * x_rate
+    return slope(z, problem.normal) / problem.limit_slope * x_rate
 
 
 @compiled
-def jump(memory, i, regime, s, old, new, c):
+def jump(memory, i, regime, s, old, new, contact):
     """Move a contact along a straight line from one point (z, x) to another; return (regime, sign, x).
 
     The chain at the end is exact for a line of any length. A separated contact is first pressed to the approach z at
     x = 0. Then, by the change (dz, dx): a contact that grows without slip, |dx| <= c dz, writes a curve; otherwise slip
     comes in from the edge, and the pieces that the front has passed are removed.
     """
-    (old_z, old_x, _, _), (z, x, _, _), sigma = old, new, memory.grid.sigma
+    (old_z, old_x, _, _), (z, x, _, _), sigma, c = old, new, memory.grid.sigma, contact.limit_slope
     if z <= 0.0:
         memory.number[i] = 0
         memory.level[i] = 0.0
@@ -428,7 +431,7 @@ def jump(memory, i, regime, s, old, new, c):
         line = 0.25 * (sigma + 1.0) ** 2 * z
         write_curve(memory, i, line, 0.0 * line, 0.0 * line, c)
         regime, old_z, old_x = Regime.GROW, z, 0.0
-    freeze(memory, i, regime, s, old_z, old_x, c)
+    freeze(memory, i, regime, s, old_z, old_x, contact)
     if abs(x) >= c * z * (1.0 - 1e-13):
         memory.number[i] = 0
         s = 1.0 if x > 0.0 else -1.0
@@ -437,8 +440,10 @@ def jump(memory, i, regime, s, old, new, c):
     if abs(dx) <= c * dz:
         if dz > 0.0:
             root = np.sqrt(old_z) + 0.5 * (sigma + 1.0) * (np.sqrt(z) - np.sqrt(old_z))
-            line = root**2  # so that M is a polynomial
-            level = memory.level[i] + dx / (c * dz) * (line * root - hertz(old_z))
+            line = root**2  # so that M of a sphere is a polynomial
+            level, below = 0.0 * line, load(old_z, contact.normal)
+            for k in range(line.size):
+                level[k] = memory.level[i] + dx / (c * dz) * (load(line[k], contact.normal) - below)
             write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c)
         return Regime.GROW, s, x
     s = 1.0 if dx > 0.0 else -1.0
@@ -481,7 +486,7 @@ def sigma_on(curve, eta, c, sigma, bary):
 
 
 def chain_energy(problem, memory, i, regime, s, z, x):
-    """Return the energy of the tangential springs, mu K (3/8c) int_0^z (x - y)^2/sqrt(eta) d eta."""
+    """Return the energy of the tangential springs, (mu K/2c) int_0^z (x - y)^2 p''(eta) d eta."""
     if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0
     c = problem.limit_slope
@@ -489,43 +494,45 @@ def chain_energy(problem, memory, i, regime, s, z, x):
     if regime == Regime.SLIP:
         pieces = [(int(s), np.zeros(4), None)]
     elif regime == Regime.ANNULUS:
-        eta, _ = front(memory, i, s, z, x, c)
+        eta, _ = front(memory, i, s, z, x, c, problem.normal)
         y = x - s * c * (z - eta)
         pieces.append((int(s), np.array([eta, y - c * eta, y + c * eta, 0.0]), None))
     ends = [corner[ETA] for _, corner, _ in pieces[1:]] + [z]
     total = 0.0
     for (kind, corner, curve), end in zip(pieces, ends, strict=True):
         if kind == 0:
-            total += _curve_energy(memory.grid, curve, x, c, corner[ETA], end)
+            total += _curve_energy(memory.grid, curve, x, c, corner[ETA], end, problem.normal)
         else:
-            total += _line_energy(x - 0.5 * (corner[U] + corner[W]), kind * c, corner[ETA], end)
-    return problem.friction * problem.stiffness * 0.375 / c * total
+            total += _line_energy(x - 0.5 * (corner[U] + corner[W]), kind * c, corner[ETA], end, problem.normal)
+    return problem.friction * problem.stiffness * 0.5 / c * total
 
 
-def _line_energy(deflection, slope, start, end):
-    """Return int (x - y)^2/sqrt(eta) d eta over a line: x - y = deflection - slope (eta - start)."""
-    at_zero, roots = deflection + slope * start, np.sqrt([max(start, 0.0), end])
-    parts = 2.0 * at_zero**2 * roots - 4.0 / 3.0 * at_zero * slope * roots**3 + 0.4 * slope**2 * roots**5
+def _line_energy(deflection, bend, start, end, normal):
+    """Return int (x - y)^2 p'' d eta over a line: x - y = deflection - bend (eta - start); by parts."""
+    ends = np.array([max(start, 0.0), end])
+    left = deflection - bend * (ends - start)
+    work = np.array([energy(each, normal) for each in ends])
+    parts = left**2 * slope(ends, normal) + 2.0 * bend * (left * load(ends, normal) + bend * work)
     return parts[1] - parts[0]
 
 
-def _curve_energy(grid, curve, x, c, start, end):
+def _curve_energy(grid, curve, x, c, start, end, normal):
     """Return the same integral over a curve, up to the node at which the edge was at eta = end.
 
-    With sqrt(eta) dy = (2c/3) dM, eq. (6), it is [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM by parts; y and M are
-    polynomials in sigma, which Gauss's rule integrates exactly.
+    With p' dy = c dM, eq. (6), it is [p' (x - y)^2] + 2c int (x - y) dM by parts; y and M are polynomials in sigma,
+    which Gauss's rule integrates exactly.
     """
     sigma, bary = grid.sigma, grid.bary
     stop = sigma_on(curve, end, c, sigma, bary) if 2.0 * c * end < curve[ON_W, -1] - curve[ON_U, -1] else 1.0
-    anchors, slope = 0.5 * (curve[ON_U] + curve[ON_W]), grid.rates @ curve[ON_MOMENT]
+    anchors, rise = 0.5 * (curve[ON_U] + curve[ON_W]), grid.rates @ curve[ON_MOMENT]
     node, weight = np.polynomial.legendre.leggauss(24)
     middle, half = 0.5 * (stop - 1.0), 0.5 * (stop + 1.0)
     inside = 0.0
     for at, part in zip(middle + half * node, weight, strict=True):
-        inside += part * (x - interpolate(at, sigma, bary, anchors)) * interpolate(at, sigma, bary, slope)
+        inside += part * (x - interpolate(at, sigma, bary, anchors)) * interpolate(at, sigma, bary, rise)
     after, before = x - interpolate(stop, sigma, bary, anchors), x - anchors[0]
-    edges = 2.0 * np.sqrt(end) * after**2 - 2.0 * np.sqrt(max(start, 0.0)) * before**2
-    return 8.0 * c / 3.0 * half * inside + edges
+    edges = slope(end, normal) * after**2 - slope(max(start, 0.0), normal) * before**2
+    return 2.0 * c * half * inside + edges
 
 
 def mindlin_deresiewicz() -> Law:

@@ -253,7 +253,7 @@ class TabulatedForce:
             values, middles = at(knots.tolist()), at((0.5 * (knots[1:] + knots[:-1])).tolist())
             found = cls(scale, end, values, shape, 0.0)
             least = NEGLIGIBLE ** (1.0 / m) * values[-1]
-            error = m * float(np.max(np.abs(found._middles() - middles) / np.maximum(middles, least)))
+            error = m * float(np.max(np.abs(found.middles - middles) / np.maximum(middles, least)))
             if error <= tolerance or number >= MOST:
                 break
             number *= 2
@@ -284,8 +284,9 @@ class TabulatedForce:
         values.flags.writeable = False
         object.__setattr__(self, "values", values)
 
-    def _middles(self):
-        """Return g in the middle of the pieces."""
+    @property
+    def middles(self) -> np.ndarray:
+        """G in the middle of the pieces, N^(1/m)."""
         return self._pieces @ 0.5 ** np.arange(6.0)
 
     @property

@@ -48,7 +48,7 @@ def refuse_special_contacts(scene: Scene) -> None:
     taken = {
         "heights": "contacts of one height",
         "normal_law": "smooth contacts",
-        "roughness": "smooth balls",
+        "roughness": "smooth balls, whose force is a power of the approach",
         "adhesion": "dry contacts",
     }
     for key, what in taken.items():

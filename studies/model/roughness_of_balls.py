@@ -24,6 +24,8 @@ from studies.scene.slider_keys import Slider
 MOST = 20_000  # asperities drawn for a ball; of these at most 2500 may touch (`contact.Asperities`)
 FEWEST = 10.0  # asperities in contact below which the mean field is not that of one ball
 SAMPLES = 8  # balls, or places on a patch, whose velocities are the scatter of an answer
+STEP = 1.5  # largest amplitudes go by steps of this factor, so that neighbouring scenes share their tables
+DEPTH = 3.0  # approach of a tabulated force over that of smooth balls at rest and the roughness, beside the wave
 STRIDE = 10_000  # between the seeds of the samples; balls of one slider have seeds one after another
 
 
@@ -183,11 +185,25 @@ def limits_of(
 
 
 @lru_cache(16)
-def mean_field_force(slider: Slider) -> contact.TabulatedForce:
-    """Return the normal force of the mean field of one ball."""
-    field = _field(slider.radius, slider.effective_modulus, slider.roughness)
+def ball_force(slider: Slider, amplitude: float) -> contact.TabulatedForce:
+    """Return the normal force of one ball as a law: of the mean field, or of the mean of the balls' samples.
+
+    ``amplitude``: largest of the waves, m.
+    """
     with slider_keys(), as_run_errors("slider.roughness:"):
-        return field.tabulated()
+        if not slider.roughness.sampled:
+            return _field(slider.radius, slider.effective_modulus, slider.roughness).tabulated()
+        (own, *_), balls, rms = rough_balls(slider, amplitude), len(slider.offsets), realised_rms(slider.roughness)
+        deepest = 2.0 * amplitude + DEPTH * (contact_body(slider).rest_approach(balls) + rms)
+        return contact.sample_force(
+            own.samples, slider.radius, slider.effective_modulus, share=slider.preload_force / balls, deepest=deepest
+        )
+
+
+def largest_amplitude(levels: tuple, orbits: tuple) -> float:
+    """Return the amplitude in m for which balls are made, at least the largest of the levels of orbits."""
+    largest = max(levels) * max(abs(each.normal) for each in orbits)
+    return STEP ** math.ceil(math.log(max(largest, 1e-12), STEP))
 
 
 def orbits_of_each(slider: Slider, orbits: tuple) -> tuple:

@@ -22,6 +22,11 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.slider_keys import Slider
 
+STOPS = (
+    'must be "hysteretic" or absent {where}: of samples with a stop for each asperity (law = "elastic") run and sweep '
+    "give steady velocities alone, for the solvers of bursts and loads take one force for each ball"
+)
+
 
 def scaled(orbits, level: float):
     """Return orbits, or a passing wave, for a level of 1 at another level, see `Contact`."""
@@ -97,19 +102,18 @@ class Contact:
 
     @cached_property
     def slider(self):
-        """The `contact.Slider`; refused of rough balls, which `studies.model.roughness_of_balls` makes."""
+        """The `contact.Slider`; refused of samples with a stop for each asperity."""
         if self.surface is not None:
             from studies.model.plane import plane_slider
 
             return plane_slider(self.scene.slider)
-        if self.one_stop:
-            from studies.model.roughness_of_balls import mean_field_force
-
-            return replace(contact_slider(self.scene.slider), normal_law=mean_field_force(self.scene.slider))
         if self.rough:
-            rule = "must be absent here: of rough balls run and sweep give steady velocities and limits alone"
-            remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes this'
-            raise SceneError("slider.roughness", f"{rule}; {remedy}")
+            from studies.model.roughness_of_balls import ball_force, largest_amplitude
+
+            if not self.as_law:
+                raise SceneError("slider.law", STOPS.format(where="here"))
+            force = ball_force(self.scene.slider, largest_amplitude(self.scene.levels, self.orbits))
+            return replace(contact_slider(self.scene.slider), normal_law=force)
         if self.holding:
             rule = (
                 'must be "DMT" or "meniscus" here: of the others run and sweep give steady velocities and limits alone'
@@ -128,9 +132,9 @@ class Contact:
         return self.scene.slider is not None and self.scene.slider.roughness is not None
 
     @property
-    def one_stop(self) -> bool:
-        """Whether its rough balls are a mean field that slips as a whole, which every method takes."""
-        return self.rough and not self.scene.slider.roughness.sampled and self.scene.slider.law == "elastic"
+    def as_law(self) -> bool:
+        """Whether the force of each rough ball is a normal law with one tangential law, which every method takes."""
+        return self.rough and not (self.scene.slider.roughness.sampled and self.scene.slider.law == "elastic")
 
     @property
     def holding(self) -> bool:

@@ -64,7 +64,7 @@ def point_answer(
             answer = plane_point_answer(driven, level, tolerance, bursting=bursting)
             _refuse_runaway(math.hypot(answer.point.velocity_m_per_s, answer.point.lateral_velocity_m_per_s))
             return answer
-        if driven.rough and not (driven.one_stop and driven.scene.burst is not None):
+        if driven.rough and not (driven.as_law and driven.scene.burst is not None):
             from studies.solve.rough_answer import rough_answer
 
             answer = rough_answer(driven, level, tolerance, balance=balance)
@@ -74,6 +74,11 @@ def point_answer(
             answer = adhesive_answer(driven, level, tolerance)
         else:
             answer = _answer(driven, level, tolerance, bursting)
+            if driven.rough:
+                from studies.solve.rough_answer import sample_scatter
+
+                velocity = answer.point.velocity_m_per_s or 0.0
+                answer = replace(answer, point=answer.point | sample_scatter(driven, level, velocity))
         _refuse_runaway(answer.point.velocity_m_per_s)
         return answer
     except contact.ConvergenceError as error:

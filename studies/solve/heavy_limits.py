@@ -1,6 +1,6 @@
 """Threshold and release of sliders whose answers are those of a heavy one: rough balls, and adhesion that holds on."""
 
-from studies.model.wave_to_contact import Contact
+from studies.model.wave_to_contact import STOPS, Contact
 
 
 def heavy_limits(driven: Contact) -> tuple[float, float]:
@@ -8,10 +8,8 @@ def heavy_limits(driven: Contact) -> tuple[float, float]:
     if driven.rough:
         from studies.solve.rough_answer import rough_limits
 
-        if driven.scene.burst is not None and not driven.one_stop:
-            rule = "must be absent with a burst: its answers are steady velocities"
-            remedy = 'the mean field (without seed and file) with slider.law = "elastic" takes bursts'
-            driven.scene.refuse("slider.roughness", f"{rule}; {remedy}")
+        if driven.scene.burst is not None and not driven.as_law:
+            driven.scene.refuse("slider.law", STOPS.format(where="with a burst"))
         return rough_limits(driven)
     from studies.solve.adhesive_answer import adhesive_limits
 

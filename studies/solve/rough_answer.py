@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import contact
-from studies.model.roughness_of_balls import limits_of, orbits_of_each, rough_balls
+from studies.model.roughness_of_balls import largest_amplitude, limits_of, orbits_of_each, rough_balls
 from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact, scaled
 from studies.record.point import Point
@@ -16,7 +16,6 @@ from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import judged, velocity_sensitivities
 
 SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
-STEP = 1.5  # largest amplitudes go by steps of this factor, so that neighbouring scenes share their tables
 
 
 def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bool = True) -> PointAnswer:
@@ -26,12 +25,11 @@ def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bo
     """
     orbits = scaled(orbits_of_each(driven.scene.slider, driven.orbits), level)
     with slider_keys():
-        own, *others = _balls(driven)
+        own = _balls(driven)[0]
         state = own.motion(orbits, tolerance=SHARE * tolerance)
         residual = None
         if balance and state.answer.value != 0.0:
             residual = contact.rough_ledger(own, orbits, state).relative_residual
-        further = [each.velocity(orbits, tolerance=SCATTER).value for each in others]
     velocity, speed = state.answer.value, contact.reference_speed(state.answer.value, orbits)
 
     shift = velocity - (own.coarse_velocity(orbits) if driven.stator_error > 0 else 0.0)
@@ -47,15 +45,25 @@ def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bo
         amplitude_sensitivity=float(by_amplitude) if driven.stator_error > 0 else None,
         ledger_relative_residual=residual,
     )  # fmt: skip
-    if further:
-        samples = [velocity, *further]
-        point |= Point(
-            sample_lowest_m_per_s=min(samples), sample_median_m_per_s=float(np.median(samples)),
-            sample_highest_m_per_s=max(samples),
-        )  # fmt: skip
+    point |= sample_scatter(driven, level, velocity)
     why = "" if state.answer.status == Status.OK else state.answer.why
     point |= judged(tolerance, from_stator, from_contact, why)
     return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
+
+
+def sample_scatter(driven: Contact, level: float, velocity: float) -> Point:
+    """Return lowest, median and highest of a sample's velocity and those of seven others; empty of a mean field."""
+    if not driven.scene.slider.roughness.sampled:
+        return Point()
+    orbits = scaled(orbits_of_each(driven.scene.slider, driven.orbits), level)
+    with slider_keys():
+        samples = [
+            velocity, *(each.velocity(orbits, tolerance=SCATTER).value for each in _balls(driven)[1:])
+        ]  # fmt: skip
+    return Point(
+        sample_lowest_m_per_s=min(samples), sample_median_m_per_s=float(np.median(samples)),
+        sample_highest_m_per_s=max(samples),
+    )  # fmt: skip
 
 
 def rough_ledger(driven: Contact, level: float, tolerance: float):
@@ -87,6 +95,5 @@ def _balls(driven: Contact) -> tuple:
 
 
 def _amplitude(driven: Contact) -> float:
-    """Return the amplitude in m for which balls are made, at least the largest of the scene."""
-    largest = max(driven.scene.levels) * max(abs(each.normal) for each in driven.orbits)
-    return STEP ** math.ceil(math.log(max(largest, 1e-12), STEP))
+    """Return the amplitude in m for which balls are made."""
+    return largest_amplitude(driven.scene.levels, driven.orbits)

@@ -1,7 +1,5 @@
 """The hysteretic law: closed forms, a brute-force row of springs, passivity, and the motion that it gives."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,11 +14,13 @@ from contact.events.collocation import collocation
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.law import hysteretic
-from contact.problem import scaled
+from contact.law.normal import SPHERE
+from contact.problem import ContactParameters, scaled
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.oracles.contact_springs import velocity_from_rest
 
 C = 0.107
+UNIT = ContactParameters(1.0, C, 1.0, 0.0, 0.0, SPHERE, 1.0, 1.0, hysteretic.mindlin_deresiewicz())
 TABLE = collocation(12)
 corners = st.lists(st.tuples(st.floats(0.3, 2.0), st.floats(-1.0, 1.0)), min_size=2, max_size=10)
 
@@ -28,22 +28,23 @@ corners = st.lists(st.tuples(st.floats(0.3, 2.0), st.floats(-1.0, 1.0)), min_siz
 class Contact:
     """One contact led along straight lines in (z, x), pressed on to z = 1 first; lengths and mu K are 1."""
 
-    def __init__(self):
-        self.memory = hysteretic.blank(1, TABLE)
+    def __init__(self, unit=UNIT):
+        self.memory, self.unit = hysteretic.blank(1, TABLE), unit
         self.regime, self.sign, self.z, self.x = Regime.SEPARATED, 1.0, -1.0, 0.0
         self.go(1.0, 0.0)
 
     def go(self, z, x):
         """Return Q after a line to (z, x)."""
         self.regime, self.sign, self.x = hysteretic.jump(
-            self.memory, 0, self.regime, self.sign, Point(self.z, self.x, 0.0, 0.0), Point(z, x, 0.0, 0.0), C
+            self.memory, 0, self.regime, self.sign, Point(self.z, self.x, 0.0, 0.0), Point(z, x, 0.0, 0.0), self.unit
         )
         self.z = z
-        return hysteretic.moment(self.memory, 0, self.regime, self.sign, z, self.x, C)[0]
+        return hysteretic.moment(
+            self.memory, 0, self.regime, self.sign, z, self.x, self.unit.limit_slope, self.unit.normal
+        )[0]
 
     def energy(self):
-        unit = SimpleNamespace(limit_slope=C, friction=1.0, stiffness=1.0)
-        return hysteretic.chain_energy(unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
+        return hysteretic.chain_energy(self.unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
 
 
 class Springs:

@@ -205,8 +205,6 @@ def test_files_are_refused(text, sentence):
 
 
 def test_refusals(table):
-    with pytest.raises(InputError, match=r'slider\.law must be "elastic" with slider\.normal_law'):
-        slider(normal_law=table, law="hysteretic")
     with pytest.raises(InputError, match=r'slider\.normal_law must begin as the shape does, "punch"'):
         slider(normal_law=table, shape="punch", radius=1e-6)
     with pytest.raises(InputError, match=r"slider\.radius must be equal"):

@@ -152,16 +152,44 @@ def test_refusals(roughness, slider, sentence):
         run(scene(**roughness).replace(slider=slider))
 
 
-def test_rough_balls_answer_steady_velocities_alone():
-    """Threshold, load line and burst would be those of a smooth ball: refused."""
-    from studies.model.resolve import build
-    from studies.model.wave_to_contact import Contact
+def test_stops_of_single_asperities_answer_steady_velocities_alone():
+    rule = r'slider\.law must be "hysteretic" or absent here: of samples with a stop for each asperity'
+    stops = scene(rms="3 nm", seed=5).replace(slider={"law": "elastic"})
+    with pytest.raises(SceneError, match=rule):
+        _ = Contact.prescribed(build(stops)).slider
+    with pytest.raises(SceneError, match=rule.replace("here", "with a burst")):
+        run(stops.replace(wave={"burst": "1 ms"}))
 
-    for roughness in ({"rms": "3 nm", "seed": 5}, {"rms": "3 nm"}):
-        with pytest.raises(SceneError, match="of rough balls run and sweep give"):
-            _ = Contact.prescribed(build(scene(**roughness))).slider
-        with pytest.raises(SceneError, match=r"slider\.roughness must be absent with a burst"):
-            run(scene(**roughness).replace(wave={"burst": "1 ms"}))
+
+@pytest.mark.parametrize("roughness", [{}, {"seed": 5}])
+def test_balls_with_memory_are_a_normal_law_of_every_method(roughness):
+    """The event-driven chain of slipped annuli on the tabulated force against the walls of depths."""
+    rough = scene(rms="3 nm", **roughness)
+    driven = Contact.prescribed(build(rough))
+    assert driven.slider.law == "hysteretic"
+    for point, amplitude in zip(run(rough, tolerance=1e-4).points, (3e-9, 8e-9), strict=True):
+        full = contact.steady(driven.slider, driven.at(amplitude), tolerance=1e-4)
+        assert float(full.velocity) == pytest.approx(point.velocity_m_per_s, rel=3e-4)
+        assert full.ledger.relative_residual < 1e-8
+
+
+@pytest.mark.parametrize("roughness", [{}, {"seed": 5}])
+def test_balls_with_memory_take_bursts_and_loads(roughness):
+    rough = scene(rms="3 nm", **roughness).replace(wave={"normal_amplitude": "8 nm"})
+    steady = run(rough, tolerance=1e-3).points[0]
+    burst = run(rough.replace(wave={"burst": "4 ms"}), tolerance=1e-2).points[0]
+    assert burst.velocity_m_per_s == pytest.approx(steady.velocity_m_per_s, rel=5e-4)
+    assert 0.0 < abs(burst.velocity_at_burst_end_m_per_s) < abs(steady.velocity_m_per_s)
+    line = load_line.run(rough, points=3).panels[0].data
+    assert line["value"]["8 nm"][0] == pytest.approx(abs(steady.velocity_m_per_s), rel=5e-4)
+    stall = line["blocked_thrust_N"]["8 nm"]
+    assert 0.0 < stall < 0.08 * 0.87309e-3
+    # the heavy slider on the walls of depths moves just below that load, and rests just above it
+    below, above = (
+        run(rough.replace(slider={"load": share * stall}), tolerance=1e-3).points[0] for share in (0.99, 1.01)
+    )
+    assert abs(below.velocity_m_per_s) > 0.0
+    assert above.regime == "stick"
 
 
 def test_a_mean_field_is_near_the_middle_of_samples(sampled):
