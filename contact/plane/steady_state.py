@@ -27,7 +27,9 @@ METHODS = ("auto", "averaged", "exact")
 AT_LIMIT = 1e-9
 
 
-def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = "auto") -> PlaneState:
+def steady(
+    slider: Slider, surface: Surface, *, tolerance: float, method: str = "auto", near: PlaneState | None = None
+) -> PlaneState:  # fmt: skip
     """Return the steady motion of a slider on continuous waves.
 
     Parameters
@@ -40,6 +42,8 @@ def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = 
         Allowed error of the speed, relative to max(|V|, omega |u_t|/10).
     method : str
         "averaged" (first order in (f_n/f)^2), "exact" (the full motion that repeats, by shooting) or "auto".
+    near : PlaneState, optional
+        A state from which the search begins: that of a slider or of waves that differ little takes half the time.
 
     Raises
     ------
@@ -70,13 +74,21 @@ def steady(slider: Slider, surface: Surface, *, tolerance: float, method: str = 
     elif slider.mass == math.inf:
         raise ConvergenceError("not applicable", "a slider of infinite mass has the averaged motion: method averaged")
     averaged = Averaged.of(slider, waves)
-    root = balanced(averaged, tolerance=min(tolerance, 1e-6) if method == "exact" else tolerance)
+    guess = None if near is None or near.held else _unknown(averaged, near)
+    root = balanced(averaged, guess, tolerance=min(tolerance, 1e-6) if method == "exact" else tolerance)
     state = _state(averaged, waves, root, tolerance, begun)
     # a slider of infinite mass does not move within a cycle, and one that is held does not move
     follows = slider.mass != math.inf and not root.held
     if follows and (method == "exact" or (method == "auto" and state.status != "ok")):
         return _exact(averaged, waves, root, state, tolerance, begun)
     return state
+
+
+def _unknown(averaged: Averaged, state: PlaneState) -> np.ndarray:
+    """Return the unknown of a state: the inverse of `rigid_motion`."""
+    units, slider = averaged.scaled, averaged.slider
+    velocity = np.zeros(2) if slider.freedom == "axle" else np.asarray(state.velocity) / units.speed
+    return averaged.basis @ averaged.basis.T @ [*velocity, state.yaw_rate * averaged.arm / units.omega]
 
 
 def _exact(averaged, waves, root, mean: PlaneState, tolerance, begun) -> PlaneState:

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--next", action=argparse.BooleanOptionalAction, default=None,
-        help="rank further measurements; the default, but of a slider on pillars, where it doubles the time",
+        help="rank further measurements; the default, but of a slider on pillars or in the plane: it doubles the time",
     )  # fmt: skip
     add_shared(parser, "--voltage", "--set", "--tolerance")
     parser.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")

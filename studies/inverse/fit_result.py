@@ -287,13 +287,14 @@ class Fit:
         """Return (level or time, best, low, high) of a measurement's 95 % predictive band, without its noise.
 
         The percentiles of ``DRAWS`` normal draws of x about the best fit, cut to the ranges; where the stator, a burst
-        or a slider on pillars would be computed for each, 1.96 standard deviations of the linearised prediction.
+        or a slider on pillars or in the plane would be computed for each, 1.96 standard deviations of the linearised
+        prediction.
         """
         problem, curve = self.problem, _drawn(measurement)
         problem.predictor.begin(f"fit: band of {measurement.name}")
         at = np.array(curve.coordinate)
         best = problem.predictions([self.inner], (curve,))[0][0]
-        slow = problem.predictor.one_by_one or measurement.quantity not in ("velocity", "amplitude")
+        slow = problem.predictor.costly or measurement.quantity not in ("velocity", "amplitude")
         if slow or any(map(problem.needs_stator, problem.parameters)):
             steps = np.linalg.cholesky(self.covariance).T
             moved = [np.clip(self.inner + step, problem.low, problem.high) for step in steps]

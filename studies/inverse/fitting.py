@@ -66,8 +66,8 @@ def fit(
     tolerance : float
         Of the velocity, for the stator.
     next_measurements : bool, optional
-        Whether further measurements are ranked; by default not for a slider on pillars, whose motions are solved one by
-        one.
+        Whether further measurements are ranked; by default not for a slider on pillars or in the plane, whose motions
+        are solved one by one.
     progress : callable, optional
         Called with a few words about each step, as it is logged.
 
@@ -97,7 +97,7 @@ def fit(
         free = problem.parameters
         problem = replace(problem, measurements=_signed(problem))
         if next_measurements is None:
-            next_measurements = not problem.predictor.one_by_one
+            next_measurements = not problem.predictor.costly
         degrees = problem.points - len(free)
         refuse_if(
             degrees < (1 if estimated else 0),

@@ -18,9 +18,10 @@ from studies.lab.measurement import Measurement
 from studies.refusal import RunError
 
 STEP = 1e-4  # of the logarithm, or over the range: the difference errs by its square, a prediction by 1e-9
+COSTLY_STEP = 1e-3  # the same to one side, where a prediction is costly and errs by 1e-7
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
 SAMPLES, MAX_STARTS = 64, 8  # random starts; the best of them, from which a minimum is searched
-SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # the same where velocities are solved one by one
+SLOW_SAMPLES, MAX_SLOW_STARTS = 8, 3  # the same where a velocity is costly (`MeasurementPredictor.costly`)
 BETWEEN = 9  # points on the line between two minima at which the sum of squares is evaluated
 MAX_EVALUATIONS = 60  # of the residuals in one search for a minimum
 CLEARLY = 1e-3  # relative difference of two sums of squares below which two minima count as equally good
@@ -111,6 +112,8 @@ class Problem:
 
     def derivatives(self, function, x, free) -> np.ndarray:
         """Return the derivatives by components of x, (n, p), of a function that maps m vectors x to (m, n)."""
+        if self.predictor.costly:
+            return self._forward(function, np.array(x, float), free)
         pairs, widths = [], []
         for j in free:
             up, down = np.array(x, float), np.array(x, float)
@@ -120,6 +123,18 @@ class Problem:
             widths.append(up[j] - down[j])
         values = function(pairs)
         return np.array([(values[2 * k] - values[2 * k + 1]) / width for k, width in enumerate(widths)]).T
+
+    def _forward(self, function, x: np.ndarray, free) -> np.ndarray:
+        """Return derivatives by differences to one side: the predictor has kept the values at x itself."""
+        moved, widths = [], []
+        for j in free:
+            other = x.copy()
+            step = COSTLY_STEP / STEP * self._step(j)
+            other[j] += step if x[j] + step <= self.high[j] else -step
+            moved.append(other)
+            widths.append(other[j] - x[j])
+        here, *values = function([x, *moved])
+        return np.array([(value - here) / width for value, width in zip(values, widths, strict=True)]).T
 
     def information(self, jacobian: np.ndarray) -> np.ndarray:
         """Return the Fisher information over x of residuals with a Jacobian; the ranges are a weak prior.
@@ -156,7 +171,7 @@ class Problem:
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         self.predictor.begin("fit: least squares")
         solutions = [self.minimum(starts[0])]
-        max_starts = MAX_SLOW_STARTS if self.predictor.one_by_one else MAX_STARTS
+        max_starts = MAX_SLOW_STARTS if self.predictor.costly else MAX_STARTS
         for k in [k for k in np.argsort(squares)[:max_starts] if k > 0]:
             if not all(self._separated(starts[k], other, squares[k]) for other, _ in solutions):
                 continue  # in the valley of a known minimum
@@ -187,7 +202,7 @@ class Problem:
         slow = any(map(self.needs_stator, self.parameters))
         if slow or any(each.quantity == "burst" for each in self.measurements):
             return starts
-        samples = SLOW_SAMPLES if self.predictor.one_by_one else SAMPLES
+        samples = SLOW_SAMPLES if self.predictor.costly else SAMPLES
         for shares in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(samples):
             starts.append(np.array([*(self.low[:count] + shares * (self.high - self.low)[:count]), *b]))
         return starts

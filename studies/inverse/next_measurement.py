@@ -63,7 +63,8 @@ def candidates(problem: Problem) -> list[Measurement]:
             settings = base.settings | {"slider.preload": size}
             add(f"velocity at a preload of {si(size, 'N', 3)}", at=spread, settings=settings)
         add("velocity up to twice the level", at=tuple(np.linspace(top, 2 * top, 6)))
-        if "burst" not in data and base.quantity != "position":
+        # a burst in the plane is not predicted
+        if "burst" not in data and base.quantity != "position" and not predictor.scene({}).planar:
             start = [p.start(predictor.value(p.key)) for p in problem.parameters]
             driven = predictor.contact(problem.scene_numbers(start) | base.settings)
             rise = driven.moving_slider.mass / driven.slider.least_friction(driven.contacts)

@@ -37,6 +37,7 @@ from studies.refusal import SceneError, refuse_if
 from studies.scene import Scene
 from studies.scene.override import value_at
 from studies.solve.loaded_wave import wave_velocity
+from studies.solve.plane_rates import PlaneRates, plane_rates
 from studies.solve.predictor import Predictor
 from studies.solve.ripple import Known, NearbyContact, ripples
 from studies.solve.scan_prediction import at_other_velocity, network_prediction, placed, predicted_scan
@@ -46,11 +47,10 @@ from studies.solve.wave_ripple import mean_velocity
 
 LOGGER = logging.getLogger(__name__)
 
+MAX_RATES = 10_000  # motions in the plane in memory
 MAX_FIELDS = 64  # predictions of scans and networks in memory, each of one stator
 
-IN_PLANE = {  # of a measurement in the plane: column of a point
-    "lateral velocity": quantity.lateral_velocity_m_per_s.column, "yaw rate": quantity.yaw_rate_rad_per_s.column,
-}  # fmt: skip
+IN_PLANE = ("velocity", "lateral velocity", "yaw rate")  # quantities of `PlaneRates`
 
 
 class MeasurementPredictor(Predictor):
@@ -67,6 +67,8 @@ class MeasurementPredictor(Predictor):
         table = following(numbers, scene).to_table()
         super().__init__(table, tolerance=tolerance, rounds=1, numbers=numbers.to_table())
         self._fields: dict = {}  # data and prediction of scans and networks, by (stator, identity of the data)
+        self._rates: dict[tuple, PlaneRates] = {}  # of motions in the plane, by the numbers of the motor and level
+        self._last_rates: dict[float, PlaneRates] = {}  # by level
         self._countdown: Countdown | None = None
         self._done, self._last_report = 0, 0.0
 
@@ -105,6 +107,11 @@ class MeasurementPredictor(Predictor):
         """True on pillars, where velocities are solved one by one (0.06 s for 2500 pillars) and not in one loop."""
         return "pillars" in self.scenes.table.get("slider", {})
 
+    @property
+    def costly(self) -> bool:
+        """True where a velocity takes up to 0.1 s: on pillars, and in the plane on waves of several frequencies."""
+        return self.one_by_one or (self.slider and self.scene({}).planar)
+
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key as a number; None where it has none."""
         if key in (AMPLITUDE_FACTOR, WAVE_VELOCITY_FACTOR):
@@ -135,13 +142,13 @@ class MeasurementPredictor(Predictor):
             self.stators.nearby = self.stators.nearby or measurement.quantity == "mean velocity"
             driven = self.contact(numbers)
             factors = self._factors(measurement, numbers, driven)
-            if measurement.quantity == "velocity" and self.one_by_one:
+            if measurement.quantity in IN_PLANE and (driven.scene.planar or measurement.quantity != "velocity"):
+                answers.append(self._in_plane(measurement, driven, factors, numbers))
+            elif measurement.quantity == "velocity" and self.one_by_one:
                 answers.append(self.velocities([(driven, float(factor)) for factor in factors]))
             elif measurement.quantity == "velocity":
                 answers.append(slice(len(states), len(states) + len(factors)))
                 states += [(driven, float(factor)) for factor in factors]
-            elif measurement.quantity in IN_PLANE:
-                answers.append(self._in_plane(measurement, driven, factors))
             elif measurement.quantity == "mean velocity":
                 answers.append(self._mean_velocities(driven, factors, numbers))
             elif measurement.quantity == "amplitude":
@@ -209,15 +216,30 @@ class MeasurementPredictor(Predictor):
         answers = steady_answers(states, self.tolerance)
         return as_array(answer.point.velocity_m_per_s for answer in answers)
 
-    def _in_plane(self, measurement: Measurement, driven: Contact, levels: np.ndarray) -> np.ndarray:
-        """Return lateral velocities or yaw rates at levels; NaN where there is none."""
+    def _in_plane(self, measurement: Measurement, driven: Contact, levels: np.ndarray, numbers: dict) -> np.ndarray:
+        """Return one component of the motion in the plane at levels; NaN where there is none.
+
+        A motion is measured in up to three quantities: those that are known are kept, and the last one of a level is
+        where the search for the next begins.
+        """
+        slider, quantity_of = driven.scene.slider, measurement.quantity
         refuse_if(
-            not driven.scene.planar or (measurement.quantity == "yaw rate" and not driven.scene.slider.turns),
+            not driven.scene.planar or (quantity_of == "yaw rate" and not slider.turns),
             f"measurements {measurement.name}",
-            f"holds a {measurement.quantity}: it needs a slider that moves in the plane, or turns",
+            f"holds a {quantity_of}: it needs a slider that moves in the plane, or turns",
         )
-        answers = steady_answers([(driven, float(level)) for level in levels], self.tolerance)
-        return as_array(answer.point[IN_PLANE[measurement.quantity]] for answer in answers)
+        rule = f"holds a {quantity_of}: a slider on an axle has a yaw rate alone, yaw_rate_rad_per_s"
+        refuse_if(slider.axis is not None and quantity_of != "yaw rate", f"measurements {measurement.name}", rule)
+        motor, found = repr(sorted(numbers.items(), key=lambda each: each[0])), []
+        for level in levels:
+            key = motor, float(level)
+            if key not in self._rates:
+                if len(self._rates) > MAX_RATES:
+                    self._rates.clear()
+                near = self._last_rates.get(key[1])
+                self._rates[key] = self._last_rates[key[1]] = plane_rates(driven, key[1], self.tolerance, near)
+            found.append(self._rates[key][IN_PLANE.index(quantity_of)])
+        return np.array(found)
 
     def _mean_velocities(self, driven: Contact, levels: np.ndarray, numbers: dict) -> np.ndarray:
         """Return the mean velocities over place about the slider's position; NaN where there is none."""

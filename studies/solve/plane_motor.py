@@ -65,14 +65,17 @@ class PlaneMotor:
         """The waves at the contacts."""
         return waves_at(self.surface, self.slider)
 
-    def state(self, waves: plane.SurfaceWaves | None = None, slider: contact.Slider | None = None):
-        """Return the steady `contact.plane.PlaneState`, by default at the slider's place."""
+    def state(
+        self, waves: plane.SurfaceWaves | None = None, slider: contact.Slider | None = None,
+        near: plane.PlaneState | None = None,
+    ):  # fmt: skip
+        """Return the steady `contact.plane.PlaneState`, by default at the slider's place; ``near``: a state near it."""
         method = method_of(self.scene, "the steady state", STEADY_METHODS)
         slider = self.slider if slider is None else slider
         with slider_keys():
             return plane.steady(
                 slider, waves_at(self.surface, slider) if waves is None else waves, tolerance=self.tolerance,
-                method=method,
+                method=method, near=near,
             )  # fmt: skip
 
 

@@ -27,7 +27,7 @@ LEVELS = tuple(np.linspace(1.0, 4.0, 7))
 class Model:
     """A predictor whose answer is a formula of its numbers and the level."""
 
-    prescribed_wave, one_by_one, table = True, False, {}
+    prescribed_wave, one_by_one, costly, table = True, False, False, {}
 
     def __init__(self, formula, **own):
         self.formula, self.own = formula, own
