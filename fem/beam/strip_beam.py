@@ -19,6 +19,9 @@ with "own" the answer of fingers whose charge is a sum of sheets (own_aperture.p
 with the charges and waves of the section, which is the even part of (1) exactly.  Of a slanted transducer the fingers
 are those at both ends of the aperture, each with half the weight w_e, because there the charge changes.
 
+The fingers and their dummies are the same metal in all strips of an apodised transducer, which differ in the electrode
+that each finger is on: their sections follow from one solution with a potential for each finger (`_section_of`).
+
 The classical model of apodised transducers by strips of equal overlap (Tancrell and Holland, Proc. IEEE 59, 1971, 393;
 Hartmann, Bell and Rosenfeld, IEEE Trans. Microwave Theory Tech. 21, 1973, 162), with the reflections inside each strip.
 Left out: in the plane section and in other cuts the charge at the ends and tips of fingers; at the tips gaps of other
@@ -37,13 +40,14 @@ from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.condense.electrode_conditions import is_port
+from fem.condense.finger_columns import FingerColumns
 from fem.exceptions import InputError
 from fem.geometry import LateralStrip, Stator, Transducer, strips_of
 from fem.materials import isotropic_about_normal
 from fem.results.driven_answer import SurfaceWave, surface_wave
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.stator_solution import driven_solution
-from fem.waveguide.port_fields import PortFields
+from fem.waveguide.port_fields import PortFields, by_finger, with_other_signs
 
 
 class Straightened(NamedTuple):
@@ -207,11 +211,11 @@ def strip_beam(
         raise BeamError(f"the beams of strips need stator.ends = 'absorbing', got {stator.ends!r}")
     names = tuple(each.name for each in sorted(transducers, key=lambda each: each.center) if is_port(each))
     solved, admittances = [], np.zeros((len(names), len(names)), dtype=complex)
+    of_fingers: dict[tuple[Transducer, ...], _OfFingers] = {}
     for strip in strips_of(transducers):
-        ports = [each.name for each in strip.transducers if is_port(each)]
-        if not ports:
+        if not any(map(is_port, strip.transducers)):
             continue
-        wave = solve(stator, strip.transducers, Drive(sources=dict.fromkeys(ports, 1.0)), places)
+        wave = _section_of(stator, strip, solve, places, of_fingers)
         fields = wave.solution.fields
         at = [names.index(name) for name in fields.names]
         admittances[np.ix_(at, at)] += fields.admittances
@@ -248,6 +252,40 @@ def strip_beam(
     return StripBeam(
         strips=tuple(kept), waves=tuple(waves), beams=beams, circuit=circuit, length=stator.length,
         straightened=straightened,
+    )  # fmt: skip
+
+
+class _OfFingers(NamedTuple):
+    """Solution of plain fingers, and their superelements with one potential for each finger."""
+
+    wave: SurfaceWave
+    pieces: list[FingerColumns]
+
+
+def _section_of(
+    stator: Stator,
+    strip: LateralStrip,
+    solve: Solve,
+    places: tuple[float, ...],
+    solved: dict[tuple[Transducer, ...], _OfFingers],
+) -> SurfaceWave:
+    """Solution of a strip's section for 1 V at each port; ``solved``: those of plain fingers at the same places.
+
+    Strips of an apodised transducer differ only in which electrode each finger is on.
+    """
+    drive = Drive(sources={each.name: 1.0 for each in strip.transducers if is_port(each)})
+    plain = tuple(replace(each, pattern=None, center_y=0.0, aperture=1.0) for each in strip.transducers)
+    left_out = any(set(each.signs) - {"+", "-"} for each in strip.transducers)
+    if left_out or not all(map(is_port, plain)):
+        return solve(stator, strip.transducers, drive, places)
+    if plain not in solved:
+        wave = solve(stator, plain, Drive(sources={each.name: 1.0 for each in plain}), places)
+        solved[plain] = _OfFingers(wave, by_finger(wave.solution.fields))
+    wave, pieces = solved[plain]
+    solution = driven_solution(with_other_signs(wave.solution.fields, pieces, strip.transducers), drive)
+    return surface_wave(
+        solution, relative_error=wave.relative_error, admittance_error=wave.admittance_error,
+        balance=partial(power_balance, solution),
     )  # fmt: skip
 
 

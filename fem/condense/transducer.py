@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from fem.condense.electrode_conditions import open_circuit
-from fem.condense.element_column import Skeleton, column_skeleton
+from fem.condense.element_column import ELECTRODES, Skeleton, column_skeleton
 from fem.condense.finger_columns import FingerColumns, Restated, condensed
 from fem.condense.joined_fingers import exchanged, joined, mirrored, repeated, with_fingers, with_ports
 from fem.condense.reaction_moments import finger_dipole
@@ -197,6 +197,25 @@ def finger_ports(transducer: FingerColumns, signs: str) -> tuple[FingerColumns, 
     shape (fingers, 2 n + fingers).
     """
     return _ports_of_run(transducer, signs, {})
+
+
+def on_electrodes(by_finger: FingerColumns, signs: str) -> FingerColumns:
+    """Superelement with two electrodes from that with one potential for each finger "+" or "-" (`finger_ports`).
+
+    ``signs``: of the fingers; which are "+" and which "-" is free.  The fingers of an apodised transducer belong to the
+    other electrode beyond their tips.
+    """
+    lines = by_finger.at.ports.start
+    place = np.zeros((len(by_finger.matrix), lines + 2))
+    place[:lines, :lines] = np.eye(lines)
+    electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
+    place[lines + np.arange(len(electrodes)), lines + np.array(electrodes, dtype=int)] = 1.0
+
+    def sides(own: np.ndarray) -> np.ndarray:
+        return np.tensordot(place, own, axes=1)
+
+    matrix = place.T @ by_finger.matrix @ place
+    return replace(by_finger, matrix=matrix, ports=ELECTRODES, inside=Restated(piece=by_finger, sides=sides))
 
 
 def _ports_of_run(piece: FingerColumns, signs: str, done: dict) -> tuple[FingerColumns, np.ndarray]:

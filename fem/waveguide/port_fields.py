@@ -22,7 +22,7 @@ import numpy as np
 from fem.condense.cascade_piece import Port
 from fem.condense.electrode_conditions import electrode_potentials, transducer_ports, uncharged
 from fem.condense.finger_columns import FingerColumns
-from fem.condense.transducer import Condensation, transducer_superelements
+from fem.condense.transducer import Condensation, finger_ports, on_electrodes, transducer_superelements
 from fem.discretize.depth_mesh import discretise
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.section import LineSpace
@@ -260,6 +260,26 @@ def joined_cascade(
     )
     owners = tuple(each.owner for each in elements)
     return StatorCascade(stator=stator, transducers=transducers, network=network, owners=owners, resolution=resolution)
+
+
+def by_finger(fields: PortFields) -> list[FingerColumns]:
+    """Superelements of transducers with one potential for each finger, in a stator without meshed pieces."""
+    each = zip(fields.network.scatterers, fields.transducers, strict=True)
+    return [finger_ports(scatterer.columns, transducer.signs)[0] for scatterer, transducer in each]
+
+
+def with_other_signs(
+    fields: PortFields, pieces: list[FingerColumns], transducers: tuple[Transducer, ...]
+) -> PortFields:
+    """Fields of transducers whose fingers are the same, on other electrodes; apertures may differ too.
+
+    ``pieces``: `by_finger` of the fields.
+    """
+    transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
+    superelements = [on_electrodes(piece, each.signs) for piece, each in zip(pieces, transducers, strict=True)]
+    return joined_cascade(
+        fields.stator, transducers, superelements, modes=fields.modes, resolution=fields.resolution
+    ).solved()
 
 
 class _CascadeElement(NamedTuple):
