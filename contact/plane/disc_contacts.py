@@ -32,11 +32,15 @@ TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
 CLOSE = 1e-9  # of an event, in phase: forces are continuous there, their integrals err by its square
 ENDS = 1e-8  # approach below which a contact that opens has opened where slip and stick alternate; its force is 1e-12
+NEGATIVE = 1e-12  # of a guard beyond zero; phases of 300 cycles are rounded to 2e-13
+NEARLY = 0.98  # of a segment: a shorter one that ends at a guard's least value must end before this
 PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
 MAX_TURN = 3.0  # rad of angle per rad of phase, of the guess at the start of a segment
 MAX_TRIES = 60  # trials of the length of one segment
+PICARD = 1e-13  # change of the body's rates by one more iteration of its motion, below which it ends
+MAX_LAG = 1e-9  # of the last change, by which the forces lag behind the motion
 MAX_NEWTON = 4  # of them by Newton's method towards an event
 MAX_SEGMENTS = 200_000  # of one call
 MAX_IDLE = 20  # events of a contact at one instant
@@ -371,22 +375,9 @@ def solve_segment(problem, first, last, length, kind, known, state, work):
     for j in range(n):
         work.phase[j], work.rate[j] = begin + length * nodes.phase[kind, j], length * nodes.rate[kind, j]
         fill_surface(problem, first, last, work.phase[j], work.surface[j])
+    last_change = np.inf
     for count in range(40):
-        for k in range(4):
-            for j in range(n):
-                rate = state.p[k]
-                if moves:
-                    for i in range(n):
-                        rate += nodes.integral[j, i] * work.rate[i] * work.a[i, k]
-                work.p[j, k] = rate
-            for j in range(n):
-                place = state.q[k]
-                if moves:
-                    for i in range(n):
-                        place += nodes.integral[j, i] * work.rate[i] * work.p[i, k]
-                else:
-                    place += length * nodes.phase[kind, j] * state.p[k]
-                work.q[j, k] = place
+        _integrate(length, kind, moves, state, work)
         for i in range(first, last):
             if not _fill_contact(problem, i, known or count > 0, state, work):
                 return False
@@ -406,9 +397,33 @@ def solve_segment(problem, first, last, length, kind, known, state, work):
                 new = problem.inverse[k] * (total + problem.force[k] - problem.damping[k] * work.p[j, k])
                 change = max(change, abs(new - work.a[j, k]) * (1.0 if k < 3 else _reach(problem)))
                 work.a[j, k] = new
-        if change * length < 1e-13:
+        left = change * length
+        if left < PICARD or (count > 0 and left < MAX_LAG and left * min(change / last_change, 1.0) < PICARD):
+            _integrate(length, kind, moves, state, work)
             return True
+        last_change = change
     return False
+
+
+@compiled
+def _integrate(length, kind, moves, state, work):
+    """Fill the body's rates and coordinates at the nodes from its accelerations there; not `moves`: all are zero."""
+    nodes, n = work.nodes, work.phase.size
+    for k in range(4):
+        for j in range(n):
+            rate = state.p[k]
+            if moves:
+                for i in range(n):
+                    rate += nodes.integral[j, i] * work.rate[i] * work.a[i, k]
+            work.p[j, k] = rate
+        for j in range(n):
+            place = state.q[k]
+            if moves:
+                for i in range(n):
+                    place += nodes.integral[j, i] * work.rate[i] * work.p[i, k]
+            else:
+                place += length * nodes.phase[kind, j] * state.p[k]
+            work.q[j, k] = place
 
 
 @compiled
@@ -418,6 +433,19 @@ def _reach(problem):
     for i in range(problem.x.size):
         reach = max(reach, np.hypot(problem.x[i], problem.y[i]))
     return reach
+
+
+@compiled
+def _rate_between(problem, i, which, row):
+    """Return the rate of a guard at a node; 0 of a guard that is not looked at between two nodes."""
+    if which == RegimeEnd.TOUCH:
+        return -row[Stage.Z_RATE]
+    if which != RegimeEnd.SLIP:
+        return 0.0
+    size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+    along = row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]
+    speed = along / size if size > 0.0 else np.hypot(row[Stage.W_X], row[Stage.W_Y])
+    return problem.limit_slope[i] * row[Stage.Z_RATE] - speed
 
 
 @compiled
@@ -440,7 +468,8 @@ def _first_event(problem, first, last, length, kind, state, work):
             if regime == Regime.SEPARATED and turn == 1:
                 continue
             old, phase_old = _guard(problem, i, regime, which, work.start[i]), 0.0
-            rate_old, x_old, y_old = work.start[i, Stage.Z_RATE], work.start[i, Stage.E_X], work.start[i, Stage.E_Y]
+            x_old, y_old = work.start[i, Stage.E_X], work.start[i, Stage.E_Y]
+            rate_old = _rate_between(problem, i, which, work.start[i])
             if state.begins[i] == 1:
                 if which == RegimeEnd.PASS:
                     continue
@@ -457,14 +486,14 @@ def _first_event(problem, first, last, length, kind, state, work):
                     break
                 if which == RegimeEnd.TOUCH and old == 0.0 and new < 0.0 and row[Stage.Z_RATE] < 0.0:
                     continue
-                if which == RegimeEnd.PASS and new < -1e-13:
+                if which == RegimeEnd.PASS and new < -NEGATIVE:
                     x, y, limit = row[Stage.E_X], row[Stage.E_Y], problem.limit_slope[i] * row[Stage.Z]
                     d_x, d_y = x - x_old, y - y_old
                     # the chord between both nodes must come near zero between them; else w itself has turned
                     between = x_old * d_x + y_old * d_y < 0.0 < x * d_x + y * d_y
                     if not between or abs(x_old * y - y_old * x) > NEAR * limit * np.hypot(d_x, d_y):
                         break
-                if new < -1e-13:
+                if new < -NEGATIVE:
                     share = old / (old - new) if old > 0.0 else 0.0
                     place = phase_old + share * (phase - phase_old)
                     if which == RegimeEnd.PASS and place < PASSED:
@@ -472,15 +501,16 @@ def _first_event(problem, first, last, length, kind, state, work):
                     if place < at or found < 0:
                         found, what, at, crossing = i, which, place, 1 if j < n - 1 else 2
                     break
-                if which == RegimeEnd.TOUCH and rate_old > 0.0 > row[Stage.Z_RATE]:
-                    # between two nodes the gap may close: aim at its least value
-                    share = rate_old / (rate_old - row[Stage.Z_RATE])
-                    if old - 0.5 * rate_old * share * (phase - phase_old) < 0.0 and j < n - 1:
-                        place = phase_old + share * (phase - phase_old)
+                rate = _rate_between(problem, i, which, row)
+                if rate_old < 0.0 < rate:
+                    # between two nodes the gap may close, or slip begin: aim at the guard's least value
+                    share = rate_old / (rate_old - rate)
+                    place = phase_old + share * (phase - phase_old)
+                    if old + 0.5 * rate_old * share * (phase - phase_old) < -NEGATIVE and place < NEARLY * length:
                         if place < at or found < 0:
                             found, what, at, crossing = i, RegimeEnd.NONE, place, 1
                         break
-                old, phase_old, rate_old = new, phase, row[Stage.Z_RATE]
+                old, phase_old, rate_old = new, phase, rate
                 x_old, y_old = row[Stage.E_X], row[Stage.E_Y]
     return found, what, at, crossing
 
@@ -514,12 +544,8 @@ def _rises(problem, i, which, state, work):
         return row[Stage.Z_RATE] > 0.0
     if which != RegimeEnd.SLIP:
         return False
-    along = np.hypot(row[Stage.W_X], row[Stage.W_Y])
-    size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
-    if size > 0.0:
-        along = (row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]) / size
     # where slip has just ended the rate is zero, and the guard rises with the second order
-    return problem.limit_slope[i] * row[Stage.Z_RATE] - along > -2.0 * CLOSE
+    return _rate_between(problem, i, which, row) > -2.0 * CLOSE
 
 
 @compiled

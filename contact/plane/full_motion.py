@@ -126,7 +126,7 @@ class FullMotion:
     def restarted(self) -> "FullMotion":
         """Return the motion with phase and place counted from here; an envelope is kept until it no longer rises.
 
-        Events are located to 1e-13 of a phase, to which 1e4 cycles and a way of 1e3 lengths are rounded.
+        Guards are known to 1e-12, to which 1e3 cycles and a way of 1e4 lengths are rounded.
         """
         problem, state = self.units.problem, self.state
         first = SATURATED * problem.rise

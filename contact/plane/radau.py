@@ -65,7 +65,7 @@ def radau(n: int) -> Nodes:
 def _integrals(s):
     """Return the integrals of the polynomial through nodes s from 0 to each, and to 1."""
     n, (node, weight) = len(s), np.polynomial.legendre.leggauss(len(s))
-    unit = BarycentricInterpolator(s, np.eye(n))
+    unit = BarycentricInterpolator(s, np.eye(n), wi=np.ones(1) if n == 1 else None)
     ends = np.append(s, 1.0)
     rows = np.array([0.5 * end * (weight @ unit(0.5 * end * (node + 1.0))) for end in ends])
     return rows[:-1].copy(), rows[-1].copy()

@@ -100,10 +100,6 @@ def test_sixty_drawn_bursts_are_within_their_errors():
         slider, waves = drawn(seed, mass=2e-7)
         slider = replace(slider, load=(0.0, 0.0))  # under a load the contacts start deformed, the oracle's do not
         cycles, first = 12, float(waves.frequencies[0])
-        run = burst(
-            slider, waves, duration=cycles / first, after=0.0, tolerance=1e-6, samples=1, method="exact",
-            rise_time=3 / first,
-        )  # fmt: skip
         own = slider.contacts(waves.count)
         free = slider.freedom
         body = (
@@ -119,9 +115,15 @@ def test_sixty_drawn_bursts_are_within_their_errors():
             sizes=(512, 1024, 2048), fixed=free == "axle",
         )  # fmt: skip
         scale = np.array([1.0, 1.0, np.max(np.hypot(slider.x, slider.y))])
-        miss = np.linalg.norm(scale * (run.rates[-1] - state[5:]))
-        own, stated = (np.linalg.norm(scale * each) for each in (error[5:], run.error))
-        assert own < 1e-4 * waves.peak_speed, seed  # the oracle says something
-        if miss > 2.0 * stated + own + 1e-12 * waves.peak_speed:
-            beyond[seed] = miss, stated, own
+        of_oracle = np.linalg.norm(scale * error[5:])
+        assert of_oracle < 1e-4 * waves.peak_speed, seed  # the oracle says something
+        for tolerance in (1e-3, 1e-5, 1e-6):
+            run = burst(
+                slider, waves, duration=cycles / first, after=0.0, tolerance=tolerance, samples=1, method="exact",
+                rise_time=3 / first,
+            )  # fmt: skip
+            miss = np.linalg.norm(scale * (run.rates[-1] - state[5:]))
+            stated = np.linalg.norm(scale * run.error)
+            if miss > 2.0 * stated + of_oracle + 1e-12 * waves.peak_speed:
+                beyond[seed, tolerance] = miss, stated, of_oracle
     assert not beyond

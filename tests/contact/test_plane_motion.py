@@ -257,7 +257,7 @@ def test_a_slider_that_has_turned_is_one_with_turned_contacts():
 
 
 def test_long_motions_do_not_lose_their_events_to_rounding():
-    """Phase and place count anew every 1000 cycles: the same burst in two parts of the count, against fixed steps."""
+    """Phase and place count anew every 300 cycles: a burst in several parts of the count, against fixed steps."""
     slider, waves = ball(mass=0.089e-3, normal_damping=0.5), beams(10, 6, 0.5)
     given = dict(duration=2400 * T, after=100 * T, samples=5)
     exact = burst(slider, waves, tolerance=1e-5, method="exact", **given)
