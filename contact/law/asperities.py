@@ -152,6 +152,7 @@ class RoughBall:
     """
 
     def __init__(self, sample: Asperities, sphere_radius: float, effective_modulus: float, deepest: float):
+        self._known: dict[tuple[float, float], tuple[np.ndarray, np.ndarray]] = {}
         free = sample.heights - (sample.x**2 + sample.y**2) / (2.0 * sphere_radius)
         near = self.near = np.flatnonzero(free + deepest > 0.0)
         x, y, self.free, radius = sample.x[near], sample.y[near], free[near], np.asarray(sample.radius)[near]
@@ -191,8 +192,8 @@ class RoughBall:
 
         Between the rows, at which the forces are solved, each u_j is a cubic in z.
         """
-        z, spacing = np.linspace(self.lowest, deepest, rows + 1, retstep=True)
-        approaches, rates = solved(self, z)
+        spacing = (deepest - self.lowest) / rows
+        approaches, rates = self._rows(deepest, rows)
 
         def forces(place):
             row = np.clip(place.astype(int), 0, rows - 1)
@@ -205,6 +206,21 @@ class RoughBall:
             return self.forces(u).sum(axis=1), slopes.sum(axis=1)
 
         return forces
+
+    def _rows(self, deepest: float, rows: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the approaches and rates at so many rows behind `lowest`; every second one may be known already."""
+        z = np.linspace(self.lowest, deepest, rows + 1)
+        known = self._known.get((deepest, rows / 2))
+        if known is None:
+            found = solved(self, z)
+        else:
+            found = np.repeat(known[0], 2, axis=0)[:-1], np.repeat(known[1], 2, axis=0)[:-1]
+            between = 0.5 * (known[0][1:] + known[0][:-1]) + 0.25 * (z[1] - z[0]) * (known[1][:-1] - known[1][1:])
+            for row, near in enumerate(between):
+                state = self.at(float(z[2 * row + 1]), near)
+                found[0][2 * row + 1], found[1][2 * row + 1] = state
+        self._known = {(deepest, rows): found}
+        return found
 
     def at(self, z: float, near: np.ndarray | None = None) -> State:
         """Return the state at an approach z in m; `near` are approaches u_j from which the search starts.

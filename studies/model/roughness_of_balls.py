@@ -75,6 +75,7 @@ def check_roughness(slider: Slider) -> Iterator[Any]:
         yield f"slider.roughness.{key}", f"{rule}; give a seed, the answer is that of one ball"
 
 
+@lru_cache(1000)  # of a sweep's points many have the same
 def touching(slider: Slider) -> float:
     """Return the asperities of the mean field that carry one ball at rest."""
     block, balls = slider.roughness, len(slider.offsets)
