@@ -13,6 +13,7 @@ contact to the smallest and to the largest deformation that its slip limits allo
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,7 +46,15 @@ class Balance:
     height: float  # mean approach h
     speed: float  # v
     held: bool  # True if a sticking contact keeps the slider at rest
-    motion: Motion  # after a repeating cycle at constant height and velocity; its tally and sums cover that cycle
+    # after a repeating cycle at constant height and velocity; its tally and sums cover that cycle; None before
+    followed: Motion | None = None
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion after a repeating cycle, as `followed`."""
+        if self.followed is not None:
+            return self.followed
+        return mean_tangential_force(self.problem, self.height, self.speed, 0.0)[1]
 
     @property
     def load_sign(self) -> float:
@@ -89,8 +98,7 @@ def cycle_at(
     height, speed = height / problem.length, velocity / problem.speed
     if held:
         return _held(problem, height, _rest_cycles(problem, height))
-    _, motion = mean_tangential_force(problem, height, speed, 0.0)
-    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion)
+    return Balance(problem=problem, height=height, speed=speed, held=False)
 
 
 def trough(orbits):
@@ -119,7 +127,7 @@ def _at_height(problem, height):
         raise ConvergenceError("runaway", RUNAWAY)
     if search.way == 0.0:
         return _held(problem, height, rest)
-    return Balance(problem=problem, height=height, speed=search.velocity, held=False, motion=means.motion)
+    return Balance(problem=problem, height=height, speed=search.velocity, held=False, followed=means.motion)
 
 
 def _held(problem, height, rest):
@@ -138,7 +146,7 @@ def _held(problem, height, rest):
             if abs(mean - problem.load) < 1e3 * rounding:
                 break
             a, b = (a, middle) if mean > problem.load else (middle, b)
-    return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion)
+    return Balance(problem=problem, height=height, speed=0.0, held=True, followed=motion)
 
 
 def event_rest_forces(problem: Problem) -> tuple[float, float]:

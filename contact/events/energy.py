@@ -43,6 +43,7 @@ class EnergySum(IntEnum):
     LEAK = 10
     SINCE = 11  # phase since the last event; 0 before the first one
     CROWDING = 12  # inverse of the smallest phase between two events
+    HEIGHT = 13  # integral of the slider's position
 
 
 # Gauss-Legendre rule on [0, 1]
@@ -89,6 +90,7 @@ def account_slider(problem, grid, state, nodes, segment):
         sums[EnergySum.NORMAL_LOSS] += weight * problem.normal_damping * w * w
         sums[EnergySum.TANGENTIAL_LOSS] += weight * problem.tangential_damping * v * v
         sums[EnergySum.LOAD_WORK] += weight * problem.load * v
+        sums[EnergySum.HEIGHT] += weight * slider[SliderRow.POSITION, k]
     sums[EnergySum.DISPLACEMENT] += slider[SliderRow.TRAVEL, last]
 
 

@@ -28,7 +28,7 @@ from contact.events.collocation import ROOT_AT_START, SMOOTH
 from contact.events.energy import EnergySum, account, mark
 from contact.events.segment import Attempt, ContactRow, SliderRow
 from contact.events.transitions import cut, earliest, end_guard, is_sharp, transit
-from contact.events.warm_start import Pattern, blank, matching, recall, store
+from contact.events.warm_start import NEXT, Pattern, blank, matching, recall, store
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.hysteretic import is_full, trim, write_curve
 from contact.problem import contact_parameters
@@ -49,6 +49,7 @@ class Task(NamedTuple):
     samples: np.ndarray  # (k, contacts, len(Sample))
     stride: int  # cycles per recorded sample; 0: none
     record: np.ndarray  # (number // stride, len(Recorded))
+    warm: int = 0  # 1: the last call computed in the same work arrays a cycle like these, whose segments are known
 
 
 class Work(NamedTuple):
@@ -285,13 +286,13 @@ def _accept(problem, grid, state, work, task, memory, span, progress, segment):
 
 
 @compiled
-def advance(problem, grid, state, work, task, memory, span, cycle):
+def advance(problem, grid, state, work, task, memory, span, new):
     """Move the state from the start to the stop of the task; return the reason for ending.
 
-    `work.pattern` stores the segments of two cycles: those of this one are written to the index `cycle % 2`, those of
-    the last one are read from the other index.
+    `work.pattern` stores the segments of two cycles: those of this one are written to the index `new`, those of the
+    last one are read from the other index.
     """
-    contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
+    contacts, nodes, tally = state.regime.size, work.nodes, state.tally
     phase, length, taken = task.start, problem.longest, 0
     spent = 0  # attempts at a segment
     idle = 0  # events since the last segment, all at one phase
@@ -342,7 +343,7 @@ def advance(problem, grid, state, work, task, memory, span, cycle):
         "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n",
         "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
         "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
-        "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
+        "state.tally": "12", "state.sums": "14", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
         "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
         "task.at": "s", "task.samples": "s n 6", "task.record": "r 3", "memory.number": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.arc": "n p",
@@ -355,14 +356,18 @@ def travel(problem, grid, state, work, task, memory, span):
     `memory` is None for a law without one, and then nothing of the hysteretic law is compiled. `span` is that of the
     work arrays: a kernel for few contacts does not compile `many_contacts`, one for many nothing else.
     """
-    work.pattern.stored[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
+    work.nodes.slider[:], work.nodes.contact[:] = 0.0, 0.0
+    stored = work.pattern.stored
+    if task.warm == 0:
+        stored[:] = 0
     for k in range(task.number):
         before = state.sums[EnergySum.DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
-        why = advance(problem, grid, state, work, task, memory, span, k)
+        why = advance(problem, grid, state, work, task, memory, span, stored[NEXT])
         if why != Status.DONE:
             return why
         state.tally[WorkCount.CYCLES] += 1
+        stored[NEXT] = 1 - stored[NEXT]
         if task.stride > 0 and (k + 1) % task.stride == 0:
             recorded = task.record[(k + 1) // task.stride - 1]
             recorded[Recorded.VELOCITY] = state.slider[At.VELOCITY]

@@ -37,12 +37,13 @@ def rest_state(slider: Slider, problem: Problem) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _whole_cycles(number, mobile, truncation, limit, contacts):
+def _whole_cycles(number, mobile, truncation, limit, contacts, warm):
     """Return the task of whole cycles without samples; a kernel knows the addresses of one that it was given before."""
     nothing = np.empty((0, contacts, len(SampleColumn)))
     return event_driven.Task(
         start=0.0, stop=2.0 * math.pi, number=number, mobile=mobile, tolerance=truncation, limit=limit,
         at=nothing[:, 0, 0], samples=nothing, stride=0, record=np.empty((0, len(Recorded))),
+        warm=warm,
     )  # fmt: skip
 
 
@@ -117,9 +118,14 @@ class Motion:
         """Set tally and sums to zero, and store the energies of this state."""
         self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
-    def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
-        """Move through `number` whole cycles; return a sample (`Recorded`) every `stride` cycles, none for 0."""
-        task = _whole_cycles(number, mobile, self.truncation, self._limit(2.0 * math.pi), self.regime.size)
+    def turn(self, number: int, *, mobile: bool = True, stride: int = 0, warm: bool = False) -> np.ndarray:
+        """Move through `number` whole cycles; return a sample (`Recorded`) every `stride` cycles, none for 0.
+
+        `warm`: True if the motion computed last is a cycle of this one from almost the same state: its segments
+        are then the first guess (`warm_start`).
+        """
+        limit = self._limit(2.0 * math.pi)
+        task = _whole_cycles(number, mobile, self.truncation, limit, self.regime.size, int(warm))
         if stride:
             task = task._replace(stride=stride, record=np.empty((number // stride, len(Recorded))))
         self._travel(task)
@@ -137,15 +143,8 @@ class Motion:
         return samples
 
     def mean_height(self, cycles: int) -> float:
-        """Return minus the mean of z_s over the next cycles, which leave this motion as it is.
-
-        It follows from the mean approach of the first contact, because the mean of u_z is zero.
-        """
-        motion, phases = self.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-        approaches = [
-            motion.move(0.0, 2.0 * math.pi, phases)[:, 0, SampleColumn.APPROACH].mean() for _ in range(cycles)
-        ]
-        return float(np.mean(approaches) - self.problem.paths.height[0])
+        """Return minus the mean of z_s over so many cycles since `begin`."""
+        return -float(self.sums[EnergySum.HEIGHT]) / (2.0 * math.pi * cycles)
 
     def _travel(self, task):
         if self.memory is not None:  # the velocities may have been set anew since the last run

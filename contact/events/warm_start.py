@@ -17,12 +17,13 @@ from contact.jit.compiled import compiled
 MAX_SEGMENTS = 48
 # largest distance between the starts of two segments that match, over the length of the stored one
 _NEAR = 0.3
+NEXT = 2  # index in `Pattern.stored`
 
 
 class Pattern(NamedTuple):
     """Segments of the last cycle and of this one, K of each at most."""
 
-    stored: np.ndarray  # (2,) int: segments
+    stored: np.ndarray  # (3,) int: segments of both cycles, and which of the two is the next one's
     begin: np.ndarray  # (2, K): phases
     end: np.ndarray
     map: np.ndarray  # (2, K) int: as in `segment.Segment`
@@ -37,7 +38,7 @@ def blank(contacts: int, nodes: int) -> Pattern:
     """Return an empty pattern for so many contacts and nodes of a segment."""
     which, contact = (2, MAX_SEGMENTS), (2, MAX_SEGMENTS, contacts)
     return Pattern(
-        stored=np.zeros(2, np.int64), begin=np.empty(which), end=np.empty(which), map=np.empty(which, np.int64),
+        stored=np.zeros(3, np.int64), begin=np.empty(which), end=np.empty(which), map=np.empty(which, np.int64),
         contact=np.empty(which, np.int64), guard=np.empty(which, np.int64), regime=np.empty(contact, np.int64),
         sign=np.empty(contact), acceleration=np.empty((2, MAX_SEGMENTS, 2, nodes)),
     )  # fmt: skip

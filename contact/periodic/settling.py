@@ -84,8 +84,8 @@ class LongRun:
 
     @property
     def height(self) -> float:
-        """Minus the mean of z_s over some more cycles."""
-        return self.motion.mean_height(self.period or 4)
+        """Minus the mean of z_s."""
+        return self.motion.mean_height(self.cycles)
 
 
 class Reached(NamedTuple):

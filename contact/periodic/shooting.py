@@ -20,6 +20,7 @@ from contact.events.collocation import collocation
 from contact.events.energy import EnergySum
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
+from contact.law import hysteretic
 
 # Nodes per segment, truncation error of a segment, its longest length over that of the problem, and the largest Newton
 # step that ends a search: for an answer and for the estimate of its error. QUICK serves tolerances from QUICK_TOLERANCE
@@ -108,15 +109,19 @@ def periodic(
     """
     problem = balance.problem
     cycle = _CycleMap(problem._replace(longest=longest * problem.longest), nodes, truncation)
+    image = None
     if near is None:
-        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.carried.deformation))
+        deformations = np.zeros(problem.contacts)
+        if balance.followed is not None:
+            deformations = balance.followed.carried.deformation
+        y = np.concatenate(([-balance.height, 0.0, balance.speed], deformations))
         y[3:] = cycle(y)[3:]  # the averaged deformations are not those of the full motion
         for _ in range(settle):
             y = cycle(y)
-        jacobian = cycle.jacobian(y)
+        jacobian, image = cycle.jacobian(y)
     else:
         y, jacobian = near.state.copy(), near.jacobian
-    y, jacobian, step = _fixed_point(cycle, y, jacobian, close)
+    y, jacobian, step = _fixed_point(cycle, y, jacobian, close, image)
     size, turn, motion = float(np.max(np.abs(step))), 2.0 * math.pi, cycle.finished(y)
     motion.problem = problem
     if not size < 1e-6:
@@ -134,7 +139,7 @@ def quick_periodic(balance: Balance, tolerance: float) -> tuple[Periodic, Period
 
     The coarser one is found first, and the finer one from it with the same Jacobian: their multipliers differ by 1e-8.
     """
-    if balance.motion.memory is not None or tolerance < QUICK_TOLERANCE:
+    if balance.problem.law.guard is hysteretic.guard or tolerance < QUICK_TOLERANCE:
         return None
     try:
         coarse = _at(QUICK[1], balance)
@@ -169,6 +174,7 @@ class _CycleMap:
 
     def __init__(self, problem, nodes, truncation):
         self.motion = self.base = Motion(problem, grid=collocation(nodes), truncation=truncation)
+        self.warm = False
 
     def __call__(self, y, keep=True):
         if self.motion.memory is not None:  # the memory of a hysteretic contact is part of the state
@@ -179,7 +185,9 @@ class _CycleMap:
             motion.begin()
         else:
             motion.tally[:], motion.sums[:] = 0, 0.0
-        motion.turn(1)
+        # each evaluation starts from the pattern of the last one
+        motion.turn(1, warm=self.warm)
+        self.warm = motion.memory is None
         if not np.max(np.abs(motion.state)) < BOUND:
             raise ConvergenceError(
                 "not finite", "the cycle map throws the slider off; lower the contact damping or follow a burst"
@@ -197,7 +205,7 @@ class _CycleMap:
         return self.motion
 
     def jacobian(self, y):
-        """Return the Jacobian by finite differences that move each deformation towards zero.
+        """Return the Jacobian by finite differences that move each deformation towards zero, and the image of y.
 
         If there are many contacts, most of them forget their deformation within the cycle. Their final deformations
         then depend only on the slider's state (z_s, z_s', v), and the Jacobian has the blocks [[A, B], [C, 0]]. Its
@@ -233,16 +241,20 @@ class _CycleMap:
                     derivative[forgets] = 0.0
                     left.append(derivative)
                     right.append(direction * np.max(np.abs(shape)))
-        return CycleJacobian(np.column_stack(left), np.column_stack(right))
+        return CycleJacobian(np.column_stack(left), np.column_stack(right)), start
 
 
-def _fixed_point(cycle, y, jacobian, close):
-    """Return (state, Jacobian, last step) of Newton's method for the fixed point of the cycle map."""
+def _fixed_point(cycle, y, jacobian, close, image):
+    """Return (state, Jacobian, last step) of Newton's method for the fixed point of the cycle map.
+
+    `image` is that of y if it is known. It is computed again if y is the answer, or with a memory, which it changes.
+    """
     least = math.inf
     for count in range(40):
         if count % 10 == 9:  # slow convergence near a kink of the map: update the Jacobian
-            jacobian = cycle.jacobian(y)
-        residual = y - cycle(y)
+            jacobian, _ = cycle.jacobian(y)
+        known = count == 0 and image is not None and cycle.motion.memory is None
+        residual = y - (image if known else cycle(y))
         try:
             step = jacobian.newton_step(residual)
         except np.linalg.LinAlgError:
@@ -250,7 +262,7 @@ def _fixed_point(cycle, y, jacobian, close):
                 "not converged", "the cycle map leaves some state as it is, so that no one motion repeats"
             ) from None
         size = float(np.max(np.abs(step)))
-        if size < close or (count > 2 and size >= 0.5 * least and least < 1e-10):
+        if not known and (size < close or (count > 2 and size >= 0.5 * least and least < 1e-10)):
             break
         least = min(least, size)
         # the map is nonlinear far from the fixed point: limit the change of each component to half its size

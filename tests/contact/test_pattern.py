@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from contact.answers.rest_motion import rest, rest_problem
+from contact.events.segment import SampleColumn
 from tests.contact.motors import orbit, slider
 
 # what depends on how the motion is cut into stretches; a curve of the memory is as long as its stretch
@@ -32,3 +33,21 @@ def test_the_pattern_changes_nothing_but_the_work(A, given):
     assert patterned.state[2] == pytest.approx(alone.state[2], rel=1e-9, abs=0)
     assert patterned.state[:2] == pytest.approx(alone.state[:2], rel=1e-7, abs=1e-12)
     assert patterned.events()["sweeps"] < 0.85 * alone.events()["sweeps"]
+
+
+def test_calls_that_start_from_the_last_ones_pattern_take_the_work_of_one_call():
+    at_once, warm = run(5e-9, 40, 40), run(5e-9, 1, 1)
+    for _ in range(39):
+        warm.turn(1, warm=True)
+    assert warm.state == pytest.approx(at_once.state, rel=1e-9, abs=1e-12)
+    assert warm.events()["sweeps"] < 1.05 * at_once.events()["sweeps"]
+
+
+@pytest.mark.parametrize("contacts", [1, 3, 20])
+def test_the_mean_height_is_that_of_the_positions(contacts):
+    motion = run(5e-9, 30, 30, contacts=contacts)
+    other, phases = motion.copy(), 2 * np.pi * (np.arange(2000) + 0.5) / 2000
+    motion.begin()
+    motion.turn(1)
+    approach = other.move(0.0, 2 * np.pi, phases)[:, 0, SampleColumn.APPROACH]  # of a contact of height 0
+    assert motion.mean_height(1) == pytest.approx(approach.mean(), abs=1e-5 * np.ptp(approach))
