@@ -16,8 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "scene")
     parser.add_argument(
         "--maximise", action="append", default=[], metavar="GOAL",
-        help="velocity (at the slider's position), mean_velocity (over half a wavelength about it), thrust, efficiency "
-        "or step_resolution; twice for the front of two goals",
+        help="velocity (at the slider's position), mean_velocity (over half a wavelength about it), thrust, "
+        "efficiency, step_resolution, or of a slider that turns rotation and torque (stall); twice for the front of "
+        "two goals",
     )  # fmt: skip
     parser.add_argument(
         "--minimise", action="append", default=[], metavar="GOAL",
@@ -30,8 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--subject", action="extend", nargs="+", default=[], metavar="'NAME <= VALUE'",
-        help="a constraint on a key, velocity, mean_velocity, ripple, thrust, contact_pressure, stick_margin, "
-        "normal_amplitude or power_W",
+        help="a constraint on a key, velocity, mean_velocity, lateral_velocity, rotation, torque, ripple, thrust, "
+        "contact_pressure, stick_margin, normal_amplitude or power_W",
     )  # fmt: skip
     parser.add_argument(
         "--evaluations", type=int, metavar="N", help="number of evaluations of each search (60 for each varied number)"

@@ -3,6 +3,7 @@
 The page is self-contained: pictures are embedded as data URIs, and there are no scripts and no external resources.
 """
 
+import math
 import os
 import platform
 from collections.abc import Iterable
@@ -62,12 +63,11 @@ def report(record: Record) -> str:
     scene = record.scene
     columns, points = points_table(record, missing="\u2013")
     points, remarks = _short_statuses(record, columns, points)
-    known = [point for point in record.points if point.velocity_m_per_s is not None]
     return rendered(
         TEMPLATE,
         title=scene.title or "A run of sawmotor",
         record=record,
-        fastest=max(known, key=lambda point: abs(point.velocity_m_per_s), default=None),
+        fastest=_fastest(record),
         columns=columns,
         points=points,
         remarks=remarks,
@@ -77,6 +77,18 @@ def report(record: Record) -> str:
         provenance=provenance() | {"machine": _machine()},
         scene=scene_text(scene),
     )
+
+
+def _fastest(record: Record):
+    """Return the point with the largest speed, of a rotor of its rotation; None without an answer."""
+    known = [point for point in record.points if point.velocity_m_per_s is not None]
+    axle = record.scene.slider is not None and record.scene.slider.axis is not None
+
+    def speed(point) -> float:
+        across = point.lateral_velocity_m_per_s or 0.0
+        return abs(point.rotation_rpm) if axle else math.hypot(point.velocity_m_per_s, across)
+
+    return max(known, key=speed, default=None)
 
 
 def _short_statuses(record: Record, columns: list[str], rows: list[list[str]]) -> tuple[list, list[str]]:

@@ -4,6 +4,7 @@ Oracle: cases of two independent integrators (event-driven with Radau's collocat
 extrapolation), which agree to 3e-8 of the velocity; closed forms; rotations of a whole scene.
 """
 
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -426,6 +427,26 @@ def test_datasheet_of_one_wave():
     assert rows["stop distance"] == pytest.approx(0.0683658806**2 / (2 * LIMIT / 0.089e-3), rel=0.05)
     assert "stall torque" not in rows
     assert "drift along y" in str(sheet)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"load": [0.0, "1 uN"]}, r"The slider runs at 68\.3\d+ mm/s along x and -1\d\d\.\d+ µm/s along y at 10 nm\."),
+        ({"contacts": [["6 mm", 0], ["5 mm", "2 mm"]], "freedom": "axle", "axis": [0, 0], "inertia": "5 g mm^2",
+          "wavelength": "1.5 mm"}, r"The slider turns at -?[\d.]+ 1/min at 10 nm\."),
+    ],
+    ids=["plane", "axle"],
+)  # fmt: skip
+def test_the_report_states_the_motion_in_the_plane(keys, said):
+    """A rotor's report said that its slider sticks at every point."""
+    from studies.report.page import report
+
+    text = " ".join(report(run(scene({}, **keys), tolerance=1e-2)).split())
+    assert re.search(said, text)
+    assert "their centres move with the slider" in text
+    assert "along x and z only" not in text
+    assert "sticks at every point" not in text
 
 
 def test_sweep_of_the_plane_takes_its_own_quantities():
