@@ -1,8 +1,9 @@
-"""Compilation at first use by two processes: this one and another, which compiles the event-driven kernel.
+"""Compilation at first use by two processes: this one and another.
 
-Kernels are compiled when they are first called. A run needs two large ones after each other: the averaged steady states
-and the motion from event to event. Of a kernel that another process compiles, this one waits for the file
-(`contact.jit.compiled`).
+Kernels are compiled when they are first called. A run needs large ones after each other: the averaged steady states
+with the forces of each contact, and the motion from event to event. The other process begins with the averages while
+this one solves its stator. Then this one finds their kernel being compiled (`contact.jit.compiled`) and compiles the
+kernel of the events while it waits for the file. Whichever is first to wait does so.
 """
 
 import os
@@ -18,7 +19,7 @@ from contact.slider import Slider
 
 @contextmanager
 def compiled_aside() -> Iterator[None]:
-    """Compile the event-driven kernel of the elastic law in another process meanwhile, if no kernels lie there.
+    """Compile the kernels of the elastic law in another process and in this one, if no kernels lie there.
 
     The other process ends with the block. Nothing is compiled where the kernels cannot be kept, or with one processor.
 
@@ -34,26 +35,54 @@ def compiled_aside() -> Iterator[None]:
             [sys.executable, "-m", __name__], env=os.environ | {"PYTHONPATH": paths}, stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
+        compiled.MEANWHILE.append(compile_events)
     try:
         yield
     finally:
+        compiled.MEANWHILE.clear()
         if process is not None:
             process.kill()
             process.wait()
 
 
-def main() -> None:
-    """Compile the event-driven kernel of the elastic law, by a burst of one cycle of any slider."""
-    # only the other process needs it: the run's own process does not wait for its import
-    from contact.answers.burst_motion import burst
-
+def _any_motion():
+    """Return a slider of the elastic law and a wave under it."""
     slider = Slider(
         radius=1e-3, mass=1e-4, preload=1e-3, load=0.0, friction_coefficient=0.1, effective_modulus=64e9,
         tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0, contact_damping=0.0,
         normal_damping=0.5, tangential_damping=1e-4,
     )  # fmt: skip
-    wave = Orbit(frequency=1e6, normal=1e-9, tangential=-1e-9j)
-    burst(slider, wave, duration=1e-6, after=0.0, tolerance=1e-3, samples=2, method="exact")
+    return slider, Orbit(frequency=1e6, normal=1e-9, tangential=-1e-9j)
+
+
+def compile_averages():
+    """Compile the kernels of averaged steady states and of the forces of their contacts."""
+    # where kernels are compiled already, a run does not wait for these imports
+    from contact.averaged.steady_sweep import mean_forces, mean_motion
+
+    slider, wave = _any_motion()
+    mean_forces(slider, wave, mean_motion(slider, wave))
+
+
+def compile_events():
+    """Compile the event-driven kernel, by one cycle.
+
+    No other thread is started: this one may hold the lock of the kernels (`contact.jit.compiled`).
+    """
+    # likewise, and where another process compiles the events
+    from contact.events.collocation import collocation
+    from contact.events.motion import Motion
+    from contact.problem import scaled
+
+    problem = scaled(*_any_motion(), direction=1.0, start=0.0)
+    Motion(problem, grid=collocation(8), truncation=1e-6).turn(1)
+
+
+def main() -> None:
+    """Compile all of them: the averages, and the events when there is nothing else to do."""
+    compiled.MEANWHILE.append(compile_events)
+    compile_averages()
+    compile_events()
 
 
 if __name__ == "__main__":

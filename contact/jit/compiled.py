@@ -29,7 +29,7 @@ import tempfile
 import threading
 import time
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache, cached_property, wraps
 from importlib.util import find_spec
@@ -275,6 +275,8 @@ def _kept_or_compiled(name, called, make, *arguments):
 # the error "underlying object has vanished".
 _DISPATCHERS: list = []
 _INNER = {False: "_inner", True: "_bare"}  # attributes of a `Kernel`; True: for machine code
+# functions that a process calls, once each, when it has to wait for another that compiles the same kernel
+MEANWHILE: list[Callable[[], None]] = []
 # kernels and callbacks that numba's ordinary compiler compiles, and why
 ORDINARY: dict[str, str] = {}
 
@@ -302,7 +304,7 @@ def _compiled_to_file(name, make, arguments):
     if folder is None:
         return _address(getattr(compiler, make)(*arguments, _numba()))
     path = Path(folder) / name
-    with _file_lock(path.with_suffix(".lock")):
+    with file_lock(path.with_suffix(".lock")):
         address = _from_file(name)
         if address is None:
             code = getattr(compiler, make)(*arguments, _numba())
@@ -312,7 +314,7 @@ def _compiled_to_file(name, make, arguments):
 
 
 @contextmanager
-def _file_lock(path):
+def file_lock(path):
     """Hold a file lock, or go on without one after MAX_WAIT or where there are no locks."""
     with ExitStack() as stack:
         try:
@@ -325,7 +327,10 @@ def _file_lock(path):
                     fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
                     break
                 except BlockingIOError:
-                    time.sleep(0.05)
+                    if MEANWHILE:
+                        MEANWHILE.pop()()
+                    else:
+                        time.sleep(0.05)
         except (ImportError, OSError):
             pass
         yield

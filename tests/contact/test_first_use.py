@@ -3,11 +3,11 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from contact import compiled_aside
 from contact.answers import first_use
-from contact.events import event_driven
 from contact.jit import compiled, kernels
 
 
@@ -59,24 +59,63 @@ def test_no_process_is_started_where_it_would_not_help(started, monkeypatch, why
         assert started == []
 
 
-def test_the_other_process_calls_the_kernel_of_a_steady_state(monkeypatch):
-    # the kernel's machine code belongs to the types of its arguments
-    from contact import steady
-    from tests.contact.motors import orbit, slider
-
-    kernel, called = event_driven.travel, []
+@pytest.fixture
+def called(monkeypatch):
+    """Give the types of arguments that machine code belongs to, of each kernel that runs, by its name."""
+    found, run = {}, compiled.Native.__call__
 
     def types(given):
-        return tuple(types(each) for each in given) if isinstance(given, tuple) else (type(given), callable(given))
+        if isinstance(given, tuple):
+            return tuple(types(each) for each in given)
+        if isinstance(given, np.ndarray):
+            return given.dtype.kind, given.ndim
+        return given.word if isinstance(given, compiled.Kernel) else (given is None, isinstance(given, float))
 
-    def spy(*arguments):
-        called.append(types(arguments))
-        return kernel(*arguments)
+    def spy(kernel, *arguments):
+        found.setdefault(kernel.__name__, set()).add(types(arguments))
+        return run(kernel, *arguments)
 
-    monkeypatch.setattr(event_driven, "travel", spy)
+    monkeypatch.setattr(compiled.Native, "__call__", spy)
+    return found
+
+
+def test_the_other_process_calls_the_kernels_of_a_run(called, monkeypatch):
+    # the kernels' machine code belongs to the types of their arguments
+    from contact import mean_motion, steady
+    from contact.averaged.steady_sweep import mean_forces
+    from tests.contact.motors import orbit, slider
+
     steady(slider(), orbit(5e-9), tolerance=1e-3)
-    known = {each[3:] for each in called}
+    mean_forces(slider(), orbit(5e-9), mean_motion(slider(), orbit(5e-9)))
+    known = {name: set(each) for name, each in called.items()}
     called.clear()
+    monkeypatch.setattr(compiled, "MEANWHILE", [])
     first_use.main()
-    assert {each[3:] for each in called} <= known
-    assert called
+    assert {"travel", "_solve_problems", "contact_cycles"} <= set(called)
+    for name in called:
+        assert called[name] <= known[name]
+
+
+def test_a_process_that_waits_for_another_one_compiles_the_events_meanwhile(started, tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+    done = []
+    path = tmp_path / "kernel.lock"
+    lock = path.open("w")
+    fcntl.flock(lock, fcntl.LOCK_EX)
+
+    def compile_now():
+        done.append("events")
+        fcntl.flock(lock, fcntl.LOCK_UN)
+
+    monkeypatch.setattr(first_use, "compile_events", compile_now)
+    with compiled_aside():
+        with compiled.file_lock(path):
+            assert done == ["events"]
+        assert compiled.MEANWHILE == []
+    lock.close()
+
+
+def test_what_nobody_waited_for_is_forgotten_with_the_block(started):
+    with compiled_aside():
+        assert len(compiled.MEANWHILE) == 1
+    assert compiled.MEANWHILE == []
