@@ -9,6 +9,7 @@ from importlib import import_module
 
 _PUBLIC = {
     "plane_threshold": "threshold_factor",
+    "scaling": "beats_slowly",
     "averaged_path": "turned",
     "each_contact": "contact_forces ContactForces",
     "bursts": "burst",

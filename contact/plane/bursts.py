@@ -21,7 +21,7 @@ from contact.plane.fixed_steps import FixedSteps
 from contact.plane.full_motion import SATURATED, FullMotion, begun_later, motion_at_rest, with_heights
 from contact.plane.plane_equations import Body
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
-from contact.plane.scaling import FREE, averaging_error, refuse_slow_beat, resonance_ratios, scaled
+from contact.plane.scaling import FREE, averaging_error, beats_slowly, refuse_slow_beat, resonance_ratios, scaled
 from contact.plane.steady_state import refuse
 from contact.slider import Slider
 
@@ -114,7 +114,8 @@ def burst(
     question = _Question(slider, surface, waves, at, duration, rise_time, tolerance, begins, ends, samples)
     if method == "auto":
         cycles = (duration + after) * waves.omega / (2.0 * math.pi)
-        method = "exact" if cycles * waves.count <= MAX_EXACT and start is None else "averaged"
+        by_events = cycles * waves.count <= MAX_EXACT or beats_slowly(slider, waves)
+        method = "exact" if by_events and start is None and not ends else "averaged"
         if method == "exact":
             try:
                 return _answered(question, method, _exact(question), begun)

@@ -117,12 +117,21 @@ def averaging_error(slider: Slider, waves: SurfaceWaves) -> float:
     return first_order_error(ratio) + beat_error(of_beat)
 
 
-def refuse_slow_beat(slider: Slider, waves: SurfaceWaves) -> None:
-    """Raise where the height of the slider follows the beat of two waves, so that no period is its mean."""
+def beats_slowly(slider: Slider, waves: SurfaceWaves) -> bool:
+    """Return True where the height of the slider follows the beat of two waves, so that no period is its mean."""
+    return slowest_beat(waves.frequencies) < 2.0 * slider.normal_resonance(waves.count)
+
+
+def refuse_slow_beat(slider: Slider, waves: SurfaceWaves, why: str = "") -> None:
+    """Raise where waves beat slowly; ``why``: why the motion that repeats was not found either."""
+    if not beats_slowly(slider, waves):
+        return
     beat, resonance = slowest_beat(waves.frequencies), slider.normal_resonance(waves.count)
-    if beat < 2.0 * resonance:
-        raise ConvergenceError(
-            "not applicable",
-            f"the beat of {beat / 1e3:.3g} kHz is slower than twice the contact resonance of {resonance / 1e3:.2g} kHz"
-            ': method = "exact"',
-        )
+    remedy = 'method = "exact", or the same method through a burst'
+    if why:
+        remedy = f"the motion that repeats was not found ({why}): follow it through a burst of several beats"
+    raise ConvergenceError(
+        "not applicable",
+        f"the beat of {beat / 1e3:.3g} kHz is slower than twice the contact resonance of {resonance / 1e3:.2g} kHz: "
+        f"{remedy}",
+    )

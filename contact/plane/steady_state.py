@@ -16,7 +16,7 @@ from contact.plane.disc_contacts import Sum
 from contact.plane.plane_shooting import CHECK as CHECK_SHOOTING
 from contact.plane.plane_shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
-from contact.plane.scaling import averaging_error, refuse_slow_beat, slowest_beat
+from contact.plane.scaling import averaging_error, beats_slowly, refuse_slow_beat, slowest_beat
 from contact.plane.state import Band, PlaneState, Powers
 from contact.slider import Slider
 
@@ -25,6 +25,7 @@ METHODS = ("auto", "averaged", "exact")
 # rounding makes 1e-16 of it, a contact that slips while another holds the slider a twentieth
 # (tests/contact/test_plane_averaged.py)
 AT_LIMIT = 1e-9
+COMMENSURABLE = 1e-9  # relative change of a frequency for a common period that counts as rounding
 
 
 def steady(
@@ -73,6 +74,11 @@ def steady(
         refuse_slow_beat(slider, waves)
     elif slider.mass == math.inf:
         raise ConvergenceError("not applicable", "a slider of infinite mass has the averaged motion: method averaged")
+    if method == "exact" and beats_slowly(slider, waves):
+        try:
+            return _exact_on_slow_beat(slider, waves, tolerance, begun)
+        except ConvergenceError as error:
+            refuse_slow_beat(slider, waves, str(error))
     averaged = Averaged.of(slider, waves)
     guess = None if near is None or near.held else _unknown(averaged, near)
     root = balanced(averaged, guess, tolerance=min(tolerance, 1e-6) if method == "exact" else tolerance)
@@ -89,6 +95,16 @@ def _unknown(averaged: Averaged, state: PlaneState) -> np.ndarray:
     units, slider = averaged.scaled, averaged.slider
     velocity = np.zeros(2) if slider.freedom == "axle" else np.asarray(state.velocity) / units.speed
     return averaged.basis @ averaged.basis.T @ [*velocity, state.yaw_rate * averaged.arm / units.omega]
+
+
+def _exact_on_slow_beat(slider, waves, tolerance, begun) -> PlaneState:
+    """Return the state of the full motion that repeats with the beat, from the averaged one."""
+    averaged = Averaged.of(slider, waves)
+    if averaged.scaled.period_change > COMMENSURABLE:
+        raise ConvergenceError("not applicable", "the frequencies have no common period of at most 400 cycles")
+    root = balanced(averaged, tolerance=min(tolerance, 1e-6))
+    state = _state(averaged, waves, root, tolerance, begun)
+    return state if root.held else _exact(averaged, waves, root, state, tolerance, begun)
 
 
 def _exact(averaged, waves, root, mean: PlaneState, tolerance, begun) -> PlaneState:
@@ -154,7 +170,7 @@ def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun
     by_averaging = averaging_error(slider, waves)
     size = float(np.linalg.norm(root.error)) * units.speed + by_averaging * reference
     error, yaw_error = error + by_averaging * reference, yaw_error + by_averaging * abs(yaw_rate)
-    if units.period_change > 1e-9:
+    if units.period_change > COMMENSURABLE:
         reasons.append(f"frequencies changed by {units.period_change:.1g} to have a common period")
     band = None
     if root.near_rest:

@@ -43,6 +43,8 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
         write_columns(folder / name, record.surface)
     if record.trajectories:
         tables = [(level, _instants(motion)) for level, motion in record.trajectories]
+        if record.scene.slider.axis is not None:  # which holds the place
+            tables = [(level, {k: v for k, v in table.items() if k not in OF_PLACE}) for level, table in tables]
         rows = [(level, *instant) for level, table in tables for instant in zip(*table.values(), strict=True)]
         write_table(folder / "trajectory.csv", [record.level, *tables[0][1]], rows)
     if field and record.surface_wave is not None:
@@ -127,6 +129,9 @@ PLANE_COLUMNS = tuple(
         quantity.y_m, quantity.yaw_rad,
     )
 )  # fmt: skip
+
+
+OF_PLACE = tuple(each for each in PLANE_COLUMNS if "yaw" not in each)
 
 
 def _instants(motion) -> dict[str, list]:
@@ -224,7 +229,8 @@ def _trajectories(path: Path) -> tuple:
     def motion(own: np.ndarray) -> Motion | PlaneMotion:
         if "yaw_rad" not in table:
             return Motion(times[own], *(column[own] for column in columns))
-        rates_and_pose = np.array([table[name][own] for name in PLANE_COLUMNS]).T
+        still = np.zeros(len(times))  # what an axle holds is left out
+        rates_and_pose = np.array([table.get(name, still)[own] for name in PLANE_COLUMNS]).T
         return PlaneMotion(times[own], rates_and_pose[:, 3:], rates_and_pose[:, :3], table["normal_position_m"][own])
 
     return tuple((level, motion(levels == level)) for level in dict.fromkeys(levels.tolist()))

@@ -32,22 +32,29 @@ def path(record, ax):
         if hasattr(motion, "duration"):
             end = motion.burst_end + 1
             ax.plot(x[end], y[end], "s", color=colours(index / count), markersize=4, markerfacecolor="none")
+    grey = COLOURS["line"]
+    if any(hasattr(motion, "duration") for _, motion in record.trajectories):
+        ax.plot([], [], "s", color=grey, markersize=4, markerfacecolor="none", label="end of the burst")
+    ax.plot([], [], "o", color=grey, markersize=4, label="end of the motion")
     ax.set_aspect("equal", adjustable="datalim")
     return finished(ax, f"x: {along.axis}", f"y: {across.axis}", record.scene.title)
 
 
 def motions(record, ax):
-    """Draw the velocity along x and y against time, above it the yaw of a slider that turns."""
+    """Draw the velocity along x and y, or of an axle the yaw rate, against time, above it the yaw."""
     import matplotlib
 
     shown, time, up, yaw = quantity(record.level), quantity.time_s, quantity.velocity_m_per_s, quantity.yaw_rad
+    rates: tuple = ((0, "-", "along x, "), (1, "--", "along y, "))
+    if record.scene.slider.axis is not None:
+        rates, up = ((2, "-", ""),), quantity.yaw_rate_rad_per_s
     colours, count = matplotlib.colormaps["cividis"], max(len(record.trajectories) - 1, 1)
     upper = upper_half(ax, share=True) if record.scene.slider.turns and ax.get_subplotspec() is not None else None
     for index, (level, motion) in enumerate(record.trajectories):
         colour, at = colours(index / count), motion.time * time.scale
-        for k, style, name in ((0, "-", "along x"), (1, "--", "along y")):
-            label = f"{name}, {shown.with_unit(level)}" if index in (0, count) else None
-            ax.plot(at, motion.velocity[:, k] * up.scale, style, color=colour, linewidth=1, label=label)
+        for k, style, name in rates:
+            label = f"{name}{shown.with_unit(level)}" if index in (0, count) else None
+            ax.plot(at, motion.rates[:, k] * up.scale, style, color=colour, linewidth=1, label=label)
         if upper is not None:
             upper.plot(at, motion.pose[:, 2] * yaw.scale, color=colour, linewidth=1)
         if hasattr(motion, "duration"):

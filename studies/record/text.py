@@ -24,13 +24,10 @@ COLUMNS = (
     "velocity_low_m_per_s",
     "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s",
     "lateral_velocity_at_burst_end_m_per_s", "yaw_rate_at_burst_end_rad_per_s", "displacement_m",
-    "lateral_displacement_m", "turn_rad", "regime", "relative_error",
+    "lateral_displacement_m", "turn_rad", "path_length_m", "regime", "relative_error",
     "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed
-OF_CENTRE = (  # which an axle holds
-    "velocity_m_per_s", "lateral_velocity_m_per_s", "velocity_at_burst_end_m_per_s",
-    "lateral_velocity_at_burst_end_m_per_s", "displacement_m", "lateral_displacement_m",
-)  # fmt: skip
+OF_CENTRE, OF_AXLE = ("velocity_m_per_s", "lateral_velocity_m_per_s"), ("path_length_m",)  # the first an axle holds
 SHARES = {
     "delivered": "W_per_V2",
     "network": "network_W_per_V2",
@@ -125,7 +122,7 @@ def table(rows: list[list[str]]) -> list[str]:
 
 def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
     """Return the heads and the rows of a run's points; a quantity that no point has is left out."""
-    left_out = OF_CENTRE if record.scene.planar and record.scene.slider.freedom == AXLE else ()
+    left_out = OF_CENTRE if record.scene.planar and record.scene.slider.freedom == AXLE else OF_AXLE
     shown = [quantity(key) for key in COLUMNS if key not in left_out and any(key in point for point in record.points)]
     keys = [each.column for each in shown]
     rows = [

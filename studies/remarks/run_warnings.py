@@ -347,14 +347,17 @@ def _end_of_way(record: Record) -> Iterator[str]:
     ended = [point for point in record.points if point.way_ends_after_s is not None]
     ends = [(point.way_ends_after_s, point.level, point.displacement_m) for point in ended]
     if ends:
-        after, level, displacement = min(ends)
-        what = way.at_high if displacement > 0 else way.at_low
+        after, level, displacement = min(ends, key=lambda each: each[:2])
+        what = "a contact comes to fingers, a piece or an edge"
+        if not scene.planar:
+            what = way.at_high if displacement > 0 else way.at_low
         yield (
             f"the burst carries the slider to the end of its way at {len(ends)} of {len(record.points)} points, where "
             f"its motion stops: at {scene.named(level)} {what} {after:.4g} s after the start, and the velocity at the "
             f"burst's end is that of this instant: shorten {scene.source.block}.burst, or move slider.position"
         )
-    moved = [(p.level, p.displacement_m) for p in record.points if p.way_ends_after_s is None and p.displacement_m]
+    along = () if scene.planar else record.points  # in the plane the waves are followed
+    moved = [(p.level, p.displacement_m) for p in along if p.way_ends_after_s is None and p.displacement_m]
     beyond = [(level, x) for level, x in moved if not way.low <= x <= way.high]
     if beyond:
         level, displacement = max(beyond, key=lambda each: abs(each[1]))

@@ -62,7 +62,8 @@ def point_answer(
             from studies.solve.plane_answer import plane_point_answer
 
             answer = plane_point_answer(driven, level, tolerance, bursting=bursting)
-            _refuse_runaway(math.hypot(answer.point.velocity_m_per_s, answer.point.lateral_velocity_m_per_s))
+            point = answer.point
+            _refuse_runaway(math.hypot(point.velocity_m_per_s or 0.0, point.lateral_velocity_m_per_s or 0.0))
             return answer
         if driven.rough and not (driven.as_law and driven.scene.burst is not None):
             from studies.solve.rough_answer import rough_answer

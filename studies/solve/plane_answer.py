@@ -45,12 +45,18 @@ def plane_point_answer(driven: Contact, level: float, tolerance: float, *, burst
     if level == 0.0:
         return PointAnswer(point=_at_rest(driven))
     motor = PlaneMotor.of(driven, level, tolerance)
-    state = motor.state()
+    bursting = bursting and driven.scene.burst is not None
+    try:
+        state = motor.state()
+    except contact.ConvergenceError:
+        if bursting and plane.beats_slowly(motor.slider, motor.waves):
+            return _burst_alone(driven, motor, level, tolerance)
+        raise
     from_contact, answer, trajectory = state.relative_error, state.answer, None
     by_amplitude, from_stator = _stator_part(motor, state, driven, level)
     point = moving_point(motor, state) | _derivatives(motor, state)
     point |= Point(amplitude_sensitivity=by_amplitude if driven.stator_error else None)
-    if bursting and driven.scene.burst is not None:
+    if bursting:
         speed = contact_speed(motor.slider, state.velocity, state.yaw_rate)
         with slider_keys():
             trajectory, moved = followed_in_plane(driven, motor.slider, level, speed, motor.tolerance)
@@ -62,6 +68,30 @@ def plane_point_answer(driven: Contact, level: float, tolerance: float, *, burst
     return PointAnswer(
         point=point, from_stator=from_stator, from_contact=from_contact, trajectory=trajectory, averaged=True
     )
+
+
+def _burst_alone(driven: Contact, motor: PlaneMotor, level: float, tolerance: float) -> PointAnswer:
+    """Return the answer of a burst of waves whose steady motion is not found: they beat slowly."""
+
+    def followed(some: float):
+        with slider_keys():
+            return followed_in_plane(driven, motor.slider, some, motor.waves.peak_speed, motor.tolerance)
+
+    trajectory, point = followed(level)
+    from_stator, error = 0.0 if driven.ringing is None else driven.ringing.error, driven.stator_error
+    if error > 0.0:
+        step = max(error, contact.MIN_WAVE_STEP)
+        end = trajectory.burst_end
+        other, _ = followed((1.0 + step) * level)
+        change = other.rates[end] - trajectory.rates[end]
+        moved = contact_speed(motor.slider, change[:2], float(change[2])) / (step * trajectory.reference)
+        # as much again for the errors of u_x alone and of the phases
+        from_stator += 2.0 * moved * error
+    point |= judged(tolerance, from_stator, trajectory.relative_error, trajectory.answer.why)
+    return PointAnswer(
+        point=point, from_stator=from_stator, from_contact=trajectory.relative_error, trajectory=trajectory,
+        averaged=False,
+    )  # fmt: skip
 
 
 def _at_rest(driven: Contact) -> Point:
@@ -91,6 +121,8 @@ def _derivatives(motor: PlaneMotor, state) -> Point:
     point = Point()
     if motor.slider.freedom != AXLE and motor.scene.slider.gravity > 0.0:
         gravity, waves = motor.scene.slider.gravity, motor.waves
+        if plane.beats_slowly(motor.slider, waves):
+            return point  # no averaged motion has these derivatives
         along, across = (
             plane.drift_per_degree(motor.slider, waves, direction, gravity=gravity)
             for direction in ((1.0, 0.0), (0.0, 1.0))

@@ -19,6 +19,7 @@ from contact import plane
 from studies.model.plane import StatorSurface
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
+from studies.scene.plane_keys import AXLE
 from studies.solve.mapped_surface import travelled
 from studies.solve.ring_up import RingUp
 from studies.solve.slider_burst import method_of
@@ -74,7 +75,8 @@ def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, 
     fastest = max(surface.at(*plane.places(slider, (0.0, 0.0, 0.0))).frequencies)
     duration = max(1, round(scene.burst * fastest)) / fastest
     cycles = (duration + after) * fastest * slider.count
-    if method == "averaged" or (method == "auto" and cycles > EVENTS):
+    slow = plane.beats_slowly(slider, surface.at(*plane.places(slider, (0.0, 0.0, 0.0))))
+    if method == "averaged" or (method == "auto" and cycles > EVENTS and not slow):
         after = math.inf
     motion = plane.burst(
         slider, surface, duration=duration, after=after, tolerance=tolerance, samples=SAMPLES, method=method,
@@ -117,19 +119,20 @@ def _free(driven: Contact, x: np.ndarray, y: np.ndarray) -> bool:
 
 
 def _values(block: Any, motion: plane.PlaneTrajectory) -> Point:
-    """Return velocity at the burst's end and pose at the end of the motion, with its error."""
+    """Return velocity at the burst's end and pose at the end of the motion, with its error; of an axle its turn."""
     at_end, (x, y, yaw) = motion.rates[motion.burst_end], motion.pose[-1]
-    path = np.concatenate([np.zeros((1, 2)), motion.pose[:, :2]])
-    point = Point(
-        velocity_at_burst_end_m_per_s=float(at_end[0]), lateral_velocity_at_burst_end_m_per_s=float(at_end[1]),
-        displacement_m=float(x), lateral_displacement_m=float(y),
-        displacement_error_m=float(np.hypot(*motion.pose_error[:2])),
-        path_length_m=float(np.hypot(*np.diff(path, axis=0).T).sum()), burst_method=motion.method,
-    )  # fmt: skip
+    path, turn = np.concatenate([np.zeros((1, 3)), motion.pose]), Point()
     if block.turns:
         turn = Point(
             yaw_rate_at_burst_end_rad_per_s=float(at_end[2]), turn_rad=float(yaw),
             turn_error_rad=float(motion.pose_error[2]),
         )  # fmt: skip
-        return point | turn
-    return point
+    if block.freedom == AXLE:
+        arm = max(math.dist(each, block.axis) for each in block.offsets)
+        return turn | Point(path_length_m=float(arm * np.abs(np.diff(path[:, 2])).sum()), burst_method=motion.method)
+    return turn | Point(
+        velocity_at_burst_end_m_per_s=float(at_end[0]), lateral_velocity_at_burst_end_m_per_s=float(at_end[1]),
+        displacement_m=float(x), lateral_displacement_m=float(y),
+        displacement_error_m=float(np.hypot(*motion.pose_error[:2])),
+        path_length_m=float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum()), burst_method=motion.method,
+    )  # fmt: skip

@@ -45,6 +45,8 @@ def differs(driven: Contact) -> bool:
 def ripple_of(driven: Contact, level: float, tolerance: float, answer: PointAnswer) -> Point:
     """Return mean and range of the velocity at a level; empty where a place has no answer."""
     motor = PlaneMotor.of(driven, level, tolerance)
+    if plane.beats_slowly(motor.slider, motor.waves):
+        return Point()  # a beat passes through all phases, and each of its motions is followed cycle by cycle
     try:
         states = states_nearby(driven, motor)
     except contact.ConvergenceError:

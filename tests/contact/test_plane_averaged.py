@@ -231,6 +231,8 @@ def test_a_slow_beat_is_not_averaged():
     heavy = replace(ball(), mass=0.089e-3)
     with pytest.raises(ConvergenceError, match=r"the beat of 5 kHz is slower than twice the contact resonance of 8.9"):
         steady(heavy, beams(10, 10, 0.0, (2.2e6, 2.205e6)), tolerance=1e-3)
+    with pytest.raises(ConvergenceError, match=r"no common period of at most 400 cycles.* follow it through a burst"):
+        steady(heavy, beams(10, 10, 0.0, (2.2e6, 2.205e6)), tolerance=1e-3, method="exact")
 
 
 @pytest.mark.parametrize(("x_nm", "y_nm", "of_y", "friction"), [(3, 4, 2.25e6, 0.08), (7.4, 8.5, 2.24e6, 0.2)])

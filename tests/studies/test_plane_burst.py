@@ -17,12 +17,14 @@ from studies.model.resolve import build
 from studies.motor import plane_positioning, positioning
 from studies.record import Record
 from studies.record.run_pictures import pictures
+from studies.record.text import points_table
 from studies.record.velocity_comparison import refuse_incomparable
 from studies.solve import plane_burst
 from studies.solve.contact_at_level import point_answer
 from studies.solve.plane_burst import Rise
 from studies.solve.ring_up import RingUp
 from studies.study_list import driven_contact
+from tests.oracles.contact_plane import in_steps
 from tests.studies.test_plane import LIMIT, THREE, scene
 
 DAMPED = {"damping": {"normal": "0.5 N s/m"}}
@@ -51,6 +53,63 @@ def test_along_one_wave_it_is_the_burst_of_a_slider_that_moves_along_x(burst, ph
     assert own.lateral_displacement_m == pytest.approx(0.0, abs=1e-15)
     assert own.burst_method == "exact"
     assert own.status == "ok"
+
+
+def test_the_burst_that_is_advised_on_a_slow_beat_has_an_answer():
+    """Over a whole beat of 5 kHz, against fixed steps of an integrator that shares nothing."""
+    waves = {}, {"direction": 90, "frequency": "2.205 MHz"}
+    refused = run(scene(*waves, level="3 nm", **DAMPED), tolerance=1e-2)
+    assert "slower than twice the contact resonance" in refused.shortfall
+    assert 'method = "exact", or the same method through a burst' in refused.points[0].status
+    record = run(burst_scene(*waves, level="3 nm", burst="0.2 ms"), tolerance=1e-3)
+    (point,), ((_, motion),) = record.points, record.trajectories
+    assert point.status == "ok"
+    assert (point.burst_method, point.velocity_m_per_s) == ("exact", None)
+    assert not record.shortfall
+    size, ratio, frequencies = 3e-9, 0.67, np.array([2.2e6, 2.205e6])
+    turn = np.exp(2j * np.pi * frequencies * 0.75 / frequencies[1])  # u_z of the faster wave crosses zero upwards
+    amplitudes = np.array([[[-1j * ratio * size, 0.0, size]], [[0.0, -1j * ratio * size, size]]]) * turn[:, None, None]
+    stiffness = 4.0 / 3.0 * 64e9 * math.sqrt(1e-3)  # P = stiffness z^(3/2)
+    slope = 0.08 * 64e9 / (4.0 * 12e9)  # c = mu E/4G
+    body = 0.089e-3, 0.0, 0.87309e-3, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0
+    start = np.zeros(8)
+    start[0] = -((0.87309e-3 / stiffness) ** (2.0 / 3.0))
+    balls = np.array([[0.0, 0.0, 0.0, stiffness, slope, 0.08]])
+    state, error = in_steps(440, frequencies, amplitudes, 0.0, body, balls, False, start)
+    end = motion.rates[motion.burst_end]
+    assert np.hypot(*(end - state[5:])[:2]) <= 2.0 * np.hypot(*motion.error[:2]) + np.hypot(*error[5:7])
+    assert np.hypot(*error[5:7]) < 1e-5 * np.hypot(*end[:2])
+
+
+def test_a_burst_of_a_slider_on_an_axle_states_its_turn_alone(tmp_path):
+    ring = [["5 mm", 0], [0, "5 mm"]]
+    slider = {"contacts": ring, "axis": [0, "-9 mm"], "freedom": "axle", "mass": "0.267 g", "preload": "3.5 mN"}
+    record = run(burst_scene({}, wavelength="1 mm", burst="0.1 ms", **slider), tolerance=1e-1)
+    (point,) = record.points
+    for name in ("velocity_at_burst_end", "displacement", "lateral_displacement", "lateral_velocity_at_burst_end"):
+        assert not [each for each in point if each.startswith(name)]
+    assert point.turn_rad != 0.0
+    turned = np.abs(np.diff(np.append(0.0, record.trajectories[0][1].yaw))).sum()
+    assert point.path_length_m == pytest.approx(14e-3 * turned, rel=1e-12)  # of the ball that is farthest from the axle
+    head = [each for each in points_table(record)[0] if "(m" in each or "(um" in each]
+    assert head == ["path (um)"]
+    record.save(tmp_path / "run")
+    columns = (tmp_path / "run" / "trajectory.csv").read_text().splitlines()[0]
+    assert columns == "normal_amplitude_m,time_s,yaw_rate_rad_per_s,yaw_rad,normal_position_m"
+    (_, read), (_, own) = Record.load(tmp_path / "run").trajectories[0], record.trajectories[0]
+    np.testing.assert_array_equal(read.rates, own.rates)
+    figure, ax = plt.subplots()
+    pictures(record)["trajectory"](ax)
+    assert ax.get_ylabel() == "yaw rate (rad/s)"
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), own.rates[:, 2])
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("method", ["auto", "averaged", "exact"])
+def test_a_burst_that_takes_hours_is_refused_as_along_x(method):
+    with pytest.raises(SceneError, match=r"wave.burst must be at most .* s: 2.2e\+10 cycles would take .* hours"):
+        build(burst_scene(burst="1e4 s", method=method))
+    build(burst_scene(burst="3000 s", method="averaged"))
 
 
 def test_a_long_burst_ends_where_friction_stops_it():
@@ -100,6 +159,12 @@ def test_the_motion_is_written_and_read_back(tmp_path):
         pictures(again)[name](ax)
         assert ax.get_xlabel()
         assert ax.lines
+    figure, ax = plt.subplots()
+    pictures(record)["path"](ax)
+    marks = {each.get_text(): line.get_marker() for each, line in
+             zip(ax.get_legend().get_texts(), ax.get_legend().get_lines(), strict=True)}  # fmt: skip
+    assert marks["end of the burst"] == "s"
+    assert marks["end of the motion"] == "o"
     plt.close(figure)
 
 
