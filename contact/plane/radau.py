@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import Legendre
-from scipy.interpolate import BarycentricInterpolator
 
 
 class Map(IntEnum):
@@ -64,11 +63,26 @@ def radau(n: int) -> Nodes:
 
 def _integrals(s):
     """Return the integrals of the polynomial through nodes s from 0 to each, and to 1."""
-    n, (node, weight) = len(s), np.polynomial.legendre.leggauss(len(s))
-    unit = BarycentricInterpolator(s, np.eye(n), wi=np.ones(1) if n == 1 else None)
+    node, weight = np.polynomial.legendre.leggauss(len(s))
+    unit = _basis(s)
     ends = np.append(s, 1.0)
-    rows = np.array([0.5 * end * (weight @ unit(0.5 * end * (node + 1.0))) for end in ends])
+    rows = np.array([0.5 * end * (weight[:, None] * unit(0.5 * end * (node + 1.0))).sum(axis=0) for end in ends])
     return rows[:-1].copy(), rows[-1].copy()
+
+
+def _basis(s):
+    """Return the function that gives Lagrange's polynomials of nodes s at points, (points, n).
+
+    By their products: scipy's barycentric interpolator takes the nodes in an order that it draws, so that its last
+    digits differ from process to process, and sums of a library of linear algebra depend on where an array lies.
+    """
+
+    def at(points):
+        columns = [np.prod((points[:, None] - np.delete(s, k)) / (each - np.delete(s, k)), axis=1)
+                   for k, each in enumerate(s)]  # fmt: skip
+        return np.stack(columns, axis=1)
+
+    return at
 
 
 def _slope_at_end(phase):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from contact import steady as steady_along_x
 from contact.exceptions import ConvergenceError, InputError
 from contact.plane import PlaneWave, PlaneWaves, SurfaceWaves, burst, bursts, steady, turned
 from contact.plane.full_motion import motion_at_rest
+from contact.plane.radau import radau
 from tests.contact.plane_motors import R_X, ball, beams, drawn_on_three_balls
 
 T = 1 / 2.2e6
@@ -290,3 +292,22 @@ def test_an_averaged_rotor_coasts_as_the_linear_motor_of_its_inertia():
     assert arm * turning.pose[-1, 2] == pytest.approx(-along.pose[-1, 0], rel=2e-3)
     assert turning.stopped == pytest.approx(along.stopped, rel=1e-3)
     assert abs(arm * turning.pose[-1, 2] + along.pose[-1, 0]) < 2 * (arm * turning.pose_error[2] + along.pose_error[0])
+
+
+@pytest.mark.parametrize("n", [3, 6, 12])
+def test_tables_of_collocation_are_the_same_bits_in_every_process_and_those_of_fractions(n):
+    """They were in the last digits those of an order of the nodes that was drawn at each call."""
+    own, *others = (radau.__wrapped__(n) for _ in range(8))
+    for each in others:
+        for name, table in own._asdict().items():
+            np.testing.assert_array_equal(getattr(each, name), table)
+    nodes = [Fraction(float(each)) for each in own.phase[0]]
+    for j, node in enumerate(nodes):
+        powers = [Fraction(1)]
+        for other in nodes[:j] + nodes[j + 1 :]:
+            lower, higher = [-other * each for each in powers], [Fraction(0), *powers]
+            powers = [(a + b) / (node - other) for a, b in zip([*lower, Fraction(0)], higher, strict=True)]
+        exact = [
+            float(sum(c * end ** (k + 1) / (k + 1) for k, c in enumerate(powers))) for end in (*nodes, Fraction(1))
+        ]
+        np.testing.assert_allclose(np.append(own.integral[:, j], own.weight[j]), exact, atol=3e-15)
