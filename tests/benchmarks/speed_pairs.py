@@ -1,10 +1,11 @@
-"""CPU times of the contact in several trees of this repository by turns: ratios of old and new.
+"""CPU times in several trees of this repository by turns: contact, bands of frequencies, commands, compilation.
 
     python tests/benchmarks/speed_pairs.py TREE [TREE ...] [--only WORDS]
 
 TREE is a folder with a checkout and its environment in `.venv`.  Each row is the median of several calls on one thread
-in a process of its own, kernels compiled before, with the stated error.  It imports the public interface alone, so that
-it runs in old trees too.  Motor: the seed's ball at 10 nm; balls with phases drawn; flat pillars at drawn places.
+in a process of its own, kernels compiled before, with the stated error; the time is that of its child processes too.
+It imports the public interface alone, so that it runs in old trees too.  Motor: the seed's ball at 10 nm; balls with
+phases drawn; flat pillars at drawn places; the seed's stator with free ends.  The command rows take minutes.
 """
 
 import argparse
@@ -14,6 +15,7 @@ import os
 import resource
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -78,6 +80,79 @@ def pillars(count: int):
     return found.velocity, found.relative_error, found.status
 
 
+def band(tolerance: float):
+    """Return the same of a band of frequencies of the seed's stator with free ends: mean size of the motion in m/V."""
+    import numpy as np
+
+    from fem import frequency_band
+    from tests.validation.stator_reference import problem
+
+    posed = problem("free")
+    found = frequency_band(
+        posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=tolerance,
+        places=(posed.place,),
+    )  # fmt: skip
+    motion = [
+        abs(each.motion(np.array([posed.place]))).max() for each in found.waves(np.linspace(2.1e6, 2.3e6, 3), "left")
+    ]
+    return (
+        float(np.mean(motion)),
+        found.relative_error,
+        "ok" if found.relative_error <= tolerance else "above tolerance",
+    )
+
+
+def command(*words: str, cache: str | None = None):
+    """Run a command of the tree; return (0, 0, how it ended)."""
+    environment = os.environ | ({} if cache is None else {"NUMBA_CACHE_DIR": cache})
+    ran = subprocess.run(
+        [sys.executable, "-m", "studies", *words], env=environment, capture_output=True, text=True, check=False
+    )
+    return 0.0, 0.0, "ok" if ran.returncode == 0 else f"ended with {ran.returncode}"
+
+
+# of `twente-contact` with 2 % of noise; m and m/s
+CURVE = """normal_amplitude_m,velocity_m_per_s,velocity_standard_deviation_m_per_s
+2e-9,0.0087,4e-4
+5e-9,0.0305,8e-4
+8e-9,0.0545,1.2e-3
+1.1e-8,0.0772,1.6e-3
+1.5e-8,0.105,2.2e-3
+2e-8,0.140,3e-3
+"""
+
+
+def fitted(folder: Path):
+    """Fit two numbers to a curve and rank the next measurements."""
+    (folder / "curve.csv").write_text(CURVE)
+    free = "slider.friction_coefficient=0.02:0.3", "slider.preload=0.2 mN:4 mN"
+    out = "--out", str(folder / "fitted"), "--no-plot"
+    return command("fit", "twente-contact", "--data", str(folder / "curve.csv"), "--free", *free, *out)
+
+
+def prepared(folder: Path):
+    """Run the seed's motor once, for `viewed`."""
+    if not (folder / "run").exists():
+        command("run", "twente", "--no-plot", "--out", str(folder / "run"))
+    return folder / "run"
+
+
+def viewed(folder: Path):
+    """Draw the solid of a run; the run itself is made in the first call, which is not timed."""
+    return command("view", str(prepared(folder)), "--show", "solid", "--screenshot", str(folder / "solid.png"))
+
+
+def masked(folder: Path):
+    """Export the seed's mask with its picture."""
+    return command("export", "twente", "--format", "gds", "--out", str(folder / "mask"))
+
+
+def compiled(folder: Path):
+    """Compute a first contact with an empty folder of kernels."""
+    with tempfile.TemporaryDirectory(dir=folder) as cache:
+        return command("run", "twente-contact", "--no-plot", "--out", str(folder / "first"), cache=cache)
+
+
 # what is computed, and how often
 ROWS = {
     "averaged burst of 0.1 s at 1e-4": (lambda: burst(0.1, 1e-4, "averaged"), 9),
@@ -91,20 +166,35 @@ ROWS = {
     "steady state of 1000 balls": (lambda: steady(1000), 3),
     "steady state of 3000 balls": (lambda: steady(3000), 1),
     "steady state of 100 000 pillars": (lambda: pillars(100_000), 1),
+    "band set-up at 1e-2": (lambda: band(1e-2), 3),
+    "band set-up at 1e-3": (lambda: band(1e-3), 3),
+    "band set-up at 1e-4": (lambda: band(1e-4), 3),
+    "fit of two numbers, next measurements": (fitted, 1),
+    "view --show solid": (viewed, 3),
+    "mask with its picture": (masked, 3),
+    "compiling at first use": (compiled, 1),
 }
 
 
 def measured(row: str) -> dict:
     """Return the CPU time of a row in this process, ms, its answer and the memory, MB."""
     work, count = ROWS[row]
-    work()
-    times = []
-    for _ in range(count):
-        start = time.process_time()
-        velocity, error, status = work()
-        times.append(1e3 * (time.process_time() - start))
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    with tempfile.TemporaryDirectory() as folder:
+        arguments = (Path(folder),) if work in (fitted, viewed, masked, compiled) else ()
+        work(*arguments)
+        times = []
+        for _ in range(count):
+            start = _spent()
+            velocity, error, status = work(*arguments)
+            times.append(1e3 * (_spent() - start))
+    memory = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) // 1024
     return {"time": median(times), "velocity": velocity, "error": error, "status": status, "memory": memory}
+
+
+def _spent() -> float:
+    """Return the CPU time of this process and of its children that have ended, s."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def in_tree(tree: Path, row: str) -> str:
