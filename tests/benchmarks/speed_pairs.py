@@ -111,7 +111,7 @@ def command(*words: str, cache: str | None = None):
     return 0.0, 0.0, "ok" if ran.returncode == 0 else f"ended with {ran.returncode}"
 
 
-# of `twente-contact` with 2 % of noise; m and m/s
+# invented, and fitted well by `twente-contact`: chi^2 of 6.7 with 4 degrees of freedom; m and m/s
 CURVE = """normal_amplitude_m,velocity_m_per_s,velocity_standard_deviation_m_per_s
 2e-9,0.0087,4e-4
 5e-9,0.0305,8e-4
