@@ -84,6 +84,38 @@ def approach(name, load):
     return np.sum(traction * (displacement - heights)) / np.sum(traction)
 
 
+# approaches in m by ContactMechanics 1.8.3 (free half-space, hard walls, pentol=1e-13): a second program,
+# by another kernel, with the approach counted as that of tamaas
+SECOND = {
+    "sphere": (1.7643817796813085e-09, 4.712890544298339e-09, 8.189738600619193e-09),
+    "3": (2.6028099796073076e-10, 3.841700432015871e-09, 7.989894334102404e-09),
+    "patch": (-3.074128370099818e-09, 7.491244601195613e-10, 4.6365105339700304e-09),
+}
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("name", list(SECOND))
+def test_contact_mechanics_finds_the_approach_of_tamaas(name, load):
+    """To 0.01 pm, 1e-4 of the smallest approach."""
+    assert float(approach(name, load)) == pytest.approx(SECOND[name][LOADS.index(load)], abs=1e-14)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(SECOND))
+def test_contact_mechanics_finds_it_again(name):
+    mechanics = pytest.importorskip("ContactMechanics", reason="ContactMechanics is not installed")
+    from SurfaceTopography import Topography
+
+    heights = surface(name)
+    for load, known in zip(LOADS, SECOND[name], strict=True):
+        topography = Topography(heights, physical_sizes=(WIDTH, WIDTH))
+        system = mechanics.make_system(surface=topography, substrate="free", young=E)
+        system.minimize_proxy(external_force=load, pentol=1e-13)
+        force = np.abs(system.substrate.force)[:PIXELS, :PIXELS]
+        displacement = np.abs(system.substrate.evaluate_disp(system.substrate.force))[:PIXELS, :PIXELS]
+        assert np.sum(force * (displacement - heights)) / np.sum(force) == pytest.approx(known, abs=1e-14)
+
+
 @pytest.mark.parametrize("load", LOADS)
 def test_a_sphere_is_that_of_hertz(load):
     z = float(approach("sphere", load))
