@@ -18,6 +18,7 @@ import numpy as np
 from contact.body import Paths
 from contact.jit.compiled import compiled, formula
 from contact.law import normal
+from contact.law.holding import attraction_under, depth
 from contact.law.normal import NormalLaw
 from contact.law.protocol import Law
 from contact.orbit import as_orbits, product
@@ -108,15 +109,17 @@ def unpacked(contact):
     """Return the parameters with the normal law as `in_units` makes it, so that kernels share what is compiled."""
     return ContactParameters(
         contact.stiffness, contact.limit_slope, contact.friction, contact.contact_damping, contact.stick_band,
-        normal.with_pull(contact.normal, contact.normal.pull), contact.length, contact.omega, contact.law,
+        normal.with_pull(contact.normal, contact.normal.pull, contact.normal.hold), contact.length, contact.omega,
+        contact.law,
     )  # fmt: skip
 
 
 @formula
 def full_friction(problem):
     """Return mu times preload and attraction, the friction of closed contacts that carry the preload and all slip."""
-    pull = problem.stiffness * problem.normal.pull * np.sum(problem.factors.stiffness)
-    return problem.friction * (problem.preload + pull)
+    number = np.sum(problem.factors.stiffness)
+    own = attraction_under(problem.preload / (problem.stiffness * number), problem.normal.pull, problem.normal.hold)
+    return problem.friction * (problem.preload + problem.stiffness * own * number)
 
 
 class SliderNumber(IntEnum):
@@ -187,7 +190,7 @@ def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem
 def largest_resonance(problem: Problem) -> float:
     """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
     total = float(problem.factors.stiffness.sum()) * problem.stiffness
-    return math.sqrt(total * float(normal.slope(2.0, problem.normal)))
+    return math.sqrt(total * float(normal.slope(depth(2.0, problem.normal.hold), problem.normal)))
 
 
 def _with_longest(problem, longest, **changed):

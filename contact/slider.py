@@ -17,9 +17,10 @@ from contact import parameter_check
 from contact.body import height_under
 from contact.codes import Shape, Tangential
 from contact.exceptions import InputError
-from contact.law import elastic, hysteretic, normal
+from contact.law import elastic, holding, hysteretic, normal
 from contact.law.adhesion import Adhesion
 from contact.law.falling import FallingFriction
+from contact.law.holding import attraction
 from contact.law.protocol import Law, slip_limit
 from contact.law.table import TabulatedForce
 from contact.law.user import Contact, UserForce, UserLaw, tried, user_law
@@ -41,6 +42,8 @@ OWN = {
 }  # fmt: skip
 ANY_SIGN = ("x", "y", "heights")
 USER_START, USER_END = 1e-2, 1e3  # of the table of a user's normal law, over the approach of a smooth contact at rest
+# Depth of a contact that has just closed, over the approach of a smooth one at rest, below which its adhesion is none
+NEGLIGIBLE = 1e-12
 SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 
 
@@ -338,6 +341,16 @@ class Slider(SliderRules):
             "must be equal for all contacts with slider.adhesion",
         )
         refuse_if(not self.level, "slider.heights", "must all be 0 with slider.adhesion, and the curvature too")
+        if not self.adhesion.holds:
+            return
+        model = f'with slider.adhesion.model = "{self.adhesion.model}"'
+        refuse_if(self.effective_modulus is None, "slider.effective_modulus", f"is required {model}")
+        refuse_if(self.normal_law is not None, "slider.normal_law", f"must be left out {model}")
+        refuse_if(
+            self.friction is not None, "slider.friction", f"must be left out {model}, which knows Coulomb's alone"
+        )
+        refuse_if(self.stick_band > 0.0, "slider.stick_band", f"must be 0 {model}", self.stick_band)
+        refuse_if(float(np.max(self.weights)) != 1.0, "slider.weights", f"must be 1 {model}")
 
     @property
     def contact_shape(self) -> int:
@@ -351,7 +364,12 @@ class Slider(SliderRules):
         law = normal.LAWS[self.contact_shape] if own is None else self._table.law(unit)
         if self.adhesion is None:
             return law
-        return law._replace(pull=self.adhesion.attraction(float(np.max(self.radius))) / unit)
+        radius = float(np.max(self.radius))
+        hold = self.adhesion.hold(radius, self.effective_modulus) if self.adhesion.holds else None
+        smooth = float(normal.approach(self.preload / unit, law))
+        if hold is not None and holding.made_depth(hold) < NEGLIGIBLE * smooth:
+            hold = None  # its branches differ by less than rounding
+        return law._replace(pull=self.adhesion.attraction(radius) / unit, hold=hold)
 
     @property
     def _table(self) -> TabulatedForce:
@@ -368,7 +386,7 @@ class Slider(SliderRules):
     def profile_key(self) -> tuple:
         """What the `profile` is made of: sliders of one key have one law."""
         own = self.normal_law is None and self.adhesion is None
-        return self.shape, self.normal_law, None if own else (self.stiffness_unit, self.profile.pull)
+        return self.shape, self.normal_law, None if own else (self.stiffness_unit, self.profile.pull, self.profile.hold)
 
     @cached_property
     def _key(self) -> tuple:
@@ -483,7 +501,7 @@ class Slider(SliderRules):
         Of a sphere with a normal law of one's own, that of a circle with the same stiffness dP/dz = 2 E a.
         """
         if self.normal_law is None or self.shape == "punch":
-            return normal.contact_radius(approach, self.radius, self.contact_shape)
+            return normal.contact_radius(self._depths(approach), self.radius, self.contact_shape)
         rate = normal.slope(np.asarray(approach), self.profile)
         return self.stiffness_unit * rate / (2.0 * self._pressed_modulus)
 
@@ -501,7 +519,15 @@ class Slider(SliderRules):
             force = self.stiffness_unit * normal.load(z, self.profile)
             return share * force / (math.pi * np.maximum(radius, 1e-300) ** 2)
         length = z if self.shape == "punch" else self.contact_radius(z)
-        return 2.0 * self._pressed_modulus * length / (math.pi * self.radius)
+        pressure = 2.0 * self._pressed_modulus * length / (math.pi * self.radius)
+        if self.profile.hold is None:
+            return pressure
+        return pressure - np.sqrt(2.0 * self.adhesion.work * self.effective_modulus / (math.pi * length))
+
+    def _depths(self, approach):
+        """Return the depths of closed contacts at approaches, which they are without adhesion that holds on."""
+        hold = self.profile.hold
+        return approach if hold is None else np.vectorize(lambda z: float(holding.depth(z, hold)))(approach)
 
     @property
     def _pressed_modulus(self):
@@ -513,7 +539,7 @@ class Slider(SliderRules):
     def tangential_force(self, deformation, approach: float):
         """Return Q in N of the elastic law at deformations and an approach in m, limited by friction."""
         friction = self.friction_coefficient * self.normal_stiffness
-        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.profile)
+        return elastic.tangential_force(deformation, self._depths(approach), friction, self.limit_slope, self.profile)
 
     def _each(self, name: str, contacts: int) -> np.ndarray:
         """Return a value of `OWN` for each of so many contacts."""
@@ -617,11 +643,20 @@ class Slider(SliderRules):
         return ""
 
     def attraction(self, contacts: int) -> float:
-        """Return the attraction in N of so many closed contacts."""
-        return self.stiffness_unit * self.profile.pull * float(np.sum(self.contact_factors(contacts)[0]))
+        """Return the attraction in N of so many closed contacts; of those that hold on, under the preload at rest."""
+        law, pull = self.profile, self.profile.pull
+        if law.hold is not None:
+            pull = attraction(self.depth_under(self.preload, contacts), pull, law.hold)
+        return self.stiffness_unit * pull * float(np.sum(self.contact_factors(contacts)[0]))
+
+    def depth_under(self, force: float, contacts: int) -> float:
+        """Return the depth in m (`law.holding`) of each of so many equal contacts that carry a force in N together."""
+        return float(holding.depth_under(force / self.stiffness_unit / contacts, self.profile.hold))
 
     def approach_under(self, force: float, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
+        if self.profile.hold is not None:
+            return float(holding.approach_at(self.depth_under(force, contacts), self.profile.hold))
         law, target = self.profile, (force + self.attraction(contacts)) / self.stiffness_unit
         if self.even and self.level:
             return float(normal.approach(target / contacts, law))
@@ -666,9 +701,15 @@ class Slider(SliderRules):
         Contacts that are sheared together by x carry Q = mu (P - P'), where P' is the normal force at an approach that
         is smaller by x/c (Ciavarella 1998; see `law.elastic`). Hence P' equals the preload less load/mu.
         """
-        z, c = self.rest_approaches(contacts), self.slope_unit
+        z, c, hold = self.rest_approaches(contacts), self.slope_unit, self.profile.hold
         if c == 0.0:
             return 0.0 * z
+        if hold is not None:  # of the elastic part of the force, over the depth
+            rest = self.depth_under(self.preload, contacts)
+            carried = normal.load(rest, self.profile) - self.load / self.friction_coefficient / (
+                self.stiffness_unit * contacts
+            )
+            return c * np.full(contacts, rest - float(normal.approach(max(carried, 0.0), self.profile)))
         if self.friction is not None or np.ptp(self.limit_slope) > 0.0:
             limits = self._slip_limits(z)
             if self.static_friction(contacts) <= self.load:
@@ -706,7 +747,7 @@ class Slider(SliderRules):
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""
-        return math.sqrt(self._spring(contacts, 1.0) / self.mass) / (2.0 * math.pi)
+        return math.sqrt(self._spring(contacts, None) / self.mass) / (2.0 * math.pi)
 
     def tangential_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of a small tangential ring at rest, sqrt(sum k_t dp/dz/m)/2 pi; 8 a G for one."""
@@ -714,7 +755,16 @@ class Slider(SliderRules):
         return math.sqrt(self._spring(contacts, ratio) / self.mass) / (2.0 * math.pi)
 
     def _spring(self, contacts, ratio):
-        """Return the sum of the contacts' normal springs at rest, each times a ratio, N/m."""
+        """Return the sum of the contacts' normal springs at rest, each times a ratio (None for none), N/m.
+
+        A ratio is that of a tangential spring; the normal one of contacts that hold on feels their attraction too.
+        """
+        hold = self.profile.hold
+        if hold is not None:
+            d = self.depth_under(self.preload, contacts)
+            each = holding.stiffness(d, hold) if ratio is None else ratio * normal.slope(d, self.profile)
+            return self.stiffness_unit * contacts * float(each)
+        ratio = 1.0 if ratio is None else ratio
         each = normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.profile)
         return self.stiffness_unit * float(np.sum(self.contact_factors(contacts)[0] * ratio * each))
 

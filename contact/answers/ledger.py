@@ -1,7 +1,7 @@
 r"""Energy balance of a run or of one cycle, in joules.
 
     work of the wave = loss by slip + loss in the three dampers + work against the load + leak of the law
-                       + increase of the energies of springs, preload and slider.
+                       + loss where adhesive contacts open + increase of the energies of springs, preload and slider.
 
 The wave does work through the normal and the tangential force on the moving surface. Only the elastic law without the
 reciprocal normal force has a leak, because that law has no potential. A positive leak is a loss of energy. The residual
@@ -20,7 +20,7 @@ from contact.slider import Slider
 class Ledger(NamedTuple):
     """Energies over an interval of the motion, J.
 
-    `ledger` relies on the order of the fields: to `leak` that of `energy.EnergySum`, then that of `Motion.energy`.
+    `ledger` relies on the order of the fields: to `adhesion` that of `energy.EnergySum`, then that of `Motion.energy`.
 
     Attributes
     ----------
@@ -34,6 +34,9 @@ class Ledger(NamedTuple):
         Work against the load.
     leak : float
         Loss in the elastic law without reciprocal normal force; zero for the other laws.
+    adhesion : float
+        Loss where contacts that hold on beyond the touch open: of their normal force around both branches, and of their
+        springs; zero for the other contacts.
     stored : float
         Increase of the energy of the contact springs.
     lifted : float
@@ -50,6 +53,7 @@ class Ledger(NamedTuple):
     tangential_damper: float
     load: float
     leak: float
+    adhesion: float
     stored: float
     lifted: float
     slider: float
@@ -64,7 +68,7 @@ class Ledger(NamedTuple):
         """Sum of all losses, the work against the load and all energy increases, J."""
         dampers = self.contact_damper + self.normal_damper + self.tangential_damper
         held = self.stored + self.lifted + self.slider
-        return self.slip + dampers + self.load + self.leak + held
+        return self.slip + dampers + self.load + self.leak + self.adhesion + held
 
     @property
     def residual(self) -> float:
@@ -88,7 +92,7 @@ def together(*ledgers: Ledger) -> Ledger:
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of a `motion.Motion` since its start, divided by `spans` (its number of cycles)."""
     unit = slider.unit_mass * motion.problem.speed**2 / spans
-    works_and_losses = motion.sums[EnergySum.WAVE_NORMAL : EnergySum.LEAK + 1]
+    works_and_losses = motion.sums[EnergySum.WAVE_NORMAL : EnergySum.ADHESION_LOSS + 1]
     increases = motion.energy() - motion.begun  # of the springs, the preload and the slider
     return Ledger(*(unit * works_and_losses).tolist(), *(unit * increases).tolist())
 
@@ -116,5 +120,6 @@ def rough_ledger(balls: RoughBalls, orbits: Orbit | Sequence[Orbit], motion: Rou
     return Ledger(
         wave_normal=0.0, wave_tangential=period * powers.work, slip=period * powers.slip, contact_damper=0.0,
         normal_damper=0.0, tangential_damper=period * slider.tangential_damping * speed**2,
-        load=period * slider.load * speed, leak=period * powers.leak, stored=0.0, lifted=0.0, slider=0.0,
+        load=period * slider.load * speed, leak=period * powers.leak, adhesion=0.0, stored=0.0, lifted=0.0,
+        slider=0.0,
     )  # fmt: skip

@@ -14,6 +14,7 @@ import numpy as np
 
 from contact import parameter_check
 from contact.answers.steady import SteadyState, steady
+from contact.averaged.adhesive_motion import holding_balls
 from contact.averaged.burst import STIFFEST_STEADY, refuse_unless_applicable
 from contact.averaged.coupled_motion import CoupledSearch, unloaded
 from contact.averaged.equilibrium import mean_tangential_forces, rest_forces
@@ -97,6 +98,10 @@ def blocked_thrust(slider: Slider, orbits: Surface) -> tuple[float, float]:
     if coupling(slider, orbits):
         search, _, direction = unloaded(slider, orbits)
         return search.stall(direction)
+    if slider.profile.hold is not None:
+        free, listed = prescribed(replace(slider, load=0.0), orbits)
+        low, high = holding_balls(free).held_loads(tuple(listed))
+        return (low, high) if high > -low else (-high, -low)
     _, problem, unit = _unloaded(slider, orbits)
     low, high = event_rest_forces(problem) if slider.law == "hysteretic" else rest_forces(problem)
     # a slider that is driven against the crests moves towards -x, so that both forces change sign
@@ -125,6 +130,10 @@ def mean_traction(slider: Slider, orbits: Surface, velocities: np.ndarray) -> np
     if coupling(slider, orbits):
         search = CoupledSearch(slider, orbits)
         return np.array([search.traction(v, math.copysign(slider.load, v)) for v in np.asarray(velocities, float)])
+    if slider.profile.hold is not None:
+        free, listed = prescribed(replace(slider, load=0.0), orbits)
+        balls = holding_balls(free)
+        return np.array([balls.traction(tuple(listed), float(v)) for v in np.asarray(velocities, float)])
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed
     means = event_tangential_forces if slider.law == "hysteretic" else mean_tangential_forces

@@ -158,7 +158,8 @@ def steady(
     if isinstance(orbits, PassingWave) and method != "exact" and (coupling(slider, orbits) or slider.mass == math.inf):
         return _on_rows(slider, orbits, tolerance, near, begun)
     given, (slider, listed) = slider, prescribed(slider, orbits)
-    solution = _closed(slider, listed) or _searched(*merged(slider, listed), method, tolerance)
+    alike = (slider, listed) if slider.profile.hold is not None else merged(slider, listed)
+    solution = _closed(slider, listed) or _searched(*alike, method, tolerance)
     reference = reference_speed(solution.velocity, listed) or 1.0
     near = solution.method == "averaged" and solution.velocity == 0.0
     error = solution.relative_error * reference
@@ -182,7 +183,7 @@ def _on_rows(slider, wave, tolerance, near, begun):
     how = "averaged equilibrium of the rows" + (" on the wave that they load" if rows.loading else "")
     answer = Answer(value=motion.velocity, error=error * reference, reasons=(how,)).judged(tolerance, reference)
     losses = rows.friction_power, 0.0, 0.0, rows.damping_power, rows.thrust_power, rows.leak_power
-    powers = (*rows.work, *losses, 0.0, 0.0, 0.0)
+    powers = (*rows.work, *losses, 0.0, 0.0, 0.0, 0.0)
     return SteadyState(
         slider=slider, orbits=wave, answer=answer, regime=motion.regime, height=motion.height, method="averaged",
         ledger=Ledger(*(cycle * each for each in powers)), tilt=motion.tilt, loaded=rows,

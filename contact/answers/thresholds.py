@@ -38,6 +38,7 @@ from functools import cache
 
 import numpy as np
 
+from contact.averaged.adhesive_motion import holding_balls
 from contact.averaged.coupled_motion import coupled_motion
 from contact.averaged.event_equilibrium import balanced
 from contact.averaged.riding import mean_load, riding_approach, riding_height
@@ -45,6 +46,7 @@ from contact.choice import Answer
 from contact.error_estimate import averaged_threshold_error, bounds_error
 from contact.exceptions import ConvergenceError
 from contact.law.elastic import tangential_force
+from contact.law.holding import opens_at
 from contact.law.normal import approach, plain
 from contact.law.user import UserLaw
 from contact.orbit import as_orbits, towards_plus
@@ -100,6 +102,8 @@ def threshold(slider: Slider, orbits: Surface) -> Answer:
         return Answer(value=0.0, error=0.0, reasons=("friction cannot hold the load",))
     if slider.load == 0.0 and _own_mirror_image(slider, listed):
         return Answer(value=math.inf, error=0.0, reasons=("the wave drives both ways alike",))
+    if slider.profile.hold is not None:
+        return _by_averaging(slider, listed, holding_balls(slider).threshold(tuple(listed)))
     bent = bool(slider.tangential_law.bent)  # the slip limit is not proportional to the approach
     elastic = _elastic_threshold(_simplified(slider) if bent or not slider.level else slider, listed)
     if slider.law == "elastic" and not (slider.reciprocal or bent) and slider.level and slider.even and _alike(listed):
@@ -122,6 +126,8 @@ def release(slider: Slider, orbits: Surface) -> Answer:
     """
     slider, listed = prescribed(slider, orbits)
     _, listed = towards_plus(listed)
+    if slider.profile.hold is not None:
+        return _by_averaging(slider, listed, holding_balls(slider).release(tuple(listed)))
     factor = _released(slider, listed)
     if slider.reciprocal and slider.law == "elastic":
         return _by_averaging(slider, listed, factor)
@@ -165,10 +171,10 @@ def releases(slider: Slider, orbits: Surface) -> tuple[Answer | None, ...]:
 
 def _released_contact(slider, listed, i):
     """Return the averaged factor at which contact i leaves the surface, inf if none does."""
-    normal, height = listed.normal_size[i], slider.offsets(len(listed))[i]
+    normal, height, leaves = listed.normal_size[i], slider.offsets(len(listed))[i], opens_at(slider.profile.hold)
 
     def approach(factor):
-        return riding_height(slider, listed.scaled(factor)) + height - factor * normal
+        return riding_height(slider, listed.scaled(factor)) + height - factor * normal - leaves
 
     largest = float(listed.normal_size.max())
     if largest == 0.0 or approach(CLIMB * float(np.max(slider.rest_approaches(len(listed)))) / largest) > 0.0:

@@ -47,6 +47,8 @@ def refusals(slider: Slider, orbits: Orbits, stiffest: float = STIFFEST, *, memo
         why += ("it knows the elastic law without its reciprocal force only",)
     if slider.stick_band > 0.0:
         why += ("slider.stick_band needs the events",)
+    if slider.profile.hold is not None:
+        why += ("it knows no contact that holds on beyond the touch",)
     if slider.slope_unit == 0.0 or slider.preload == 0.0:
         why += ("there is no friction force",)
     if orbits.still:

@@ -37,6 +37,9 @@ def closed_form(slider: Slider, orbits) -> dict | None:
     dragged = _dragged(slider, orbits)
     if not still and friction > 0.0 and not dragged:
         return _carried(slider, orbits)
+    hold = slider.profile.hold
+    if hold is not None and not still:
+        return None  # without friction or preload: `averaged.adhesive_motion` refuses it
     height = slider.rest_approach(len(orbits)) if still else riding_height(slider, orbits)
     mean = height + slider.offsets(len(orbits))
     parted = bool(np.any(np.abs(mean) < orbits.normal_size))
@@ -89,7 +92,9 @@ def _dragged_speed(slider, contacts):
 
 def _dragged(slider, orbits):
     """Return True if the load pulls the slider so fast that no contact can stick."""
-    if slider.profile.pull > 0.0:  # the mean attraction depends on the part of the cycle in contact
+    if (
+        slider.profile.pull > 0.0 or slider.profile.hold is not None
+    ):  # the mean attraction depends on the part of the cycle in contact
         return False
     if slider.friction is not None:  # the sliding force depends on the wave, so that there is no closed form
         return False

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from contact.averaged.equilibrium import balanced_speed, full_slip_speed, load_direction, net_force
-from contact.averaged.riding import riding_approach
+from contact.averaged.riding import riding_approach, riding_height
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
 from contact.events.collocation import collocation
@@ -66,7 +66,7 @@ def balanced(slider: Slider, orbits) -> Balance:
     """Return the averaged equilibrium; the wave crests must drive towards +x (`orbit.towards_plus`)."""
     orbits = as_orbits(orbits)
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
-    elastic_height = riding_approach(problem)
+    elastic_height = _riding_height(slider, orbits, problem)
     if problem.law.kind != Tangential.RECIPROCAL:
         return _at_height(problem, elastic_height)
     # The reciprocal force adds to the support, so that the mean approach is smaller than without it. At the lower bound
@@ -85,6 +85,13 @@ def balanced(slider: Slider, orbits) -> Balance:
 
     bracketed(excess, no_contact, elastic_height, tolerance=1e-14 * (1.0 + abs(elastic_height)))
     return balances[-1]
+
+
+def _riding_height(slider, orbits, problem):
+    """Return the mean approach at which the mean elastic and attractive forces carry the preload."""
+    if problem.normal.hold is None:
+        return riding_approach(problem)
+    return riding_height(slider, orbits) / problem.length
 
 
 def cycle_at(
@@ -166,7 +173,7 @@ def opposed(slider: Slider, orbits: Orbits) -> float:
     if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)
-    _, (largest, _) = _rest_cycles(problem, riding_approach(problem))
+    _, (largest, _) = _rest_cycles(problem, _riding_height(slider, orbits, problem))
     return load_direction(largest)
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.averaged.adhesive_motion import holding_balls
 from contact.body import Coordinates, approach, circle, normal_amplitude
 from contact.codes import Shape, Tangential
 from contact.jit.compiled import compiled, formula, native, summed
@@ -214,5 +215,8 @@ def riding_height(slider: Slider, orbits: Surface) -> float:
 
     Negative when the slider hops: it rides above the undisturbed surface.
     """
-    problem = scaled(*prescribed(slider, orbits), direction=1.0, start=0.0)
+    slider, listed = prescribed(slider, orbits)
+    if slider.profile.hold is not None:
+        return holding_balls(slider).height(tuple(listed))
+    problem = scaled(slider, listed, direction=1.0, start=0.0)
     return riding_approach(problem) * problem.length

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import parameter_check
+from contact.averaged.adhesive_motion import holding_balls
 from contact.averaged.burst import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.averaged.closed_forms import closed_form
 from contact.averaged.coupled_motion import coupled_motion, unloaded
@@ -29,13 +30,14 @@ from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.codes import Status, SteadyRegime
-from contact.error_estimate import averaged_stall_error, first_order_error
+from contact.error_estimate import averaged_stall_error, first_order_error, reference_speed
 from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits, crest_velocities, towards_plus
 from contact.passing_wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
 from contact.problem import numbers, paths_of, scaled
 from contact.slider import Slider
 
+HOLDING = 1e-6  # tolerance of the cycle means of balls that hold on beyond the touch
 REGIMES = np.array([regime.name.lower() for regime in SteadyRegime])
 REFUSALS = {
     Status.RUNAWAY: ("runaway", RUNAWAY),
@@ -136,6 +138,8 @@ def mean_motion(slider: Slider, orbits: Surface) -> MeanMotion:
     if coupling(slider, orbits):
         return _coupled(slider, orbits)
     slider, listed = prescribed(slider, orbits)
+    if slider.profile.hold is not None:
+        return _of_holding_balls(slider, listed)
     result = _entries([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
     status = result[Entry.STATUS]
     if math.isnan(status):
@@ -176,6 +180,23 @@ def _coupled(slider, wave):
         direction * crest_direction(wave),
     )  # fmt: skip
     return MeanMotion(*map(np.asarray, values))
+
+
+def _of_holding_balls(slider, orbits):
+    """Return the `MeanMotion` of balls that hold on beyond the touch, by first-order averaging."""
+    balls, listed, ratio = holding_balls(slider), tuple(orbits), resonance_ratio(slider, orbits)
+    found = balls.motion(listed, tolerance=HOLDING)
+    low, high = balls.held_loads(listed)
+    thrust = max(low, -high, 0.0)
+    reference = reference_speed(found.velocity.value, orbits)
+    return MeanMotion(
+        velocity=np.asarray(found.velocity.value), first_order=np.asarray(found.velocity.value),
+        height=np.asarray(found.height), regime=np.asarray(found.regime), held=np.asarray(found.velocity.value == 0.0),
+        relative_error=np.asarray(found.velocity.error / reference + first_order_error(ratio)),
+        error_from_wave=np.asarray(0.0), blocked_thrust=np.asarray(thrust),
+        blocked_thrust_error=np.asarray(thrust * averaged_stall_error(ratio)),
+        load_sign=np.asarray(1.0 if high > -low else -1.0),
+    )  # fmt: skip
 
 
 def _answer(results):

@@ -7,6 +7,11 @@ conservative only with the reciprocal normal force dW/dz. Without this force the
 negative, has no physical source or sink; its integral is recorded as the *leak*. The slider gives its energy to its
 dampers, the load and the potential of the preload. The unit of energy is m omega^2 ell^2.
 
+A contact that holds on beyond the touch (`law.holding`) stores the work of its normal force since it closed; where it
+opens this is lost, and with it the energy of its spring (`ADHESION_LOSS`). Its depth d takes the place of the approach,
+and d' has a root at the end, so that the integrals over d are taken in closed form: of the spring of a contact that
+sticks, -int (dW/dd) d' dt = int Q dx - [W], and of one that slips those of F dx and (dW/dd) d'.
+
 A law is *rated* if its sliding force depends on the slip speed (`law.protocol.Law`). The spring of a rated contact
 unloads while it slips, which `_slip_spring_work` accounts for.
 """
@@ -18,17 +23,29 @@ import numpy as np
 from contact.body import Coordinates, Point, approach_rate, travel
 from contact.codes import At, Regime, Tangential
 from contact.events.collocation import ROOT_AT_START, SMOOTH
-from contact.events.segment import COMPILED_CONTACTS, SHAPES, ContactRow, SliderRow, normal_force, point_at
+from contact.events.segment import (
+    COMPILED_CONTACTS,
+    SHAPES,
+    ContactRow,
+    SliderRow,
+    depth_at,
+    height_rate,
+    normal_force,
+    point_at,
+)
 from contact.jit.compiled import compiled, formula, native
 from contact.law.elastic import spring, tangential
+from contact.law.holding import depth
 from contact.law.hysteretic import annulus_slip
+from contact.law.normal import energy as load_energy
+from contact.law.normal import load
 from contact.law.protocol import slip_limit, slip_rate
 from contact.problem import contact_parameters
 from contact.roots import interpolate
 
 
 class EnergySum(IntEnum):
-    """Indices in `State.sums`; from WAVE_NORMAL to LEAK energies, in the order of `answers.ledger.Ledger`."""
+    """Indices in `State.sums`; from WAVE_NORMAL to ADHESION_LOSS energies, in the order of `answers.ledger.Ledger`."""
 
     TANGENTIAL_FORCE = 0  # integral of sum Q over the phase
     NORMAL_FORCE = 1  # integral of the sum of the normal forces without their dampers
@@ -41,9 +58,10 @@ class EnergySum(IntEnum):
     TANGENTIAL_LOSS = 8
     LOAD_WORK = 9
     LEAK = 10
-    SINCE = 11  # phase since the last event; 0 before the first one
-    CROWDING = 12  # inverse of the smallest phase between two events
-    HEIGHT = 13  # integral of the slider's position
+    ADHESION_LOSS = 11
+    SINCE = 12  # phase since the last event; 0 before the first one
+    CROWDING = 13  # inverse of the smallest phase between two events
+    HEIGHT = 14  # integral of the slider's position
 
 
 # Gauss-Legendre rule on [0, 1]
@@ -62,7 +80,7 @@ def _add_springs(problem, state, approaches, total):
     rate, paths = Coordinates(state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]), problem.paths
     for i in range(state.regime.size):
         z_rate, x_rate = approach_rate(paths.normal_sin[i], rate), travel(paths.tangential_sin[i], rate)
-        point = Point(approaches[i], state.deformation[i], z_rate, x_rate)
+        point = Point(depth(approaches[i], problem.normal.hold), state.deformation[i], z_rate, x_rate)
         total[0] += spring(contact_parameters(problem, i), state.regime[i], state.sign[i], point)[2]
     return 0
 
@@ -101,20 +119,20 @@ def account_contact(problem, grid, state, nodes, segment, i):
     law, regime, sign, friction = contact.law, state.regime[i], state.sign[i], contact.friction * contact.stiffness
     if regime == Regime.SEPARATED:
         return
-    rated = regime == Regime.SLIP and law.rated
+    rated, hold = regime == Regime.SLIP and law.rated, contact.normal.hold
     tangential_sum = normal_sum = normal_work = tangential_work = slip_loss = damper_loss = leak = 0.0
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
-        point, weighted_q = point_at(nodes, i, k), weight * own[ContactRow.Q, i, k]
+        point, weighted_q = point_at(nodes, i, k, hold), weight * own[ContactRow.Q, i, k]
         z, _, z_rate, x_rate = point
-        weighted_n = weight * normal_force(problem, nodes, i, k)
-        damper = weight * problem.contact_damping * own[ContactRow.P, i, k] * z_rate
+        weighted_n, height = weight * normal_force(problem, nodes, i, k), height_rate(nodes, i, k)
+        damper = weight * problem.contact_damping * own[ContactRow.P, i, k] * height
         tangential_sum += weighted_q
         normal_sum += weighted_n - damper
         normal_work += weighted_n * own[ContactRow.U_Z_RATE, i, k]
         tangential_work += weighted_q * own[ContactRow.U_X_RATE, i, k]
-        damper_loss += damper * z_rate
-        if rated:  # work on spring and slip together; that on the spring is subtracted below
+        damper_loss += damper * height
+        if rated or hold is not None:  # work on spring and slip together; that on the spring is subtracted below
             slip_loss += weighted_q * x_rate
         elif regime != Regime.STICK:
             slip = slip_rate(contact, sign, point)
@@ -122,11 +140,14 @@ def account_contact(problem, grid, state, nodes, segment, i):
                 slip_loss += weighted_q * sign * slip
             elif regime == Regime.ANNULUS:
                 slip_loss += weight * friction * annulus_slip(z, own[ContactRow.FRONT, i, k], contact.normal) * slip
-        if law.kind == Tangential.ELASTIC and not rated:
+        if law.kind == Tangential.ELASTIC and not rated and hold is None:
             leak -= weight * spring(contact, regime, sign, point)[1] * z_rate
     if rated:
         spring_work, leak = _slip_spring_work(contact, grid, state, nodes, segment, i)
         slip_loss -= spring_work
+    if hold is not None:
+        spring_work, leak = _held_spring_work(contact, nodes, regime, sign, i, slip_loss, hold)
+        slip_loss -= spring_work + (leak if regime == Regime.STICK else 0.0)
     sums[EnergySum.TANGENTIAL_FORCE] += tangential_sum
     sums[EnergySum.NORMAL_FORCE] += normal_sum
     sums[EnergySum.WAVE_NORMAL] += normal_work
@@ -134,6 +155,27 @@ def account_contact(problem, grid, state, nodes, segment, i):
     sums[EnergySum.SLIP_LOSS] += slip_loss
     sums[EnergySum.CONTACT_LOSS] += damper_loss
     sums[EnergySum.LEAK] += leak
+
+
+@compiled
+def _held_spring_work(contact, nodes, regime, sign, i, work, hold):
+    """Return (work on the spring, leak of the law) over a segment of a contact that holds on; see the module's text.
+
+    `work` is the integral of Q dx; of a contact that sticks it is all work on the spring and its leak.
+    """
+    last = nodes.guard.size - 1
+    if hold is None:
+        return 0.0, 0.0
+    else:
+        if regime == Regime.STICK:
+            before = spring(contact, regime, sign, point_at(nodes, i, 0, hold))[2]
+            change = spring(contact, regime, sign, point_at(nodes, i, last, hold))[2] - before
+            return change, work - change
+        normal, size = contact.normal, contact.friction * contact.stiffness * contact.limit_slope
+        low, high = depth_at(nodes, i, 0, hold), depth_at(nodes, i, last, hold)
+        stored = load_energy(high, normal) - load_energy(low, normal)
+        leak = 2.0 * stored - high * load(high, normal) + low * load(low, normal)
+        return size * stored, size * leak
 
 
 @compiled
@@ -151,10 +193,11 @@ def _slip_spring_work(contact, grid, state, nodes, segment, i):
     """
     sign, own, n = state.sign[i], nodes.contact, nodes.guard.size
     force, rate = own[ContactRow.LEVEL, i], own[ContactRow.FRONT, i]
-    force[0], x = _spring_force(contact, sign, point_at(nodes, i, 0))
+    hold = contact.normal.hold
+    force[0], x = _spring_force(contact, sign, point_at(nodes, i, 0, hold))
     at_start = force[0] * x
     for j in range(1, n):
-        force[j], x = _spring_force(contact, sign, point_at(nodes, i, j))
+        force[j], x = _spring_force(contact, sign, point_at(nodes, i, j, hold))
     work, leak = force[n - 1] * x - at_start, 0.0
     for k in range(n):
         rate[k] = 0.0

@@ -343,7 +343,7 @@ def advance(problem, grid, state, work, task, memory, span, new):
         "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n",
         "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
         "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
-        "state.tally": "12", "state.sums": "14", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
+        "state.tally": "12", "state.sums": "15", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
         "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
         "task.at": "s", "task.samples": "s n 6", "task.record": "r 3", "memory.number": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.arc": "n p",

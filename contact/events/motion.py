@@ -18,7 +18,7 @@ from contact.events.many_contacts import MANY
 from contact.events.segment import SampleColumn
 from contact.events.transitions import open_regimes
 from contact.exceptions import ConvergenceError
-from contact.law import hysteretic, normal
+from contact.law import holding, hysteretic, normal
 from contact.problem import Problem, contact_parameters
 from contact.slider import Slider
 
@@ -80,6 +80,8 @@ class Motion:
         self.problem, self.grid, self.truncation = problem, grid, truncation
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(EnergySum))
         self.carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
+        if problem.normal.hold is not None:
+            self.regime[:] = Regime.STICK  # where both are possible, a contact without a history is closed
         remembers = problem.law.guard is hysteretic.guard  # the only law with a memory
         self.begun = None
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
@@ -149,7 +151,7 @@ class Motion:
     def _travel(self, task):
         if self.memory is not None:  # the velocities may have been set anew since the last run
             self.memory.growing[:] = 0
-        many = self.memory is None and self.regime.size >= MANY
+        many = self.memory is None and self.regime.size >= MANY and self.problem.normal.hold is None
         work = event_driven.work_arrays(self.regime.size, self.grid.sigma.size, many)
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory, work.span)
         if why != Status.DONE:
@@ -183,7 +185,12 @@ class Motion:
         problem, state = self.problem, self.carried
         height, normal_velocity, speed = state.slider
         approaches = self._approaches(height)
-        work = normal.energy(approaches, problem.normal) - problem.normal.pull * np.maximum(approaches, 0.0)
+        hold = problem.normal.hold
+        if hold is None:
+            work = normal.energy(approaches, problem.normal) - problem.normal.pull * np.maximum(approaches, 0.0)
+        else:
+            closed = np.where(self.regime != Regime.SEPARATED, approaches, math.nan)
+            work = np.array([0.0 if math.isnan(z) else holding.stored(holding.depth(z, hold), hold) for z in closed])
         stored = problem.stiffness * np.sum(problem.factors.stiffness * work)
         if self.memory is None:
             stored += spring_energy(problem, state, approaches)

@@ -30,6 +30,7 @@ from contact.codes import At, Guard, Regime, Tangential
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.jit.compiled import compiled
 from contact.law.elastic import FAR_SIDE, spring
+from contact.law.holding import attraction, closes_at, depth, depth_rate, opens_at
 from contact.law.hysteretic import moment_rate
 from contact.law.normal import load
 from contact.law.protocol import slip_limit
@@ -77,7 +78,7 @@ class ContactRow(IntEnum):
     # reciprocal normal force dW/dz, W the energy of the tangential spring (`law.elastic.spring`), less the attraction
     BACK = 8
     FRONT = 9  # front of the slip annulus, `law.hysteretic`
-    LEVEL = 10  # moment M of the hysteretic memory at the node
+    LEVEL = 10  # moment M of the hysteretic memory at the node, or the depth of a contact that holds on (`law.holding`)
 
 
 class SegmentState(NamedTuple):
@@ -179,11 +180,34 @@ def rate_at(nodes, j):
 
 
 @compiled
-def point_at(nodes, i, j):
-    """Return approach, deformation and their rates of a contact at a node."""
+def height_rate(nodes, i, j):
+    """Return the rate of a contact's approach at a node."""
+    return approach_rate(nodes.contact[ContactRow.U_Z_RATE, i, j], rate_at(nodes, j))
+
+
+@compiled
+def depth_at(nodes, i, j, hold):
+    """Return the depth of a closed contact at a node, its approach without adhesion that holds on."""
+    if hold is None:
+        return nodes.contact[ContactRow.Z, i, j]
+    else:
+        return nodes.contact[ContactRow.LEVEL, i, j]
+
+
+@compiled
+def point_at(nodes, i, j, hold):
+    """Return depth, deformation and their rates of a contact at a node, see `depth_at`."""
     own, rate = nodes.contact, rate_at(nodes, j)
-    z_rate = approach_rate(own[ContactRow.U_Z_RATE, i, j], rate)
-    return Point(own[ContactRow.Z, i, j], own[ContactRow.X, i, j], z_rate, travel(own[ContactRow.U_X_RATE, i, j], rate))
+    d = depth_at(nodes, i, j, hold)
+    z_rate = approach_rate(own[ContactRow.U_Z_RATE, i, j], rate) * depth_rate(d, hold)
+    return Point(d, own[ContactRow.X, i, j], z_rate, travel(own[ContactRow.U_X_RATE, i, j], rate))
+
+
+@compiled
+def keep_depth(nodes, i, j, hold):
+    """Store the depth of a contact at a node, at its approach there."""
+    if hold is not None:
+        nodes.contact[ContactRow.LEVEL, i, j] = depth(nodes.contact[ContactRow.Z, i, j], hold)
 
 
 @compiled
@@ -209,8 +233,7 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
 def normal_force(problem, nodes, i, j):
     """Return the normal force of a contact on the slider at a node, damper and reciprocal force with it."""
     own = nodes.contact
-    rate = approach_rate(own[ContactRow.U_Z_RATE, i, j], rate_at(nodes, j))
-    return contact_force(problem, own[ContactRow.P, i, j], rate) + own[ContactRow.BACK, i, j]
+    return contact_force(problem, own[ContactRow.P, i, j], height_rate(nodes, i, j)) + own[ContactRow.BACK, i, j]
 
 
 @compiled
@@ -225,23 +248,26 @@ def contact_forces(problem, grid, state, nodes, i, memory):
         for j in range(n):
             own[ContactRow.P, i, j] = own[ContactRow.Q, i, j] = own[ContactRow.X, i, j] = 0.0
         return
+    hold = contact.normal.hold
     for j in range(n):
-        own[ContactRow.BACK, i, j] = -contact.stiffness * contact.normal.pull
-        own[ContactRow.P, i, j] = contact.stiffness * load(own[ContactRow.Z, i, j], contact.normal)
+        keep_depth(nodes, i, j, hold)
+        d = depth_at(nodes, i, j, hold)
+        own[ContactRow.BACK, i, j] = -contact.stiffness * attraction(d, contact.normal.pull, hold)
+        own[ContactRow.P, i, j] = contact.stiffness * load(d, contact.normal)
     if regime == Regime.SLIP:
         for j in range(n):
-            own[ContactRow.X, i, j] = sign * slip_limit(contact, own[ContactRow.Z, i, j])
+            own[ContactRow.X, i, j] = sign * slip_limit(contact, depth_at(nodes, i, j, hold))
     else:
         for j in range(n):
             own[ContactRow.X, i, j] = state.deformation[i] + travel(own[ContactRow.U_X, i, j], coordinates_at(nodes, j))
     for j in range(n):
         level, front = own[ContactRow.LEVEL, i, j], own[ContactRow.FRONT, i, j]
         own[ContactRow.Q, i, j], own[ContactRow.FRONT, i, j] = contact.law.force(
-            contact, memory, i, regime, sign, point_at(nodes, i, j), level, front
+            contact, memory, i, regime, sign, point_at(nodes, i, j, hold), level, front
         )
     if contact.law.kind == Tangential.RECIPROCAL:
         for j in range(n):
-            own[ContactRow.BACK, i, j] = spring(contact, regime, sign, point_at(nodes, i, j))[1]
+            own[ContactRow.BACK, i, j] = spring(contact, regime, sign, point_at(nodes, i, j, hold))[1]
 
 
 @compiled
@@ -395,10 +421,12 @@ def contact_end(problem, state, nodes, i):
     """Set approach and deformation of a contact at the end of the segment from the slider's motion there."""
     own, n = nodes.contact, nodes.guard.size - 1
     q = coordinates_at(nodes, n)
-    z = approach(problem.paths, i, own[ContactRow.U_Z, i, n], q)
-    own[ContactRow.Z, i, n] = z
+    own[ContactRow.Z, i, n] = approach(problem.paths, i, own[ContactRow.U_Z, i, n], q)
+    hold = problem.normal.hold
+    keep_depth(nodes, i, n, hold)
     if state.regime[i] == Regime.SLIP:
-        own[ContactRow.X, i, n] = state.sign[i] * slip_limit(contact_parameters(problem, i), z)
+        d = depth_at(nodes, i, n, hold)
+        own[ContactRow.X, i, n] = state.sign[i] * slip_limit(contact_parameters(problem, i), d)
     elif state.regime[i] != Regime.SEPARATED:
         own[ContactRow.X, i, n] = state.deformation[i] + travel(own[ContactRow.U_X, i, n], q)
 
@@ -408,14 +436,32 @@ def guards(problem, state, nodes, i, which, memory):
     """Fill `nodes.guard` with guard `which` of contact i at all nodes."""
     regime, sign, own, out = state.regime[i], state.sign[i], nodes.contact, nodes.guard
     if which == Guard.GAP:
-        side = -1.0 if regime == Regime.SEPARATED else 1.0
         for j in range(out.size):
-            out[j] = FAR_SIDE + side * own[ContactRow.Z, i, j]
+            out[j] = gap_guard(regime, own[ContactRow.Z, i, j], problem.normal.hold)
         return
     contact = contact_parameters(problem, i)
     for j in range(out.size):
         front = own[ContactRow.FRONT, i, j]
-        out[j] = contact.law.guard(contact, memory, i, regime, which, sign, point_at(nodes, i, j), front)
+        point = point_at(nodes, i, j, contact.normal.hold)
+        value = contact.law.guard(contact, memory, i, regime, which, sign, point, front)
+        out[j] = finite_at_end(value, regime, point, contact.normal.hold)
+
+
+@compiled
+def finite_at_end(value, regime, point, hold):
+    """Return a guard or its rate: a speed of slip, infinite where a contact that holds on ends, over d'/z'."""
+    if hold is None:
+        return value
+    else:
+        return value / depth_rate(point.approach, hold) if regime == Regime.SLIP else value
+
+
+@compiled
+def gap_guard(regime, z, hold):
+    """Return what is positive while an open contact stays open, and a closed one closed, at an approach."""
+    if regime == Regime.SEPARATED:
+        return FAR_SIDE - (z - closes_at(hold))
+    return FAR_SIDE + (z - opens_at(hold))
 
 
 @compiled

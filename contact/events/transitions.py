@@ -6,9 +6,21 @@ from contact.body import Coordinates, Point, approach, approach_rate, at_phase, 
 from contact.codes import LAST_GUARD, At, Event, Guard, Regime
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.events.energy import EnergySum
-from contact.events.segment import COMPILED_CONTACTS, SHAPES, ContactRow, Segment, SliderRow, guards, point_at
+from contact.events.segment import (
+    COMPILED_CONTACTS,
+    SHAPES,
+    ContactRow,
+    Segment,
+    SliderRow,
+    finite_at_end,
+    gap_guard,
+    guards,
+    height_rate,
+    point_at,
+)
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import regime_at, spring
+from contact.law.holding import depth, depth_rate, depth_second, is_open, stored
 from contact.law.hysteretic import on_curve
 from contact.problem import contact_parameters
 from contact.roots import first_root
@@ -24,8 +36,13 @@ def _open(problem, phase, state):
     rate = Coordinates(state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY])
     for i in range(state.regime.size):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
-        z = approach(problem.paths, i, u_z, q)
-        point = Point(z, state.deformation[i], approach_rate(u_z_rate, rate), travel(u_x_rate, rate))
+        z, hold = approach(problem.paths, i, u_z, q), problem.normal.hold
+        if is_open(z, state.regime[i] == Regime.SEPARATED, hold):
+            state.regime[i], state.sign[i], state.deformation[i] = Regime.SEPARATED, 1.0, 0.0
+            continue
+        d = depth(z, hold)
+        z_rate = approach_rate(u_z_rate, rate) * depth_rate(d, hold)
+        point = Point(d, state.deformation[i], z_rate, travel(u_x_rate, rate))
         state.regime[i], state.sign[i], state.deformation[i] = regime_at(contact_parameters(problem, i), point)
     return 0
 
@@ -49,6 +66,8 @@ def earliest(problem, grid, state, nodes, memory):
             root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
             if root < first:
                 first, contact, which = root, i, k
+            if problem.normal.hold is not None and k == Guard.GAP and root < 1.0 - 1e-6:
+                break  # the depth of a contact that holds on has a kink where it opens: no other guard is smooth there
     return first, contact, which
 
 
@@ -81,14 +100,20 @@ def cut(segment, root, contact, which, sharp, entered):
 def end_guard(problem, state, nodes, i, which, phase, memory):
     """Return a guard at the end of the segment, which is at this phase, and its rate there."""
     n, regime, sign, contact = nodes.guard.size - 1, state.regime[i], state.sign[i], contact_parameters(problem, i)
-    point = point_at(nodes, i, n)
+    hold = contact.normal.hold
+    if which == Guard.GAP:
+        rate = height_rate(nodes, i, n)
+        return gap_guard(regime, nodes.contact[ContactRow.Z, i, n], hold), -rate if regime == Regime.SEPARATED else rate
+    point = point_at(nodes, i, n, hold)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
     acceleration = Coordinates(
         nodes.slider[SliderRow.NORMAL_ACCELERATION, n], nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, n]
     )
-    second = approach_rate(-u_z, acceleration), travel(-u_x, acceleration)
+    z_second = depth_second(point.approach, height_rate(nodes, i, n), approach_rate(-u_z, acceleration), hold)
+    second = z_second, travel(-u_x, acceleration)
     value = contact.law.guard(contact, memory, i, regime, which, sign, point, nodes.contact[ContactRow.FRONT, i, n])
-    return value, contact.law.guard_rate(contact, memory, i, regime, which, sign, point, second)
+    rate = contact.law.guard_rate(contact, memory, i, regime, which, sign, point, second)
+    return finite_at_end(value, regime, point, hold), finite_at_end(rate, regime, point, hold)
 
 
 @compiled
@@ -119,10 +144,12 @@ def transit(problem, state, nodes, segment, phase, memory):
 def enter_next(problem, state, nodes, i, which, memory):
     """Take a contact to the far side of a guard; return the kind of event."""
     regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
-    end = point_at(nodes, i, n)
-    point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
     contact = contact_parameters(problem, i)
-    law = contact.law
+    law, hold = contact.law, contact.normal.hold
+    end = point_at(nodes, i, n, hold)
+    point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
+    if which == Guard.GAP and regime != Regime.SEPARATED:
+        lose_hold(contact, state, regime, sign, point, hold)
     before = spring(contact, regime, sign, point)[2] if law.rated else 0.0
     state.regime[i], state.sign[i], state.deformation[i], kind = law.follow(
         contact, memory, i, regime, which, sign, point
@@ -131,3 +158,11 @@ def enter_next(problem, state, nodes, i, which, memory):
         point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
         state.sums[EnergySum.SLIP_LOSS] += before - spring(contact, state.regime[i], state.sign[i], point)[2]
     return kind
+
+
+@compiled
+def lose_hold(contact, state, regime, sign, point, hold):
+    """Add what a contact that opens has stored to the loss by adhesion: its spring's energy and that of its hold."""
+    if hold is not None:
+        energy = contact.stiffness * stored(point.approach, hold) + spring(contact, regime, sign, point)[2]
+        state.sums[EnergySum.ADHESION_LOSS] += energy

@@ -21,11 +21,12 @@ import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import InputError
+from contact.law.holding import Hold, jkr
 from contact.roots import bracketed
 from contact.rules import AdhesionRules
 
 MODELS = ("DMT", "JKR")
-ADHESIONS = ("DMT", "meniscus")  # of a slider: an attraction that a contact has from first touch to its end
+ADHESIONS = ("DMT", "meniscus", "JKR")  # of a slider
 DISTANCE = 0.3e-9  # m, between the surfaces in contact, of Tabor's number
 NODES = 48  # of a mean over a cycle; the force is smooth there
 
@@ -70,17 +71,19 @@ def meniscus_force(radius: float, surface_tension: float, contact_angle: float =
 
 @dataclass(frozen=True, kw_only=True)
 class Adhesion(AdhesionRules):
-    """Attraction of the balls of a slider, constant in contact and absent outside.
+    """Attraction of the balls of a slider: constant in contact and absent outside, or that of "JKR".
 
     The friction limit follows from the elastic part of the normal force alone, so that a slider that keeps contact
-    moves as under a preload that is larger by the attraction.
+    moves as under a preload that is larger by a constant attraction. Balls of "JKR" hold on beyond the touch and lose
+    energy in every hop (`law.holding`).
 
     Attributes
     ----------
     model : str
-        "DMT" (Derjaguin, Muller and Toporov, 2 pi w R) or "meniscus" (4 pi gamma R cos theta).
+        "DMT" (Derjaguin, Muller and Toporov, 2 pi w R), "meniscus" (4 pi gamma R cos theta) or "JKR" (Johnson, Kendall
+        and Roberts).
     work : float, optional
-        Work of adhesion w, J/m^2, positive; with "DMT".
+        Work of adhesion w, J/m^2, positive; not with "meniscus".
     surface_tension : float, optional
         gamma, N/m, positive; with "meniscus".
     contact_angle : float
@@ -102,11 +105,23 @@ class Adhesion(AdhesionRules):
         self._refuse("adhesion")
         self.attraction(1.0)
 
+    @property
+    def holds(self) -> bool:
+        """Whether a contact ends beyond the approach at which it begins."""
+        return self.model == "JKR"
+
     def attraction(self, radius: float) -> float:
-        """Return the attraction of a ball of a radius in m, N."""
+        """Return the constant attraction of a ball of a radius in m, N; 0 of one that holds on."""
         if self.surface_tension is not None:
             return meniscus_force(radius, self.surface_tension, self.contact_angle)
-        return 2.0 * math.pi * parameter_check.positive("adhesion.work", self.work or 0.0, "J/m^2") * radius
+        work = parameter_check.positive("adhesion.work", self.work or 0.0, "J/m^2")
+        return 0.0 if self.holds else 2.0 * math.pi * work * radius
+
+    def hold(self, radius: float, modulus: float) -> Hold | None:
+        """Return the numbers of a ball, radius in m and modulus E in Pa, that holds on; None of one that does not."""
+        if not self.holds:
+            return None
+        return jkr(math.sqrt(2.0 * math.pi * (self.work or 0.0) / modulus) * radius**0.25)
 
 
 @dataclass(frozen=True, kw_only=True)

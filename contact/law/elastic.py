@@ -186,6 +186,8 @@ def follow(problem, memory, i, regime, which, sign, point):
             return Regime.SEPARATED, sign, 0.0, Event.RELEASE
         sign = -1.0 if point.deformation_rate < 0.0 else 1.0
         speed = slip_rate(problem, sign, point)
+        if problem.normal.hold is not None:  # it closes with a circle, within whose slip limit it sticks
+            return Regime.STICK, sign, 0.0, Event.CONTACT
         if speed > band:
             return Regime.SLIP, sign, 0.0, Event.CONTACT
         return (Regime.CREEP if speed > 0.0 else Regime.STICK), sign, 0.0, Event.CONTACT

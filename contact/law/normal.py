@@ -20,6 +20,7 @@ import numpy as np
 
 from contact.codes import Shape
 from contact.jit.compiled import formula
+from contact.law.holding import rescaled
 
 SHAPES = ("sphere", "punch")
 STEP = 1e-4  # of the difference that gives p'', relative
@@ -39,6 +40,9 @@ class NormalLaw(NamedTuple):
     scaled: Callable
     unit_load: Callable
     table: tuple | None = None  # `law.table.Table`
+    hold: tuple | None = (
+        None  # `law.holding.Hold` of adhesion that holds on beyond the touch: p is then that of its depth
+    )
 
 
 @formula
@@ -124,22 +128,22 @@ def smooth_approach(p, normal):
 @formula
 def smooth_scaled(normal, length):
     """Return the law of lengths in this unit: p of a sphere or punch is a power of z, the same in every unit."""
-    return with_pull(normal, normal.pull / smooth_force(1.0, length, normal))
+    return with_pull(normal, normal.pull / smooth_force(1.0, length, normal), rescaled(normal.hold, length))
 
 
 @formula
-def with_pull(normal, pull):
+def with_pull(normal, pull, hold):
     """Return the law with another attraction."""
     return NormalLaw(
         normal.shape, normal.smooth, normal.onset, pull, normal.force, normal.slope, normal.energy, normal.approach,
-        normal.scaled, normal.unit_load, normal.table,
+        normal.scaled, normal.unit_load, normal.table, hold,
     )  # fmt: skip
 
 
 @formula
 def plain(normal):
     """Return whether the force is that of a sphere or punch alone: convex, and one power of z."""
-    return normal.smooth == 1 and normal.pull == 0.0
+    return normal.smooth == 1 and normal.pull == 0.0 and normal.hold is None
 
 
 @formula

@@ -160,7 +160,7 @@ def table_scaled(normal, length):
     pull = normal.pull / smooth_force(1.0, unit / table.base, normal)
     return NormalLaw(
         normal.shape, 0, onset, pull, normal.force, normal.slope, normal.energy, normal.approach, normal.scaled,
-        normal.unit_load, own,
+        normal.unit_load, own, normal.hold,
     )  # fmt: skip
 
 

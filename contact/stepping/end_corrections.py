@@ -16,6 +16,8 @@ At x = 0 the tangential force of a sphere has a jump in curvature, a = 2 on both
 Subtracting these terms leaves the rule its accuracy for smooth periodic functions.
 """
 
+import numpy as np
+
 from contact.codes import Shape
 from contact.jit.compiled import compiled
 from contact.law.normal import edge_load, exponent, load, smooth_force, smooth_slope
@@ -38,6 +40,44 @@ def zeta_five_halves(theta):
         -0.4565074931076384 + theta * (-0.10142109125846284 + theta * (0.014208581815920938 + theta * (
             -0.0032821215636875054 + theta * 0.00048524563270975273))))))  # fmt: skip
     return theta * theta * theta**0.5 + smooth
+
+
+@compiled
+def zeta_one_half(theta):
+    """Return zeta(-1/2, theta) on [0, 1] to 1e-8: four terms of the sum, Euler's and Maclaurin's rule for the rest."""
+    total, q = 0.0, theta + 4.0
+    for k in range(4):
+        total += np.sqrt(theta + k)
+    root = np.sqrt(q)
+    rest = 1.0 / (1920.0 * root * q * q) - 1.0850694e-4 / (root * q**4)
+    return total - root * q / 1.5 + 0.5 * root - 1.0 / (24.0 * root) + rest
+
+
+@compiled
+def whole_excess(theta, h, jump, slope):
+    """Return the excess (1) for jump + slope t: zeta(0, theta) = 1/2 - theta, zeta(-1, theta) = -B_2/2."""
+    return h * jump * (0.5 - theta) - 0.5 * h * h * slope * (theta * (theta - 1.0) + 1.0 / 6.0)
+
+
+@compiled
+def break_excess(theta, h, rate, bend, end, elastic, root):
+    """Return the excess (1) of the rule for elastic d^(3/2) - (3/2) root d^(3/4) where a contact that holds on opens.
+
+    `law.holding`: in the time t before the end the approach is q = rate t + bend t^2/2 above it, and with y = d^(1/4),
+    of which `end` is the value at the end, q = 6 y_0^2 e^2 + 4 y_0 e^3 + e^4, e = y - y_0. The series of e in sqrt(q)
+    gives that of the force, terms a = 0, 1/2, 1, 3/2.
+    """
+    a1 = 1.0 / (np.sqrt(6.0) * end)
+    a2 = -a1 * a1 / (3.0 * end)
+    a3 = -(6.0 * end**2 * a2 * a2 + 12.0 * end * a1 * a1 * a2 + a1**4) / (12.0 * end**2 * a1)
+    # coefficients of e, e^2 and e^3 in elastic y^6 - (3/2) root y^3
+    f0, f1 = elastic * end**6 - 1.5 * root * end**3, 6.0 * elastic * end**5 - 4.5 * root * end**2
+    f2, f3 = 15.0 * elastic * end**4 - 4.5 * root * end, 20.0 * elastic * end**3 - 1.5 * root
+    b1, b2, b3 = f1 * a1, f1 * a2 + f2 * a1 * a1, f1 * a3 + 2.0 * f2 * a1 * a2 + f3 * a1**3
+    speed = np.sqrt(rate)
+    last = b3 * speed**3 + 0.25 * b1 * bend / speed
+    fractional = b1 * speed * zeta_one_half(theta) + h * last * zeta_three_halves(theta)
+    return whole_excess(theta, h, f0, b2 * rate) + h * np.sqrt(h) * fractional
 
 
 @compiled

@@ -21,7 +21,8 @@ from contact.body import Coordinates, Point, approach, approach_rate, at_phase, 
 from contact.codes import At, Recorded
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
-from contact.law.normal import curvature
+from contact.law.holding import approach_at, attraction, depth, depth_rate, is_open, made_depth, stiffness
+from contact.law.normal import curvature, load, slope
 from contact.law.normal import force as elastic_force
 from contact.law.protocol import slip_limit, slip_rate
 from contact.problem import contact_parameters
@@ -52,7 +53,11 @@ class SurfaceRow(IntEnum):
 
 
 class StepContact(IntEnum):
-    """First index of `Work.contact`: approach, deformation, sign of slip or 0."""
+    """First index of `Work.contact`: approach, deformation, sign of slip or 0.
+
+    Of a contact that holds on beyond the touch (`law.holding`) the depth stands for the approach of a closed one, and
+    the approach, at most 0, for itself of an open one.
+    """
 
     Z = 0
     X = 1
@@ -236,6 +241,76 @@ def _close(contact, passage):
 
 
 @compiled
+def _followed(z_old, z, hold):
+    """Return what stands for an approach z in `StepContact.Z`, after what stood there before."""
+    if hold is None:
+        return z
+    elif is_open(z, z_old <= 0.0, hold):
+        return min(z, 0.0)
+    else:
+        return depth(z, hold)
+
+
+@compiled
+def _rates(z_rate, d, hold):
+    """Return the rate of the depth of a closed contact; the approach's rate of an open one."""
+    return z_rate * depth_rate(d, hold) if d > 0.0 else z_rate
+
+
+@compiled
+def _opened(contact, passage, z_new, x, slip, hold):
+    """Return (x, slip, excess of P, excess of Q) of a contact that holds on and opens in the step, at `z_new`."""
+    h, end, sign = passage.h, hold.end**4, 1.0 if x > 0.0 else -1.0
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    s = edges.rising_root(hold.leave - approach_at(passage.z_old, hold), hold.leave - z_new, -r0, -r1)
+    rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
+    normal = contact.stiffness * edges.break_excess(s, h, rate, passage.z_bend, hold.end, 1.0, hold.root)
+    normal -= contact.stiffness * contact.contact_damping * rate * load(end, contact.normal) * h * (0.5 - s)
+    friction, kept = contact.friction * contact.stiffness, abs(x + s * passage.along)
+    tangential = friction * edges.break_excess(s, h, rate, passage.z_bend, hold.end, 1.0, 0.0)
+    left = end - kept / contact.limit_slope
+    if slip == 0.0 and left > 0.0:  # it sticks to the end: Q is less by what the spring lacks to the limit
+        steep = -slope(left, contact.normal) * 4.0 * hold.end**3 / (np.sqrt(6.0) * hold.end) * np.sqrt(rate)
+        tangential += friction * (
+            edges.whole_excess(s, h, -load(left, contact.normal), 0.0) + steep * h * np.sqrt(h) * edges.zeta_one_half(s)
+        )
+    return 0.0, 0.0, normal, sign * tangential
+
+
+@compiled
+def _closed(contact, passage, z_old, hold):
+    """Return (x, slip, excess of P, excess of Q) of a contact that holds on and closes in the step, from `z_old`."""
+    h, d = passage.h, made_depth(hold)
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    s = edges.rising_root(z_old - hold.make, approach_at(passage.z_new, hold) - hold.make, r0, r1)
+    y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
+    rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
+    elastic = load(d, contact.normal)
+    jump = elastic * (1.0 + contact.contact_damping * rate) - attraction(d, 0.0, hold)
+    normal = contact.stiffness * edges.whole_excess(1.0 - s, h, jump, stiffness(d, hold) * rate)
+    rise = contact.friction * contact.stiffness * slope(d, contact.normal) * drift / contact.limit_slope
+    tangential = edges.whole_excess(1.0 - s, h, 0.0, rise)
+    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), slip_limit(contact, passage.z_new)
+    if abs(x) < limit:
+        return x, 0.0, normal, tangential
+    sign = 1.0 if x > 0.0 else -1.0
+    return sign * limit, sign, normal, tangential
+
+
+@compiled
+def _jumps(contact, passage, z_old, z_new, x, slip, sticks, hold):
+    """Return what `_passed` does; `z_old` and `z_new` are approaches of a contact that opens or closes."""
+    if hold is None:
+        return _passed(contact, passage, x, slip, sticks)
+    elif passage.z_new <= 0.0:
+        return _opened(contact, passage, z_new, x, slip, hold)
+    elif passage.z_old <= 0.0:
+        return _closed(contact, passage, z_old, hold)
+    else:
+        return _passed(contact, passage, x, slip, sticks)
+
+
+@compiled
 def _passed(contact, passage, x, slip, sticks):
     """Return (x, slip, excess of P, excess of Q) after the step; an excess is that of the trapezoidal sum."""
     if passage.z_new <= 0.0:
@@ -274,7 +349,8 @@ def one_step(problem, k, work):
     normal_force, tangential_force, normal_excess, tangential_excess = 0.0, 0.0, 0.0, 0.0
     for i in range(own.shape[1]):
         z_old, x, slip = own[StepContact.Z, i], own[StepContact.X, i], own[StepContact.SLIP, i]
-        z_new = approach(paths, i, table[SurfaceRow.U_Z, k + 1, i], q)
+        z, hold = approach(paths, i, table[SurfaceRow.U_Z, k + 1, i], q), problem.normal.hold
+        z_new = _followed(z_old, z, hold)
         own[StepContact.Z, i] = z_new
         if z_old <= 0.0 and z_new <= 0.0:
             continue
@@ -282,24 +358,29 @@ def one_step(problem, k, work):
         z_rate = approach_rate(table[SurfaceRow.W_Z, k + 1, i], rate_next)
         moved = x + along
         contact = contact_parameters(problem, i)
+        changes = z_old <= 0.0 or z_new <= 0.0
         sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < slip_limit(contact, z_new)
         if sticks and x * moved >= 0.0:
             x = moved
         else:
+            z_rate_old, z_rate_new = approach_rate(table[SurfaceRow.W_Z, k, i], rate), z_rate
+            if hold is not None and not changes:
+                z_rate_old, z_rate_new = _rates(z_rate_old, z_old, hold), _rates(z_rate, z_new, hold)
             passage = Passage(
-                h, z_old, z_new, approach_rate(table[SurfaceRow.W_Z, k, i], rate), z_rate,
+                h, z_old, z_new, z_rate_old, z_rate_new,
                 travel(table[SurfaceRow.W_X, k, i], rate), travel(table[SurfaceRow.W_X, k + 1, i], rate_next), along,
                 approach(paths, i, 0.0, q),  # z'' = -u_z at z = 0
                 (table[SurfaceRow.W_X, k + 1, i] - table[SurfaceRow.W_X, k, i]) / h,
             )  # fmt: skip
-            x, slip, normal, tangential = _passed(contact, passage, x, slip, sticks)
+            x, slip, normal, tangential = _jumps(contact, passage, z_old, z, x, slip, sticks, hold)
             normal_excess += normal
             tangential_excess += tangential
         own[StepContact.X, i], own[StepContact.SLIP, i] = x, slip
         if z_new > 0.0:
-            point = Point(z_new, x, z_rate, travel(table[SurfaceRow.W_X, k + 1, i], rate_next))
+            own_rate = _rates(z_rate, z_new, hold)
+            point = Point(z_new, x, own_rate, travel(table[SurfaceRow.W_X, k + 1, i], rate_next))
             normal_force += contact_force(contact, elastic_force(contact.stiffness, z_new, contact.normal), z_rate)
-            normal_force -= contact.stiffness * contact.normal.pull
+            normal_force -= contact.stiffness * attraction(z_new, contact.normal.pull, hold)
             tangential_force += _traction(contact, point, slip)
     normal_velocity = normal_half + 0.5 * h * (normal_force - problem.preload) - normal_excess
     speed = along_half + 0.5 * h * (tangential_force - problem.load) - tangential_excess
@@ -362,16 +443,18 @@ def begin_steps(problem, state, per_cycle, work):
     normal_force, tangential_force = 0.0, 0.0
     for i in range(own.shape[1]):
         x, slip = state[At.DEFORMATIONS + i], 0.0
-        z = approach(problem.paths, i, table[SurfaceRow.U_Z, 0, i], q)
+        hold = problem.normal.hold
+        # where both are possible, a contact without deformation is open
+        z = _followed(abs(x), approach(problem.paths, i, table[SurfaceRow.U_Z, 0, i], q), hold)
         if z > 0.0:
             contact = contact_parameters(problem, i)
             z_rate, limit = approach_rate(table[SurfaceRow.W_Z, 0, i], rate), slip_limit(contact, z)
             normal_force += contact_force(contact, elastic_force(contact.stiffness, z, contact.normal), z_rate)
-            normal_force -= contact.stiffness * contact.normal.pull
+            normal_force -= contact.stiffness * attraction(z, contact.normal.pull, hold)
             if abs(x) > limit * (1.0 - 1e-13):
                 slip = np.sign(x)
             if x != 0.0:
-                point = Point(z, x, z_rate, travel(table[SurfaceRow.W_X, 0, i], rate))
+                point = Point(z, x, _rates(z_rate, z, hold), travel(table[SurfaceRow.W_X, 0, i], rate))
                 tangential_force += _traction(contact, point, slip)
         own[StepContact.Z, i], own[StepContact.X, i], own[StepContact.SLIP, i] = z, x, slip
     slider[StepSlider.NORMAL], slider[StepSlider.TANGENTIAL] = normal_force, tangential_force

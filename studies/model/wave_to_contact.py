@@ -114,10 +114,8 @@ class Contact:
                 raise SceneError("slider.law", STOPS.format(where="here"))
             force = ball_force(self.scene.slider, largest_amplitude(self.scene.levels, self.orbits))
             return replace(contact_slider(self.scene.slider), normal_law=force)
-        if self.holding:
-            rule = (
-                'must be "DMT" or "meniscus" here: of the others run and sweep give steady velocities and limits alone'
-            )
+        if self.holding and self.scene.slider.adhesion.averaged_alone:
+            rule = 'must be "DMT", "meniscus" or "JKR" here: of others run and sweep give steady velocities alone'
             raise SceneError("slider.adhesion.model", f'{rule}, got "{self.scene.slider.adhesion.model}"')
         return contact_slider(self.scene.slider)
 
@@ -141,6 +139,14 @@ class Contact:
         """Whether it stands on balls whose adhesion holds on beyond the touch."""
         slider = self.scene.slider
         return slider is not None and slider.adhesion is not None and slider.adhesion.holds
+
+    @property
+    def by_means(self) -> bool:
+        """Whether its answers are cycle means of balls whose adhesion holds on; JKR's are also followed in time."""
+        if not self.holding:
+            return False
+        own: Any = self.scene.slider
+        return own.adhesion.averaged_alone or (self.scene.burst is None and own.method in ("auto", "averaged"))
 
     @property
     def heavy(self) -> bool:

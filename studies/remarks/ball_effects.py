@@ -79,10 +79,10 @@ def wave_load(record: Record, voltages) -> list[float]:
     slider, stator = record.scene.slider, model_of(record.scene).plain
     body = contact_slider(slider.along_x)
     offsets = [x - slider.center[0] for x, _ in slider.contact_positions]
-    # A loaded wave takes the elastic law with Coulomb's friction alone. Each computed contact stands for slider.share
-    # contacts; the body bears 1/share of the slider's preload.
+    # A loaded wave takes dry contacts and the elastic law with Coulomb's friction alone. Each computed contact stands
+    # for slider.share contacts; the body bears 1/share of the slider's preload.
     balls = replace(
-        body, law="elastic", reciprocal=False, stick_band=0.0, friction=None, mass=math.inf, load=0.0,
+        body, law="elastic", reciprocal=False, stick_band=0.0, friction=None, mass=math.inf, load=0.0, adhesion=None,
         friction_coefficient=body.static_coefficient or NO_FRICTION, preload=body.preload * slider.share,
         x=offsets, weights=slider.share,
     )  # fmt: skip

@@ -177,7 +177,9 @@ def _split(record: Record, point: Point) -> Effects:
     places = np.array(slider.offsets).T
     if min(map(np.ptp, places)) > 0.0 and abs(np.corrcoef(places)[0, 1]) > ON_A_LINE:
         return  # a line askew does not hold the tilt about itself
-    smooth = replace(slider, law="elastic", roughness=None, friction_coefficient=slider.static_coefficient)
+    smooth = replace(
+        slider, law="elastic", roughness=None, adhesion=None, friction_coefficient=slider.static_coefficient
+    )
     body, orbits = contact_slider(smooth), contact_of_run(record).at(point.level)
     with suppress(contact.ConvergenceError):
         together = float(contact.mean_motion(body, orbits).velocity)
@@ -266,7 +268,8 @@ def _on_balls(record: Record) -> bool:
 def _alpha(record: Record) -> float:
     """Return Johnson's number: the roughness of the balls over the approach of smooth ones."""
     slider = record.scene.slider
-    smooth = contact_slider(replace(slider.along_x, roughness=None))
+    dry = {"adhesion": None} if slider.adhesion is not None and slider.adhesion.holds else {}
+    smooth = contact_slider(replace(slider.along_x, roughness=None, **dry))
     return contact.johnson_number(_rms(record), smooth.rest_approach(slider.computed_contacts))
 
 

@@ -19,6 +19,7 @@ LEDGER = {
     "tangential_damper": "tangential damper",
     "load": "work against the load",
     "leak": "not conserved by the elastic law",
+    "adhesion": "lost by closing and opening",
     "stored": "held by the springs",
     "lifted": "held by the preload",
     "slider": "held by the slider",
@@ -42,7 +43,7 @@ def balances(record: Record) -> tuple[Balance, ...]:
     if scene.slider is None or any(point.friction_power_W is not None for point in record.points):
         return ()
     driven = contact_of_run(record)
-    if driven.heavy:
+    if driven.rough or driven.by_means:
         return _of_heavy_slider(record, driven)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     goal, results = record.tolerance * SHARE, []
@@ -55,7 +56,8 @@ def balances(record: Record) -> tuple[Balance, ...]:
 def _balance(driven: Contact, level: float, ledger, share: int) -> Balance:
     """Return the powers of a cycle's ledger, of which the slider has a number of equal parts."""
     power = share * driven.scene.frequency
-    shown = {name: text for name, text in LEDGER.items() if name not in STORED}
+    absent = STORED if driven.holding else (*STORED, "adhesion")
+    shown = {name: text for name, text in LEDGER.items() if name not in absent}
     entries = tuple((text, getattr(ledger, name) * power) for name, text in shown.items())
     return Balance(level=level, entries=entries, residual=ledger.relative_residual)
 
@@ -87,7 +89,7 @@ def _of_heavy_slider(record: Record, driven: Contact) -> tuple[Balance, ...]:
         load, damper = balls.slider.load * speed, balls.slider.tangential_damping * speed**2
         powers = {
             LEDGER["wave_normal"]: state.normal_power, LEDGER["wave_tangential"]: state.tangential_power,
-            "lost by closing and opening": state.lost_power,
+            LEDGER["adhesion"]: state.lost_power,
             LEDGER["slip"]: state.tangential_power - load - damper,
             LEDGER["tangential_damper"]: damper, LEDGER["load"]: load,
         }  # fmt: skip

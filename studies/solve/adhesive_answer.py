@@ -4,6 +4,7 @@ Its error is that of the steps of a cycle; averaging of first order leaves out (
 resonance f_n of the bounce.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -25,7 +26,8 @@ def adhesive_balls(slider: Slider) -> Any:
     block: Any = slider.adhesion
     separation = {} if block.separation is None else {"separation": block.separation}
     with slider_keys():
-        return contact.AdhesiveBalls(slider_of(slider), work=block.work, model=block.model, **separation)
+        own = replace(slider_of(slider), adhesion=None)
+        return contact.AdhesiveBalls(own, work=block.work, model=block.model, **separation)
 
 
 def adhesive_answer(driven: Contact, level: float, tolerance: float) -> PointAnswer:
@@ -33,7 +35,7 @@ def adhesive_answer(driven: Contact, level: float, tolerance: float) -> PointAns
     if driven.scene.burst is not None:
         block: Any = driven.scene.slider.adhesion
         model = block.model
-        rule = f'must be "DMT" or "meniscus" with a burst: the answers of "{model}" are steady velocities'
+        rule = f'must be "DMT", "meniscus" or "JKR" with a burst: the answers of "{model}" are steady velocities'
         driven.scene.refuse("slider.adhesion.model", rule)
     orbits, goal, balls = driven.at(level), SHARE * tolerance, adhesive_balls(driven.scene.slider)
     if level == 0.0:

@@ -69,7 +69,7 @@ def point_answer(
             from studies.solve.rough_answer import rough_answer
 
             answer = rough_answer(driven, level, tolerance, balance=balance)
-        elif driven.holding:
+        elif driven.by_means:
             from studies.solve.adhesive_answer import adhesive_answer
 
             answer = adhesive_answer(driven, level, tolerance)
@@ -113,6 +113,9 @@ def _answer(driven: Contact, level: float, tolerance: float, bursting: bool) -> 
     sensitivity = by_amplitude if known else None
     point = Point(velocity_m_per_s=state.velocity, regime=state.regime, amplitude_sensitivity=sensitivity)
     events = steady_events(state) | wave_point(driven, state, level)
+    if driven.holding:
+        power = state.ledger.adhesion * driven.scene.frequency * driven.scene.slider.share
+        point |= Point(adhesion_power_W=power)
     if bursting and driven.scene.burst is not None:
         trajectory, moved = followed_burst(driven, level, state.velocity, goal)
         point |= moved | burst_values(trajectory)

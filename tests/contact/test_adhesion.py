@@ -186,7 +186,7 @@ def test_sliders_that_attraction_does_not_take(changed, sentence):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"model": "JKR", "work": 0.05}, r"adhesion\.model"),
+        ({"model": "Maugis", "work": 0.05}, r"adhesion\.model"),
         ({"model": "DMT"}, r"adhesion\.work is required"),
         ({"model": "DMT", "work": -0.05}, r"adhesion\.work must be"),
         ({"model": "meniscus", "work": 0.05}, r"adhesion\.surface_tension is required"),

@@ -7,6 +7,7 @@ from studies import Scene, SceneError, run, sweep
 from studies.evidence import rough_balls
 from studies.model.resolve import build
 from studies.model.wave_to_contact import Contact
+from studies.motor import load_line
 from studies.report.energies import balances
 
 
@@ -14,6 +15,9 @@ def scene(model="JKR", amplitudes=("2 nm", "10 nm"), **slider):
     own = {"adhesion": {"work": "0.05 J/m^2", "model": model}, "damping": {"normal": 0.5, "tangential": 0.0}}
     wave = {"normal_amplitude": list(amplitudes), "tangential_ratio": 0.67}
     return Scene.load("twente-contact").replace(wave=wave, slider=own | slider)
+
+
+MAUGIS = {"adhesion": {"work": 0.05, "model": "Maugis"}}
 
 
 @pytest.fixture(scope="module")
@@ -96,12 +100,15 @@ def test_on_a_stator_the_error_of_the_wave_counts(small):
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"slider": {"method": "exact"}}, r'method does not go with slider\.adhesion\.model = "JKR"'),
+        ({"slider": MAUGIS | {"method": "exact"}}, r'method does not go with slider\.adhesion\.model = "Maugis"'),
         ({"slider": {"stick_band": 1e-3}}, r"stick_band does not go with slider\.adhesion"),
         ({"slider": {"law": "hysteretic"}}, r"slider\.adhesion has no hysteretic law"),
         ({"slider": {"adhesion": {"separation": "0.3 nm"}}}, r"separation must be left out: the model is \"JKR\""),
         ({"slider": {"adhesion": {"work": None}}}, r"adhesion\.work is required and missing"),
-        ({"wave": {"burst": "1 ms"}}, r'adhesion\.model must be "DMT" or "meniscus" with a burst'),
+        (
+            {"slider": MAUGIS, "wave": {"burst": "1 ms"}},
+            r'adhesion\.model must be "DMT", "meniscus" or "JKR" with a burst',
+        ),
     ],
 )  # fmt: skip
 def test_what_does_not_go_with_it_is_refused(changes, sentence):
@@ -118,8 +125,39 @@ def test_a_separation_below_that_of_atoms_is_refused_with_its_key():
 
 
 def test_what_needs_the_slider_in_time_refuses_it():
-    with pytest.raises(SceneError, match=r'adhesion\.model must be "DMT" or "meniscus" here'):
-        _ = Contact.prescribed(build(scene())).slider
+    with pytest.raises(SceneError, match=r'adhesion\.model must be "DMT", "meniscus" or "JKR" here'):
+        _ = Contact.prescribed(build(scene("Maugis"))).slider
+
+
+def test_the_exact_method_agrees_and_closes_its_ledger(record):
+    """The averaged velocity leaves out (f_n/f)^2; the power lost has the springs of opened contacts in it."""
+    found = run(scene(method="exact"), tolerance=1e-9)
+    for own, mean in zip(found.points, record.points, strict=True):
+        assert own.velocity_m_per_s == pytest.approx(mean.velocity_m_per_s, rel=1e-4)
+        assert own.regime == mean.regime
+        assert own.adhesion_power_W == pytest.approx(mean.adhesion_power_W, rel=1e-3)
+        assert own.relative_error < 1e-8
+    assert own.adhesion_power_W > mean.adhesion_power_W
+    for balance in balances(found):  # the kinetic energy, 3e5 times the work of a cycle, is rounded to 1e-10 of that
+        assert balance.residual < 3e-10
+    assert dict(balance.entries)["lost by closing and opening"] == pytest.approx(own.adhesion_power_W, rel=1e-9)
+
+
+def test_a_burst_moves_towards_the_steady_velocity():
+    motor = scene(amplitudes=["10 nm"]).replace(wave={"burst": "0.5 ms"})
+    exact, stepped = (run(motor.replace(slider={"method": each}), tolerance=1e-3) for each in ("exact", "stepped"))
+    (point,), (other,) = exact.points, stepped.points
+    assert (point.burst_method, other.burst_method) == ("exact", "stepped")
+    ends = [each.velocity_at_burst_end_m_per_s for each in (point, other)]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-3)
+    assert 0.0 < ends[0] < point.velocity_m_per_s
+    assert point.burst_release > 1000
+
+
+def test_a_load_line_falls_to_the_stall():
+    motor = scene(amplitudes=["10 nm"])
+    found = load_line.run(motor, points=4, tolerance=1e-2)
+    assert all(each.confirmed is not False for each in found.findings)
 
 
 @pytest.mark.parametrize(("model", "share"), [("JKR", 0.270), ("DMT", 0.360)])
