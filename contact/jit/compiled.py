@@ -16,7 +16,7 @@ kernels).
 The files are stored in the first of these folders that can be written to: NUMBA_CACHE_DIR, the package's __pycache__,
 the user's cache, the user's own folder among the temporary files. Their folder is named by a digest of all sources that
 hold kernels or constants in kernels, of the versions of the compilers, and of the processor. A change of any of these
-therefore compiles all kernels again.
+therefore compiles all kernels again. Kernels of other packages lie in a folder of their own within it (`_folder_of`).
 """
 
 import ctypes
@@ -135,7 +135,7 @@ class Kernel:
     @cached_property
     def dispatcher(self):
         """Numba's own, for calls from Python; cached on disk."""
-        numba, folder = _numba(), cache_folder()
+        numba, folder = _numba(), _folder_of(self.function.__code__.co_filename)
         usual = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = folder or usual
         try:
@@ -459,6 +459,24 @@ def cache_folder():
         return None
     cache_folders.cache_clear()
     return next((folder for folder in cache_folders() if _is_writable(Path(folder))), None)
+
+
+@cache
+def _folder_of(file):
+    """Return the folder for what numba keeps of a file's kernels.
+
+    Of another package than this one it is named by a digest of that package's kernels and of the files beside them,
+    which hold their constants: numba itself looks at the kernel's own file alone.
+    """
+    folder, root = cache_folder(), Path(file)
+    while (root.parent / "__init__.py").is_file():
+        root = root.parent
+    if folder is None or root == HERE or root.suffix:
+        return folder
+    texts = {path: path.read_bytes() for path in sorted(root.rglob("*.py"))}
+    folders = {path.parent for path, text in texts.items() if any(mark in text for mark in _MARKS)}
+    digest = hashlib.sha256(b"".join(text for path, text in texts.items() if path.parent in folders))
+    return str(Path(folder) / f"{root.name}-{digest.hexdigest()[:16]}")
 
 
 def _home():

@@ -3,6 +3,8 @@
 import gc
 import hashlib
 import os
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -417,3 +419,20 @@ def test_a_law_that_is_gone_is_not_taken_for_a_new_one():
         records.append(record)
         del kernel, record
         gc.collect()
+
+
+def test_kernels_of_another_package_follow_its_constants(tmp_path):
+    package = tmp_path / "own"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "kernel.py").write_text(
+        "from contact.jit.compiled import compiled\nfrom own import factors\n\n\n@compiled\ndef scaled(x):\n"
+        "    return factors.FACTOR * x\n\n\nprint(scaled(2.0))\n"
+    )
+    root = str(Path(compiled.__file__).parents[2])
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": os.pathsep.join((str(tmp_path), root))}
+    for factor in (3.0, 3.0, 5.0):
+        (package / "factors.py").write_text(f"FACTOR = {factor}\n")
+        command = [sys.executable, "-B", "-m", "own.kernel"]
+        found = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        assert float(found.stdout) == 2.0 * factor
