@@ -66,7 +66,7 @@ def modulation(scene: Scene) -> Modulation | None:
 
 def _table(block: Waveform, file: str, path: str) -> CsvColumns:
     """Return the columns of the file of a waveform, which is read once for each block: a run keeps its first state."""
-    kept = vars(block)  # the block is frozen; `functools.cached_property` keeps its value in the same way
+    kept = vars(block)  # the block is frozen; functools.cached_property keeps its value in the same way
     if "_table" not in kept:
         kept["_table"] = CsvColumns.read(file, f"{path}.file")
     return kept["_table"]
