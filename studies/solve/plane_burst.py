@@ -83,7 +83,8 @@ def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, 
         rise_time=rise,
     )  # fmt: skip
     motion, end = on_free_surface(driven, slider, motion)
-    return motion, _values(scene.slider, motion) | Point(way_ends_after_s=end)
+    sway = (0.0, 0.0) if end is not None else _sway(slider, motion)
+    return motion, _values(scene.slider, motion, sway) | Point(way_ends_after_s=end)
 
 
 def _after(slider, speed: float, duration: float) -> float:
@@ -91,6 +92,22 @@ def _after(slider, speed: float, duration: float) -> float:
     friction = slider.friction_coefficient * slider.preload
     stop = min(1.2 * speed * slider.mass / friction, 1.2 * duration)
     return stop + RINGS / slider.tangential_resonance(slider.count)
+
+
+def _sway(slider, motion: plane.PlaneTrajectory) -> tuple[float, float]:
+    """Return how far from the motion's end the slider may come to rest in its contacts' springs, m, and rad of yaw.
+
+    Of a motion followed through its cycles half the range of the last part of the ring. The averaged motion ends where
+    friction has stopped it, before the contacts spring back: from their slip limit c z they swing to -c z at most.
+    """
+    if motion.stopped == math.inf:
+        last = motion.time >= motion.time[-1] - 0.5 * RINGS / slider.tangential_resonance(slider.count)
+        x, y, yaw = 0.5 * np.ptp(motion.pose[last], axis=0)
+        return float(np.hypot(x, y)), float(yaw)
+    swing = 2.0 * float(np.max(slider.limit_slope * slider.rest_approaches(slider.count)))
+    squares = np.subtract(slider.x, slider.axis[0]) ** 2 + np.subtract(slider.y, slider.axis[1]) ** 2
+    arm = math.sqrt(float(np.mean(squares)))
+    return swing, swing / arm if arm > 0.0 else 0.0
 
 
 def on_free_surface(driven: Contact, slider, motion: plane.PlaneTrajectory):
@@ -118,14 +135,17 @@ def _free(driven: Contact, x: np.ndarray, y: np.ndarray) -> bool:
     return not any(fem.covers(each, place) for each in model.transducers for place in places)
 
 
-def _values(block: Any, motion: plane.PlaneTrajectory) -> Point:
-    """Return velocity at the burst's end and pose at the end of the motion, with its error; of an axle its turn."""
+def _values(block: Any, motion: plane.PlaneTrajectory, sway: tuple[float, float]) -> Point:
+    """Return velocity at the burst's end and pose at the end of the motion, with its error; of an axle its turn.
+
+    ``sway``: what the errors contain of the ring after the stop, m and rad.
+    """
     at_end, (x, y, yaw) = motion.rates[motion.burst_end], motion.pose[-1]
     path, turn = np.concatenate([np.zeros((1, 3)), motion.pose]), Point()
     if block.turns:
         turn = Point(
             yaw_rate_at_burst_end_rad_per_s=float(at_end[2]), turn_rad=float(yaw),
-            turn_error_rad=float(motion.pose_error[2]),
+            turn_error_rad=float(motion.pose_error[2]) + sway[1],
         )  # fmt: skip
     if block.freedom == AXLE:
         arm = max(math.dist(each, block.axis) for each in block.offsets)
@@ -133,6 +153,6 @@ def _values(block: Any, motion: plane.PlaneTrajectory) -> Point:
     return turn | Point(
         velocity_at_burst_end_m_per_s=float(at_end[0]), lateral_velocity_at_burst_end_m_per_s=float(at_end[1]),
         displacement_m=float(x), lateral_displacement_m=float(y),
-        displacement_error_m=float(np.hypot(*motion.pose_error[:2])),
+        displacement_error_m=float(np.hypot(*motion.pose_error[:2])) + sway[0],
         path_length_m=float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum()), burst_method=motion.method,
     )  # fmt: skip
