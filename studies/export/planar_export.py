@@ -18,7 +18,7 @@ from studies.export.planar_tables import BEYOND, Body, Forces, Grid, packed, tab
 from studies.export.reduced_plane import plane_index as index
 from studies.export.reduced_plane.plane_force_tables import element_force, set_wave
 from studies.model.plane import StatorSurface
-from studies.model.scene_errors import as_run_errors
+from studies.model.scene_errors import as_run_errors, slider_keys
 from studies.model.wave_to_contact import Contact
 from studies.scene import Scene
 from studies.solve.plane_motor import PlaneMotor, contact_speed
@@ -68,7 +68,7 @@ def planar_motor(scene: str | Scene, *, tolerance: float = 1e-3, nodes: tuple | 
         driven.scene.refuse(key, rule)
     if not levels:
         driven.scene.refuse(driven.scene.level_key, "must hold a value above 0: the tables reach as far as the levels")
-    with as_run_errors():
+    with slider_keys(), as_run_errors():
         variation = _variation(driven, levels[-1], tolerance)
         body = Body(
             slider=replace(driven.slider, load=(0.0, 0.0), torque=0.0),

@@ -274,6 +274,13 @@ def test_what_tables_do_not_hold_is_refused(sources, keys, key, words):
     assert key in str(raised.value)
 
 
+def test_a_slider_without_friction_is_refused_with_its_key():
+    frictionless = scene({}, freedom="xy yaw", inertia="5 g mm^2", friction_coefficient=0.0)
+    with pytest.raises(SceneError, match="must be positive") as raised:
+        planar_motor(frictionless, tolerance=1e-2)
+    assert raised.value.path == "slider.friction_coefficient"
+
+
 def test_inputs_that_cannot_be_are_refused():
     state = one_wave().start()
     with pytest.raises(SceneError, match="level must be zero or positive"):
