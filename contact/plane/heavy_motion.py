@@ -42,6 +42,7 @@ from contact.plane.radau import Map
 GRID = TURN / 24.0  # rad of the fastest wave: of the phases at which z is bracketed
 STICK_GRID = TURN / 48.0
 ROOT = 1e-13  # rad: width of a root's bracket
+TOUCHING = 1e-12  # |z|, scaled, that rounding and the width of its bracket leave at a root of z
 BEND = 1e-7  # the same of a least |e|, which only parts two rules of quadrature
 SLIP_END = 1e-9  # rad: of the end of slip, in which the force is continuous and its rate too
 MAX_SEGMENTS = 100_000
@@ -123,6 +124,8 @@ def _next_contact_end(problem, i, closed, until, state, work):
     row = work.point[i]
     old, at_old = state.total[Total.PHASE], max(sign * work.start[i, Stage.Z], 0.0)
     rate_old = sign * work.start[i, Stage.Z_RATE]
+    if rate_old > 0.0 and at_old < TOUCHING:
+        at_old = 0.0  # it has just begun: this root of z is not its end
     while old < until:
         new = min(old + GRID, until)
         at_new = sign * _value(problem, i, Value.APPROACH, new, state, work)

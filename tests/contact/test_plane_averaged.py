@@ -24,6 +24,8 @@ from contact.plane import (
     threshold_factor,
     yaw_stability,
 )
+from contact.plane.averaged import Averaged
+from contact.plane.disc_contacts import Sum
 from tests.contact.plane_motors import MU, R_X, F, ball, beams
 from tests.oracles.line_cycle import velocity_error
 
@@ -289,3 +291,23 @@ def test_a_load_across_the_wave_lowers_the_threshold_and_full_friction_needs_non
     state = steady(ball(load=(0.0, 0.3 * limit)), beams(1, 0).scaled(1.01 * across), tolerance=1e-6)
     assert state.velocity[1] < 0.0  # it yields to the force
     assert steady(ball(load=(0.0, 0.3 * limit)), beams(1, 0).scaled(0.99 * across), tolerance=1e-6).held
+
+
+@pytest.mark.parametrize("flights", [False, True], ids=["short contacts", "short flights"])
+def test_mean_loads_next_to_a_graze_are_those_of_quadrature(flights):
+    """An approach whose extremum lies just beyond zero makes a contact, or a flight, of a fraction of a milliradian."""
+    waves = SurfaceWaves(frequencies=[2.2e6, 2.3e6], amplitudes=[[[-6.7e-9j, 0, 10e-9]], [[0, -6.7e-9j, 9e-9j]]])
+    averaged = Averaged.of(ball(), waves)
+    problem = averaged.problem
+    angle = problem.ratio * np.linspace(0.0, averaged.scaled.period, 100_000, endpoint=False)[:, None]
+    u_z = np.cos(angle) @ problem.cos[:, 0, 2] + np.sin(angle) @ problem.sin[:, 0, 2]
+    sign = -1.0 if flights else 1.0
+    inner = sign * u_z[1:-1]
+    extrema = np.sort(u_z[1:-1][(inner > sign * u_z[:-2]) & (inner > sign * u_z[2:])])
+    for depth in np.geomspace(1e-6, 2e-3, 40):
+        averaged.height = problem.height + extrema[len(extrema) // 2] - sign * depth
+        means, repeats = averaged.contact_means(np.array([[0.05, 0.03]]))
+        approach = problem.height - averaged.height + u_z
+        load = float((problem.stiffness * np.mean(np.maximum(approach, 0.0) ** 1.5))[0])
+        assert repeats
+        assert means[0, Sum.NORMAL] == pytest.approx(load, rel=1e-6)
