@@ -32,7 +32,7 @@ def compiled_aside() -> Iterator[None]:
     if not kernels.ready() and compiled.cache_folder() is not None and (os.cpu_count() or 1) > 1 and sys.executable:
         paths = os.pathsep.join(path for path in (os.getcwd() if each == "" else each for each in sys.path))
         process = subprocess.Popen(
-            [sys.executable, "-m", __name__], env=os.environ | {"PYTHONPATH": paths}, stdin=subprocess.DEVNULL,
+            [sys.executable, "-P", "-m", __name__], env=os.environ | {"PYTHONPATH": paths}, stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         compiled.MEANWHILE.append(compile_events)

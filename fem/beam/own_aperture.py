@@ -45,11 +45,10 @@ the same effect as additional potentials (Q_U^-1 Q_a A)_f, which are added to th
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from fem.beam.lateral import amplitude_ratio, highest_wavenumber, sheet_spectrum, wavenumber_along
 from fem.beam.line_source import LineSource
@@ -61,6 +60,7 @@ from fem.waveguide.scattering_network import Scatterer, Sheet
 
 # Points across a finger for the density 1 / sqrt(1 - s^2): Chebyshev nodes, exact up to the seventh power of s.
 ACROSS = 4
+DENSE = 1_000_000  # entries of weights that are kept as a full array
 # Sums over mirror images, with k_max the largest wavenumber of a propagating mode: they end at k_y = MAX_LATERAL k_max,
 # and include the modes with |k| < MAX_IMAGED k_max.  The others decay before they reach the mirrors.
 MAX_LATERAL, MAX_IMAGED = 16.0, 4.0
@@ -256,7 +256,7 @@ def no_coupling(transducer: Transducer, sheets: int) -> Coupling:
     return Coupling(nothing, nothing, nothing, np.zeros(len(pairs.half_widths)))
 
 
-def _averages(source: LineSource, pairs: FingerPairs) -> tuple[np.ndarray, list[csr_array]]:
+def _averages(source: LineSource, pairs: FingerPairs) -> tuple[np.ndarray, list[Any]]:
     """Distances in m at which D is evaluated, and weights (kinds, distances) of its three averages over two fingers."""
     across = np.cos(np.pi * (np.arange(ACROSS) + 0.5) / ACROSS)
     one, other = (np.multiply.outer(pairs.half_widths[each], across) for each in (pairs.first, pairs.second))
@@ -272,10 +272,14 @@ def _averages(source: LineSource, pairs: FingerPairs) -> tuple[np.ndarray, list[
     moment_of_one, moment_of_other = (dipole / pairs.half_widths[each][:, None] for each in (pairs.first, pairs.second))
     on_pairs = ((unit * charge, unit * charge), (unit * charge, moment_of_other), (moment_of_one, moment_of_other))
     starts = np.arange(len(apart) + 1) * ACROSS**2
-    weights = [
-        csr_array(((first[:, :, None] * second[:, None, :]).ravel(), number.ravel(), starts), (len(apart), len(at)))
-        for first, second in on_pairs
-    ]
+    values = [(first[:, :, None] * second[:, None, :]).ravel() for first, second in on_pairs]
+    weights: list[Any] = [np.zeros((len(apart), len(at))) for _ in values] if len(apart) * len(at) <= DENSE else []
+    for each, of_pairs in zip(weights, values, strict=False):
+        np.add.at(each, (np.repeat(np.arange(len(apart)), ACROSS**2), number.ravel()), of_pairs)
+    if not weights:
+        from scipy.sparse import csr_array  # its import takes longer than a run
+
+        weights = [csr_array((each, number.ravel(), starts), (len(apart), len(at))) for each in values]
     panels = Panels.of(source, at[0], at[-1])
     if panels.nodes.size * FEWER_NODES > at.size:
         return at, weights

@@ -26,10 +26,10 @@ by Gauss and Laguerre's rule.  The pole at k = 0, with r = (x^2 + y^2)^(1/2), ha
 """
 
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebvander
-from scipy.sparse import csr_array
 
 from fem.analytic.hankel import scaled_hankel
 from fem.beam.line_source import LineSource
@@ -81,8 +81,10 @@ class Panels:
         low, high = self.edges[piece], self.edges[piece + 1]
         return piece, (2 * r - low - high) / (high - low)
 
-    def interpolation(self, distances: np.ndarray) -> csr_array:
+    def interpolation(self, distances: np.ndarray) -> Any:
         """Matrix (distances, nodes) from values at the nodes to those at distances in m, (distances,)."""
+        from scipy.sparse import csr_array  # its import takes longer than a run
+
         piece, local = self.places(distances)
         weights = chebvander(local, TERMS - 1) @ TO_COEFFICIENTS
         columns = piece[:, None] * TERMS + np.arange(TERMS)

@@ -49,7 +49,7 @@ def refuse_special_contacts(scene: Scene) -> None:
         "heights": "contacts of one height",
         "normal_law": "smooth contacts",
         "roughness": "smooth balls, whose force is a power of the approach",
-        "adhesion": "dry contacts",
+        "adhesion": "contacts without adhesion",
     }
     for key, what in taken.items():
         if scene.slider is not None and getattr(scene.slider, key):

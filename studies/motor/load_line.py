@@ -48,9 +48,10 @@ def run(scene: Scene, *, points: int = 17, tolerance: float = 1e-3) -> Answered:
         lines[name] = contact.load_line(slider, driven.at(level), points=points, tolerance=0.1 * tolerance)
     balls = resolved_scene.slider.share
     friction = slider.static_friction(driven.contacts)
+    what = "mu times preload" if slider.adhesion is None else "the friction at rest"
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",
-               "blocked thrust over mu times preload, the largest",
+               f"blocked thrust over {what}, the largest",
                max(line.blocked_thrust for line in lines.values()) / friction, low=0, high=1 + 1e-9,
                holds=all(np.all(np.diff(np.abs(line.velocity)) < 0.0) for line in lines.values()),
                expected="above 0, up to 1",

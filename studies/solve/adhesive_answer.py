@@ -17,7 +17,7 @@ from studies.record.status import Status
 from studies.scene.slider_keys import Slider
 from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
-from studies.solve.velocity_error import judged, velocity_sensitivities
+from studies.solve.velocity_error import held_height_error, judged, velocity_sensitivities
 
 
 @lru_cache(16)  # of a sweep's points many have the same
@@ -49,8 +49,8 @@ def adhesive_answer(driven: Contact, level: float, tolerance: float) -> PointAns
         return balls.motion(some, tolerance=goal).velocity.value
 
     by_amplitude, by_orbit = velocity_sensitivities(velocity, orbits, driven.stator_error, nearby)
-    bounce = balls.slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    from_stator, from_contact = driven.stator_error * by_orbit, state.velocity.error / speed + bounce**2
+    from_stator = driven.stator_error * by_orbit
+    from_contact = state.velocity.error / speed + held_height_error(balls.slider, orbits)
     point = Point(
         velocity_m_per_s=velocity, regime=state.regime, adhesion_power_W=state.lost_power * driven.scene.slider.share,
         amplitude_sensitivity=float(by_amplitude) if driven.stator_error > 0 else None,

@@ -13,7 +13,7 @@ from studies.record.status import Status
 from studies.scene.roughness_keys import STARTS
 from studies.solve.point_answer import PointAnswer
 from studies.solve.refinement import SHARE
-from studies.solve.velocity_error import judged, velocity_sensitivities
+from studies.solve.velocity_error import held_height_error, judged, velocity_sensitivities
 
 SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
 
@@ -40,6 +40,8 @@ def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bo
     by_amplitude, by_orbit = velocity_sensitivities(velocity, orbits, driven.stator_error, nearby)
     from_stator = driven.stator_error * by_orbit
     from_contact = state.answer.error / speed if speed > 0.0 else 0.0
+    if level > 0.0:
+        from_contact += held_height_error(own.slider, orbits)
     point = Point(
         velocity_m_per_s=velocity, regime=state.regime,
         amplitude_sensitivity=float(by_amplitude) if driven.stator_error > 0 else None,

@@ -38,7 +38,7 @@ def test_another_process_compiles_while_the_block_runs_and_ends_with_it(started)
     def run():
         with compiled_aside():
             assert [(each.words, each.ended) for each in started] == [
-                ([sys.executable, "-m", "contact.answers.first_use"], [])
+                ([sys.executable, "-P", "-m", "contact.answers.first_use"], [])
             ]
             raise ZeroDivisionError
 
