@@ -7,6 +7,7 @@ motion differs from there within a wavelength, or over the turn, is measured and
 
 import logging
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,6 @@ from studies.model.wave_to_contact import Contact
 from studies.scene import Scene
 from studies.solve.plane_motor import PlaneMotor, contact_speed
 from studies.solve.plane_ripple import differs, states_nearby
-from studies.solve.plane_sources import surfaces_of_frequencies
 from studies.solve.ring_up import ring_up
 from studies.study_list import driven_contact
 
@@ -59,7 +59,7 @@ def planar_motor(scene: str | Scene, *, tolerance: float = 1e-3, nodes: tuple | 
     refuse_special_contacts(scene)
     driven = driven_contact(scene, tolerance=tolerance, planar=True)
     refuse_special_friction(driven)
-    surfaces, levels = surfaces_of_frequencies(driven), driven.levels
+    surfaces, levels = _surfaces_of_frequencies(driven), driven.levels
     if len(surfaces) > 2:
         key = "wave.sources" if driven.scene.wave is not None else "drive.source_frequencies"
         rule = (
@@ -94,6 +94,32 @@ def planar_motor(scene: str | Scene, *, tolerance: float = 1e-3, nodes: tuple | 
             motor, interpolation_error=_interpolation_error(motor, forces), velocity_error=velocity,
             averaging_error=averaging, left_out=tuple(_left_out(driven, motor, variation, rise)),
         )  # fmt: skip
+
+
+def _surfaces_of_frequencies(driven: Contact) -> dict[str, Any]:
+    """Return the surface motion of each frequency alone for a level of 1, by the names of its sources.
+
+    Sources of one frequency keep the ratio and the phase that the scene gives them.
+    """
+    scene, surface = driven.scene, driven.surface
+    if scene.wave is not None:
+        groups: dict[float, list[int]] = {}
+        for number, each in enumerate(surface.waves):
+            groups.setdefault(each.frequency, []).append(number)
+        return {
+            " and ".join(f"wave {k + 1}" for k in numbers): replace(
+                surface, waves=tuple(surface.waves[k] for k in numbers)
+            )
+            for numbers in groups.values()
+        }
+    own, first = dict(scene.drive.source_frequencies or ()), scene.frequency
+    names = [name for name, size in scene.drive.driven.items() if size]
+    return {
+        " and ".join(name for name in names if own.get(name, first) == frequency): replace(
+            surface, frequencies=(frequency,), motions=(motion,)
+        )
+        for frequency, motion in zip(surface.frequencies, surface.motions, strict=True)
+    }
 
 
 def _load(driven: Contact, level: float, tolerance: float) -> tuple[float, float, float]:

@@ -41,29 +41,3 @@ def _of_source(model: Model, name: str, tolerance: float) -> Mapped:
 def driven_by(sources: Mapping[str, Any], levels: Mapping[str, float]) -> Sum:
     """Return the surface motion of some sources, each at its level."""
     return Sum(parts=tuple((sources[name], level) for name, level in levels.items()))
-
-
-def surfaces_of_frequencies(driven: Contact) -> dict[str, Any]:
-    """Return the surface motion of each frequency alone for a level of 1, by the names of its sources.
-
-    Sources of one frequency keep the ratio and the phase that the scene gives them.
-    """
-    scene, surface = driven.scene, driven.surface
-    if scene.wave is not None:
-        groups: dict[float, list[int]] = {}
-        for number, each in enumerate(surface.waves):
-            groups.setdefault(each.frequency, []).append(number)
-        return {
-            " and ".join(f"wave {k + 1}" for k in numbers): replace(
-                surface, waves=tuple(surface.waves[k] for k in numbers)
-            )
-            for numbers in groups.values()
-        }
-    own, first = dict(scene.drive.source_frequencies or ()), scene.frequency
-    names = [name for name, size in scene.drive.driven.items() if size]
-    return {
-        " and ".join(name for name in names if own.get(name, first) == frequency): replace(
-            surface, frequencies=(frequency,), motions=(motion,)
-        )
-        for frequency, motion in zip(surface.frequencies, surface.motions, strict=True)
-    }
