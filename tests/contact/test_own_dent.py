@@ -41,6 +41,7 @@ def of_samples(roughness, z, number):
     return np.mean(forces), np.std(forces) / math.sqrt(number)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rms", "load"), [(1e-9, 0.87309e-3), (3e-9, 0.87309e-3), (3e-9, 2.2e-3)])
 def test_a_mean_field_without_its_own_disc_carries_what_samples_do(rms, load):
     roughness = Roughness(rms=rms)

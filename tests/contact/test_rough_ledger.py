@@ -18,6 +18,7 @@ def ledger_of(slider, balls, wave, tolerance=1e-5):
     return motion, rough_ledger(rough, wave, motion)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["hysteretic", "elastic"])
 @pytest.mark.parametrize("part", range(3))
 def test_energies_of_drawn_motors_balance(law, part):
@@ -52,6 +53,7 @@ def test_memory_of_asperities_that_draw_each_other_along(amplitude):
     assert energies.slip == pytest.approx(other.loss, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "load", "amplitude"), [("elastic", 0.0, 3e-9), ("elastic", 8e-6, 8e-9), ("hysteretic", 8e-6, 8e-9)]
 )

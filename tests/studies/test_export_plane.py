@@ -26,6 +26,8 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study_list import driven_contact
 
+pytestmark = pytest.mark.slow  # tables of both velocities take minutes together
+
 BODY = {
     "radius": "1 mm", "mass": "0.267 g", "preload": "2.61927 mN", "friction_coefficient": 0.08,
     "contacts": [["6 mm", 0], ["-3 mm", "5.19615 mm"], ["-3 mm", "-5.19615 mm"]], "tilt": "free",

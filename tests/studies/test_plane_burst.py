@@ -55,6 +55,7 @@ def test_along_one_wave_it_is_the_burst_of_a_slider_that_moves_along_x(burst, ph
     assert own.status == "ok"
 
 
+@pytest.mark.slow
 def test_the_burst_that_is_advised_on_a_slow_beat_has_an_answer():
     """Over a whole beat of 5 kHz, against fixed steps of an integrator that shares nothing."""
     waves = {}, {"direction": 90, "frequency": "2.205 MHz"}
@@ -124,6 +125,7 @@ def test_a_long_burst_ends_where_friction_stops_it():
     assert level == 10e-9
 
 
+@pytest.mark.slow
 def test_the_pose_of_an_averaged_burst_is_within_its_error_of_that_by_events():
     keys = {"contacts": THREE, "freedom": "xy yaw", "mass": "0.267 g", "preload": "2.61927 mN", "wavelength": "1 mm"}
     waves = {"direction": 10}, {"direction": 90, "normal_amplitude": "6 nm", "frequency": "2.3 MHz"}
