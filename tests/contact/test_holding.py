@@ -30,6 +30,8 @@ from contact.stepping import end_corrections
 from tests.contact.motors import HEAVY, orbit, slider
 from tests.oracles.contact_hold import LENGTH, TRAVEL, HoldingBall, Integration
 
+pytestmark = pytest.mark.slow  # their kernels are compiled for these tests alone
+
 WORK, PRELOAD = 0.05, 0.87309e-3
 
 

@@ -12,6 +12,8 @@ from tests.contact.test_asperity_motion import orbit
 from tests.contact.test_memory import Contact
 from tests.contact.test_memory_motion import E, R, body
 
+pytestmark = pytest.mark.slow  # their kernels are compiled for these tests alone
+
 K = 4 / 3 * E * np.sqrt(R)
 
 

@@ -7,6 +7,8 @@ import pytest
 
 from tests.oracles.contact_hold import NORMAL_LOSS, SLIP_LOSS, TRAVEL, HoldingBall, Integration
 
+pytestmark = pytest.mark.slow  # their kernels are compiled for these tests alone
+
 BALL = {
     "radius": 1e-3, "modulus": 64e9, "tangential_modulus": 12e9, "work": 0.05, "mu": 0.08, "preload": 0.87309e-3,
     "frequency": 2.2e6, "normal": 10e-9, "tangential": -6.7e-9j,
