@@ -125,7 +125,7 @@ class FingerPairs(NamedTuple):
     kind: np.ndarray  # (fingers, fingers)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=4)
 def finger_pairs(transducer: Transducer) -> FingerPairs:
     """Return the kinds of two fingers; lengths that differ by less than a picometre are equal."""
     edges = transducer.fingers[charged(transducer.signs)]
