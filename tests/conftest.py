@@ -37,6 +37,7 @@ ROOT = Path(__file__).parents[1]
 THOROUGH = ROOT / "tests" / "thorough.txt"
 KERNEL_PARTS = ("events", "averages")  # of tests/kernels.py
 LONG = ("tests/studies/test_studies.py", "tests/test_documents.py")  # files: begun late, they would end alone
+APART = ("tests/test_documents.py",)  # long files whose tests share nothing: any worker takes each of them
 # folders, the documentation's examples of the product last
 ORDER = ("tests/fem", "tests/oracles", "tests/contact", *LONG, "tests", "")
 COMPILERS: list[subprocess.Popen] = []
@@ -89,6 +90,28 @@ def pytest_collection_finish():
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)  # a compiler makes so many objects that the usual 700 cost it a tenth of its time
     gc.enable()
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Hand out whole files, as ``--dist loadfile`` says, but the tests of files in APART one by one."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFile(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            return nodeid if nodeid.startswith(APART) else super()._split_scope(nodeid)
+
+    return ByFile(config, log) if config.getvalue("dist") == "loadfile" else None
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _nothing_is_kept_for_other_modules(request):
+    """Empty what the functions of a module of tests have kept (`functools.cache`), when its tests are over."""
+    yield
+    own = request.module.__name__
+    for each in vars(request.module).values() if own.startswith("tests.") else ():
+        if getattr(each, "__module__", None) == own and hasattr(each, "cache_clear"):
+            each.cache_clear()
 
 
 @pytest.hookimpl(tryfirst=True)
