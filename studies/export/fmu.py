@@ -74,7 +74,7 @@ class FmuModel:
     title: str
     lines: tuple[str, ...]  # description: title, drives, errors, neglected effects
     token: str
-    sources: dict[str, str] = field(repr=False)  # motor.c, motor.h and fmu_variables.c
+    sources: dict[str, str] = field(repr=False)  # motor.c, motor.h, fmu_variables.c
     variables: tuple[Variable, ...]
 
 
@@ -111,7 +111,7 @@ def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:
 
 def fmu_of(model: FmuModel, fmi: str = "3") -> tuple[bytes, str]:
     """Return an FMU as bytes, and why it holds no compiled library (empty if it does); RunError as `fmu`."""
-    sources = model.sources | {f"fmi{fmi}.c": source_text(f"fmi{fmi}.c")}
+    sources = model.sources | {name: source_text(name) for name in (f"fmi{fmi}.c", "fmu_motor.c")}
     compiled = ("motor.c", f"fmi{fmi}.c")
     library, remark = _library(sources, compiled)
     content = BytesIO()

@@ -89,5 +89,9 @@ def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
             p[own + start_index] = length
             parts.append(piece)
             length += piece.size
-    rounded = [float(f"{value:.{DIGITS}g}") for value in np.concatenate(parts)]
-    return p, np.array(rounded)
+    return p, as_written(parts)
+
+
+def as_written(parts: list[np.ndarray]) -> np.ndarray:
+    """Return tables as one array of the numbers that the C source holds, of `DIGITS` digits."""
+    return np.array([float(f"{value:.{DIGITS}g}") for value in np.concatenate(parts)])

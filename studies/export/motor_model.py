@@ -41,25 +41,12 @@ class Drive:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AveragedMotor:
-    """A motor whose slider follows the cycle means of the contact forces, for exports and the position loop."""
+class OfScene:
+    """An averaged motor as the flat arrays of its equations, and the scene from which it was made."""
 
     scene: Scene = field(repr=False)  # as resolved
-    # for the contact's solvers: one ball if all balls have the same motion
-    slider: contact.Slider = field(repr=False)
-    share: int  # forces on the real slider over those on ``slider``
-    drives: tuple[Drive, ...]  # of positive levels, and if there are two, of negative levels
-    levels: tuple[float, ...]  # of the scene, rising
     parameters: np.ndarray = field(repr=False)
     tables: np.ndarray = field(repr=False)
-    # Error of the mean tangential force over mu preload at random points of the tables: largest (at kinks), and 99 %
-    # quantile
-    interpolation_error: tuple[float, float]
-    # Largest change of the steady velocity over the scene's levels, relative to max(|v|, omega |u_x|/10): by
-    # second-order averaging, and by the interpolation
-    averaging_error: float
-    velocity_error: float
-    left_out: tuple[str, ...]  # neglected effects, with their size if it is known
 
     @property
     def title(self) -> str:
@@ -68,8 +55,27 @@ class AveragedMotor:
 
     @property
     def unit(self) -> str:
-        """Unit of the level: V, or m for a prescribed wave."""
+        """Unit of the levels: V, or m for prescribed waves."""
         return "V" if self.scene.wave is None else "m"
+
+
+@dataclass(frozen=True, kw_only=True)
+class AveragedMotor(OfScene):
+    """A motor whose slider follows the cycle means of the contact forces, for exports and the position loop."""
+
+    # for the contact's solvers: one ball if all balls have the same motion
+    slider: contact.Slider = field(repr=False)
+    share: int  # forces on the real slider over those on ``slider``
+    drives: tuple[Drive, ...]  # of positive levels, and if there are two, of negative levels
+    levels: tuple[float, ...]  # of the scene, rising
+    # Error of the mean tangential force over mu preload at random points of the tables: largest (at kinks), and 99 %
+    # quantile
+    interpolation_error: tuple[float, float]
+    # Largest change of the steady velocity over the scene's levels, relative to max(|v|, omega |u_x|/10): by
+    # second-order averaging, and by the interpolation
+    averaging_error: float
+    velocity_error: float
+    left_out: tuple[str, ...]  # neglected effects, with their size if it is known
 
     @property
     def preload(self) -> float:

@@ -5,27 +5,23 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from studies.export import reduced_plane as model
-from studies.export.motor_model import refuse_preload
+from studies.export.motor_model import OfScene, refuse_preload
 from studies.export.planar_tables import Body
 from studies.export.reduced_plane import plane_index as index
 from studies.refusal import RunError, refuse_if
-from studies.scene import Scene
 
 ENOUGH = 1e-9  # of the rates: a motor whose motion changes less in a stretch is steady
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanarMotor:
+class PlanarMotor(OfScene):
     """A motor whose slider moves in the plane, or turns, by the cycle means of the contact forces.
 
     Errors are relative to max(|v|, omega |u_t|/10), v the largest speed of a contact.
     """
 
-    scene: Scene = field(repr=False)  # as resolved
     body: Body = field(repr=False)
     drives: tuple[str, ...]  # names of the sources of each frequency
-    parameters: np.ndarray = field(repr=False)
-    tables: np.ndarray = field(repr=False)
     load: tuple[float, float, float]  # of the scene, as it acts on the slider: forces in N, torque in N m
     limits: tuple[float, ...]  # largest levels of all drives together at the scene's preload
     # largest error of the mean force over mu preload at random points of the tables, and its 95 % quantile
@@ -33,16 +29,6 @@ class PlanarMotor:
     velocity_error: float = 0.0  # largest, of the steady motion at the scene's levels, against averaged ones
     averaging_error: float = 0.0  # of those by averaging
     left_out: tuple[str, ...] = ()
-
-    @property
-    def title(self) -> str:
-        """Of the scene."""
-        return self.scene.title or "untitled"
-
-    @property
-    def unit(self) -> str:
-        """Unit of the levels: V, or m for prescribed waves."""
-        return "V" if self.scene.wave is None else "m"
 
     @property
     def preload(self) -> float:

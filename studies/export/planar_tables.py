@@ -11,6 +11,7 @@ import numpy as np
 
 import contact
 from contact import plane
+from studies.export.force_grid import as_written
 from studies.export.motor_model import force_exponent
 from studies.export.reduced_plane import plane_index as index
 from studies.export.reduced_plane.plane_force_tables import BELOW, CLOSER, CLOSER_ABOVE, CLOSER_BELOW, KNEE, MIDDLE
@@ -25,7 +26,6 @@ BEYOND = 1.5  # of the scene's largest levels: up to there the tables reach
 SMALL = 1e-3  # of tau's first step: waves at which the shares without a wave are taken
 SAME = 1e-5  # of g: elements whose tables differ by less share one; a mean errs by 1e-7 to 1e-6
 SAME_MOTION = 1e-9  # relative: contacts that move alike have one table
-DIGITS = 9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -270,4 +270,4 @@ def packed(
             p[own + start] = length
             parts.append(piece)
             length += piece.size
-    return p, np.array([float(f"{value:.{DIGITS}g}") for value in np.concatenate(parts)])
+    return p, as_written(parts)

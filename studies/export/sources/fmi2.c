@@ -1,6 +1,6 @@
 /* FMI 2.0 for co-simulation around motor.c; signatures of the standard, fmi-standard.org. */
 #include <stddef.h>
-#include "fmu_variables.c"
+#include "fmu_motor.c"
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 typedef void (*Log)(void *environment, const char *name, Status status, const char *category, const char *message, ...);

@@ -2,7 +2,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "fmu_variables.c"
+#include "fmu_motor.c"
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status;
 typedef void (*Log)(void *environment, Status status, const char *category, const char *message);

@@ -1,13 +1,6 @@
-/* What both FMI versions share: a motor at its time, and its variables by value reference. */
-#include <stdlib.h>
-#include <string.h>
-#include "motor.h"
-
-#if defined _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
+/* Variables of a motor along x by value reference, its start and its steps: see fmu_motor.c. */
+#define IMPOSSIBLE "an input is impossible: preload must be positive, the drive zero or positive where there is but " \
+    "one, and a parameter is set before the simulation begins"
 
 enum { V_TIME, V_DRIVE, V_LOAD, V_PRELOAD, V_POSITION, V_VELOCITY, V_AMPLITUDE, V_POWER, V_FORCE, V_DEFORMATION,
        V_APPROACH, V_STICKS, V_START, V_RISE, V_END };
@@ -59,21 +52,6 @@ static int motor_set(Motor *motor, unsigned reference, double value) {
 static const char *motor_begin(Motor *motor) {
     motor->begun = 1;
     return sawmotor_start(&motor->state, motor->preload, motor->load) ? "preload must be positive" : NULL;
-}
-
-static const char *motor_read(const Motor *motor, const unsigned references[], size_t count, double values[]) {
-    for (size_t k = 0; k < count; k++)
-        if (references[k] == V_STICKS || motor_get(motor, references[k], values + k))
-            return "no such variable of real numbers";
-    return NULL;
-}
-
-static const char *motor_write(Motor *motor, const unsigned references[], size_t count, const double values[]) {
-    for (size_t k = 0; k < count; k++)
-        if (motor_set(motor, references[k], values[k]))
-            return "an input is impossible: preload must be positive, the drive zero or positive where there is but "
-                   "one, and a parameter is set before the simulation begins";
-    return NULL;
 }
 
 static const char *motor_step(Motor *motor, double now, double step) {

@@ -1,13 +1,5 @@
-/* What both FMI versions share: a motor in the plane at its time, and its variables by value reference. */
-#include <stdlib.h>
-#include <string.h>
-#include "motor.h"
-
-#if defined _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
+/* Variables of a motor in the plane by value reference, its start and its steps: see fmu_motor.c. */
+#define IMPOSSIBLE "an input is impossible: preload must be positive, and drives zero or positive"
 
 enum { V_TIME, V_DRIVE, V_SECOND_DRIVE, V_FORCE_X, V_FORCE_Y, V_TORQUE, V_PRELOAD, V_X, V_Y, V_YAW, V_VELOCITY_X,
        V_VELOCITY_Y, V_YAW_RATE, V_ROTATION, V_AMPLITUDE, V_SECOND_AMPLITUDE, V_CONTACT_X, V_CONTACT_Y, V_MOMENT,
@@ -60,20 +52,6 @@ static int motor_set(Motor *motor, unsigned reference, double value) {
 /* The following return why a call fails, or NULL. */
 static const char *motor_begin(Motor *motor) {
     sawmotor_start(&motor->state);
-    return NULL;
-}
-
-static const char *motor_read(const Motor *motor, const unsigned references[], size_t count, double values[]) {
-    for (size_t k = 0; k < count; k++)
-        if (references[k] == V_STICKS || motor_get(motor, references[k], values + k))
-            return "no such variable of real numbers";
-    return NULL;
-}
-
-static const char *motor_write(Motor *motor, const unsigned references[], size_t count, const double values[]) {
-    for (size_t k = 0; k < count; k++)
-        if (motor_set(motor, references[k], values[k]))
-            return "an input is impossible: preload must be positive, and drives zero or positive";
     return NULL;
 }
 
