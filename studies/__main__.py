@@ -7,7 +7,8 @@ The answer is written to stdout; progress, warnings and refusals are written to 
 - 2: bad input,
 - 3: no answer,
 - 70: a defect of sawmotor; the message names the file with the traceback,
-- 130: interrupted.
+- 130: interrupted (SIGINT, as from Ctrl-C),
+- 143: ended by SIGTERM.
 
 Packages that are slow to import are imported only by the commands that need them.
 """
@@ -27,26 +28,29 @@ GARBAGE_THRESHOLD = 200_000
 
 def main(words: list[str] | None = None) -> int:
     """Run the command in ``sys.argv``, or of these words, and return its exit code."""
-    returned = threading.Event()
+    returned, terminated = threading.Event(), threading.Event()
+
+    def end(*_):
+        terminated.set()
+        raise KeyboardInterrupt
+
     try:  # before any slow import, so that an interrupt during the imports also ends with a message
         if words is None:
             gc.set_threshold(GARBAGE_THRESHOLD)
-            signal.signal(signal.SIGTERM, _ended)  # handled as SIGINT, so that work files and locks are removed
+            signal.signal(signal.SIGTERM, end)  # handled as SIGINT, so that work files and locks are removed
             _watch_signals(returned)
-        return _guarded(sys.argv[1:] if words is None else words)
+        status = _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
         # CPython marks an interrupt that passed through exec() of a string, as in a dataclass, as unhandled, and
         # "python -m" then ends by SIGINT (-2) whatever main returns; the next exec() clears the mark.
         exec("")
-        return _said("interrupted, nothing was written", 130)
+        status = _said("interrupted, nothing was written", 128 + signal.SIGINT)
     finally:
         returned.set()
         if words is None:
             gc.freeze()  # the interpreter's last search for cyclic garbage would take 50 ms
-
-
-def _ended(*_):
-    raise KeyboardInterrupt
+    interrupted = status == 128 + signal.SIGINT
+    return 128 + signal.SIGTERM if interrupted and terminated.is_set() else status
 
 
 def _watch_signals(returned: threading.Event) -> None:
@@ -64,8 +68,9 @@ def _watch_signals(returned: threading.Event) -> None:
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
 
     def watch():
-        while os.read(reading, 1)[0] not in (signal.SIGINT, signal.SIGTERM):
-            pass
+        number = 0
+        while number not in (signal.SIGINT, signal.SIGTERM):
+            number = os.read(reading, 1)[0]
         if returned.wait(PATIENCE):
             return
         processes = sys.modules.get("multiprocessing")
@@ -73,7 +78,7 @@ def _watch_signals(returned: threading.Event) -> None:
         if processes is not None and processes.active_children() and returned.wait(PATIENCE_WITH_WORKERS):
             return
         os.write(2, b"sawmotor: interrupted, nothing was written\n")
-        os._exit(130)
+        os._exit(128 + number)
 
     threading.Thread(target=watch, daemon=True, name="signals").start()
 

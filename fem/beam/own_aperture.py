@@ -128,12 +128,17 @@ class FingerPairs(NamedTuple):
 @lru_cache(maxsize=4)
 def finger_pairs(transducer: Transducer) -> FingerPairs:
     """Return the kinds of two fingers; lengths that differ by less than a picometre are equal."""
-    edges = transducer.fingers[charged(transducer.signs)]
+    numbers = np.flatnonzero(charged(transducer.signs))
+    edges = transducer.fingers[numbers]
     half_widths, middles = np.ptp(edges, axis=1) / 2, edges.mean(axis=1)
     offset = np.subtract.outer(middles, middles)
-    widths = np.broadcast_to(half_widths, offset.shape)
-    alike = np.stack([offset, widths.T, widths], axis=-1).round(DIGITS).reshape(-1, 3)
-    _, some, kind = np.unique(alike, axis=0, return_index=True, return_inverse=True)
+    if transducer.even:  # the kind follows from the numbers of the fingers: a sort of integers instead of rows
+        apart = np.subtract.outer(numbers, numbers)
+        _, some, kind = np.unique(apart, return_index=True, return_inverse=True)
+    else:
+        widths = np.broadcast_to(half_widths, offset.shape)
+        alike = np.stack([offset, widths.T, widths], axis=-1).round(DIGITS).reshape(-1, 3)
+        _, some, kind = np.unique(alike, axis=0, return_index=True, return_inverse=True)
     first, second = np.unravel_index(some, offset.shape)
     return FingerPairs(half_widths, offset[first, second], first, second, kind.reshape(offset.shape))
 

@@ -14,7 +14,7 @@ COMMANDS = tuple(
 )
 EXIT_CODES = (
     "Exit codes: 0 an answer within its tolerance; 1 one that misses it, or is refused for its model error; 2 bad "
-    "input; 3 no answer; 70 a defect of sawmotor; 130 interrupted."
+    "input; 3 no answer; 70 a defect of sawmotor; 130 interrupted, 143 by SIGTERM."
 )
 
 INVALID_CHOICE = re.compile(r"invalid choice: '?([^']*)'? \(choose from (.*)\)")  # message of argparse

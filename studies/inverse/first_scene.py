@@ -29,8 +29,10 @@ RISE = 10e-9  # m: normal amplitude of a motor without a wanted speed
 SHARE_OF_CREST = 0.5  # speed of a slider over that of the wave's crests, where it presses half of its time
 PRESSED = 0.5  # approach of a ball at rest over the normal amplitude
 SHARE_OF_FRICTION = 0.9  # force at the stall over mu times the preload, of a slider that hops
-MOST_BALLS = 60
-LIGHT = 0.01  # resonance of the contact over the wave's frequency up to which a slider rides quietly
+BALLS = "steel"
+RADIUS, SLENDER = 1e-3, 16.0  # largest radius of a ball in m, and the aperture over the largest radius
+PITCH = 3.0  # distance of neighbouring balls, in radii
+BEAM = 0.5  # part of the aperture over which the balls stand, and of the way to the fingers on both sides of the centre
 DAMPED = 0.1  # of the bounce, over its critical damping
 SAMPLES = 8  # voltages
 ROUGH = 1e-2  # tolerance of the wave that sizes the voltage
@@ -109,7 +111,7 @@ def first_scene(
         "stator": {
             "material": name, "orientation": cut, "length": _length(2.0 * place),
             "thickness": _length(THICKNESS * wavelength),
-            "width": _length(SIDES * aperture), "ends": "absorbing",
+            "width": _length(SIDES * aperture), "ends": "absorbing", "bottom": "absorbing",
         },
         "transducer": [
             {
@@ -122,7 +124,7 @@ def first_scene(
     amplitude = RISE
     if speed is not None:
         amplitude = _read("--speed", speed, "m/s") / (SHARE_OF_CREST * 2.0 * math.pi * frequency * ratio)
-    slider, why = _slider(name, solid, place, frequency, amplitude, thrust)
+    slider, why = _slider(solid, _length(place), wavelength, aperture, amplitude, thrust)
     table["slider"] = slider
     volts = _volts(table, amplitude)
     table["drive"]["voltage"] = [f"{volts * (k + 1) / (SAMPLES - 2):.3g} V" for k in range(SAMPLES)]
@@ -132,6 +134,7 @@ def first_scene(
         "stator.thickness": f"{THICKNESS:g} wavelengths: little of the wave reaches the bottom",
         "stator.width": f"{SIDES:g} times the aperture",
         "stator.ends": "glue or wax at both ends; absent: free, with a standing wave",
+        "stator.bottom": "glued to a base that absorbs; absent: free, and waves that it reflects make the speed uneven",
         "transducer.0.center": f"{MARGIN:g} wavelengths from the end, {of_wave}",
         "transducer.0.finger_pairs": "as in published motors"
         if pairs < PAIRS_OF_WEAK
@@ -168,41 +171,54 @@ def _cut(text: str) -> tuple:
     return material if isinstance(material, str) else name, cut, rotated
 
 
-def _slider(name: str, solid, place: float, frequency: float, amplitude: float, thrust) -> tuple[dict, dict]:
-    """Return the slider's block and the rules of its keys."""
-    moduli = pair_moduli("steel", solid)
-    radius = 1e-3 if frequency < 5e6 else 0.5e-3
-    approach = PRESSED * amplitude
-    per_ball = 4.0 / 3.0 * moduli[0] * math.sqrt(radius) * approach**1.5
+def _slider(solid, place: str, wavelength: float, aperture: float, amplitude: float, thrust) -> tuple[dict, dict]:
+    """Return the slider's block and the rules of its keys; lengths in m."""
+    radius, approach = min(RADIUS, _round(aperture / SLENDER)), PRESSED * amplitude
+    per_ball = 4.0 / 3.0 * pair_moduli(BALLS, solid)[0] * math.sqrt(radius) * approach**1.5
     preload, balls = 3.0 * per_ball, 3
+    rows, columns = (int(BEAM * length / (PITCH * radius)) + 1 for length in (aperture, 2.0 * AWAY * wavelength))
     if thrust is not None:
         thrust = _read("--thrust", thrust, "N")
         preload = thrust / (SHARE_OF_FRICTION * FRICTION)
         balls = max(3, math.ceil(preload / per_ball))
-        rule = f"asks for {balls} balls that approach by {approach * 1e9:.2g} nm each; a slider of silicon pillars"
-        refuse_if(balls > MOST_BALLS, "--thrust", f"{rule} carries more: sawmotor scenes --copy silicon-slider")
-    # bounce at rest: dP/dz = 1.5 P/z
-    stiffness = 1.5 * preload / approach
-    lightest = stiffness / (2.0 * math.pi * LIGHT * frequency) ** 2
-    mass = _round(max(preload / Slider.gravity, lightest), 2)
+        rule = f"asks for {balls} balls that approach by {approach * 1e9:.2g} nm each, of which {rows * columns} fit"
+        remedy = "on the beam; a slider of silicon pillars carries more: sawmotor scenes --copy silicon-slider"
+        refuse_if(balls > rows * columns, "--thrust", f"{rule} {remedy}")
+    along = (2 * math.ceil(2.0 * PITCH * radius / wavelength - 0.5) + 1) * wavelength / 4.0
+    mass = _round(preload / Slider.gravity, 3)
+    stiffness = 1.5 * preload / approach  # dP/dz = 1.5 P/z
     damping = 2.0 * DAMPED * math.sqrt(stiffness * mass)
-    heavy = mass < 1.1 * preload / Slider.gravity
     block = {
-        "position": _length(place), "ball": "steel", "radius": _length(radius), "contacts": balls,
-        "mass": f"{mass * 1e3:.3g} g", "preload": f"{preload * 1e3:.3g} mN", "friction_coefficient": FRICTION,
+        "position": place, "ball": BALLS, "radius": _length(radius),
+        "contacts": ball_places(balls, rows, along, PITCH * radius),
+        "mass": f"{mass * 1e3:.3g} g", "preload": "weight", "friction_coefficient": FRICTION,
         "damping": {"normal": f"{damping:.2g} N s/m"},
     }  # fmt: skip
+    goal = f"approaches by half the amplitude, {approach * 1e9:.3g} nm"
     why = {
-        "slider.contacts": "balls, at one place until their positions are given: [x, ...]",
-        "slider.mass": "its weight is the preload" if heavy else "the contact resonates at 1 % of the frequency",
-        "slider.preload": f"a ball at rest approaches by half the amplitude, {approach * 1e9:.3g} nm",
+        "slider.radius": f"at most 1 mm and 1/{SLENDER:g} of the aperture",
+        "slider.contacts": f"{balls} balls"
+        + (f", so that each {goal}" if thrust is not None else "")
+        + ": [x, y] from the centre, columns an odd number of quarter wavelengths apart against a standing wave",
+        "slider.preload": f"{preload * 1e3:.3g} mN: "
+        + (f"a ball at rest {goal}" if thrust is None else f"{thrust * 1e3:.3g} mN over {SHARE_OF_FRICTION:g} mu"),
         "slider.friction_coefficient": "steel on lithium niobate, Kurosawa et al. 1998: measure yours",
         "slider.damping.normal": "a tenth of critical for the bounce at rest",
     }
-    if thrust is not None:
-        why["slider.preload"] = f"stalls at about {SHARE_OF_FRICTION:g} mu times it, {thrust * 1e3:.3g} mN"
-        why["slider.contacts"] = f"so that each approaches by half the amplitude, {approach * 1e9:.3g} nm"
     return block, why
+
+
+def ball_places(balls: int, rows: int, along: float, across: float) -> list[list[str]]:
+    """Return [x, y] of balls about their centroid: a grid as square as fits ``rows``, with its distances in m."""
+    columns = math.ceil(balls / min(rows, math.ceil(math.sqrt(balls))))
+    each, more = divmod(balls, columns)
+    sizes = [each + (column < more) for column in range(columns)]
+    center = sum(column * size for column, size in enumerate(sizes)) / balls
+    return [
+        [_length((column - center) * along), _length((row - (size - 1) / 2) * across)]
+        for column, size in enumerate(sizes)
+        for row in range(size)
+    ]
 
 
 def _volts(table: dict, amplitude: float) -> float:

@@ -3,11 +3,14 @@
 import re
 import tomllib
 
+import numpy as np
 import pytest
 
 from studies import Scene, SceneError, run
 from studies.__main__ import main
-from studies.inverse.first_scene import first_scene
+from studies.inverse.first_scene import ball_places, first_scene
+from studies.remarks.scene_warnings import scene_warnings
+from studies.scene.quantity import si_value
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +58,7 @@ def test_motor_has_about_the_wanted_thrust():
     )
     assert free > loaded > 0.6 * free
     assert -0.2 * free < stalled < 0.2 * free
-    assert motor.table["slider"]["contacts"] > 3
+    assert len(motor.table["slider"]["contacts"]) > 3
 
 
 def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
@@ -64,11 +67,33 @@ def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
     assert main(call) == 0
     assert capsys.readouterr().out == "wrote mine.toml: sawmotor run mine.toml\n"
     assert main(["check", "mine.toml"]) == 0
+    assert "warning" not in capsys.readouterr().err
     before = (tmp_path / "mine.toml").read_text()
     assert 'orientation = "128YX"' in before
     assert main(call) == 2
     assert capsys.readouterr().err.splitlines()[-1] == "sawmotor: --out 'mine.toml' exists already, and is not replaced"
     assert (tmp_path / "mine.toml").read_text() == before
+
+
+def test_balls_stand_about_the_centre_and_their_weight_is_the_preload(ceramic):
+    slider = ceramic.scene.slider
+    places = np.array(slider.contacts)
+    assert places.shape == (3, 2)
+    np.testing.assert_allclose(places.mean(axis=0), 0.0, atol=1e-5)
+    # beside each other 3 radii, along the wave an odd number of quarters of 0.99178 mm
+    np.testing.assert_allclose(places[:, 1], [-1.5e-3, 1.5e-3, 0.0])
+    assert (places[2, 0] - places[0, 0]) / 0.99178e-3 == pytest.approx(13 / 4, abs=0.02)
+    assert slider.preload_force == slider.mass * slider.gravity
+    assert list(scene_warnings(ceramic.scene)) == []
+
+
+@pytest.mark.parametrize("balls", [3, 4, 5, 7, 12, 29])
+def testball_places_of_balls(balls):
+    places = np.array([[si_value("x", each, "m") for each in pair] for pair in ball_places(balls, 3, 2e-3, 1.5e-3)])
+    apart = np.linalg.norm(places[:, None] - places, axis=-1) + np.eye(balls)
+    assert (len(places), apart.min() >= 1.5e-3 * (1 - 1e-9)) == (balls, True)
+    np.testing.assert_allclose(places.mean(axis=0), 0.0, atol=5e-5)
+    assert np.ptp(places[:, 1]) <= 3e-3
 
 
 @pytest.mark.parametrize(
@@ -79,7 +104,7 @@ def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
         ({"material": "unobtainium"}, r"--material must be in the catalogue \(.*\), got 'unobtainium'"),
         ({"speed": "-1 m/s"}, "--speed must be positive"),
         ({"thrust": "5 V"}, "--thrust must be a force"),
-        ({"thrust": "1 N"}, r"--thrust asks for \d+ balls that approach by 5 nm each; a slider of silicon pillars"),
+        ({"thrust": "1 N"}, r"--thrust asks for \d+ balls that approach by 5 nm each, of which 33 fit on the beam"),
     ],
 )
 def test_refusals(given, sentence):
