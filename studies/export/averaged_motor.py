@@ -103,10 +103,10 @@ def averaged_motor(
         "the phase of the ring is lost within about 10 ms, so that the velocity at the start of a later burst may be "
         "wrong by up to twice that",
     ]
-    LOGGER.info("tables of mean forces")
     with as_run_errors():
+        steady = _steady(slider, drives[0], driven.levels)  # first: it refuses what averaging does not know
+        LOGGER.info("tables of mean forces")
         tables = [None if drive.mirrored else force_tables(slider, drive) for drive in drives]
-        steady = _steady(slider, drives[0], driven.levels)
     averaging = max((abs(second - first) / scale for _, second, first, scale in steady), default=0.0)
     parameters, flat = packed(slider, drives, tables)
     motor = AveragedMotor(

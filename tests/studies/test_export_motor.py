@@ -475,7 +475,8 @@ def test_inputs_that_cannot_be_are_refused():
         alone.start().advance(1e-3, -AMPLITUDE)
 
 
-def test_a_law_that_averaging_does_not_know_has_no_averaged_motor():
+def test_a_law_that_averaging_does_not_know_is_refused_before_any_table(monkeypatch):
+    monkeypatch.setattr("studies.export.averaged_motor.force_tables", lambda *_: pytest.fail("minutes of tables"))
     hysteretic = Scene.load("twente-contact").replace(slider={"law": "hysteretic"})
     with pytest.raises(RunError, match="the averaged method does not apply"):
         averaged_motor(hysteretic)
