@@ -5,8 +5,8 @@ forces alone (`heights`); velocity and yaw rate are the root of
 
     <sum Q> - F - R_t V = 0,     <sum (X Q_y - Y Q_x)> - M - R_yaw omega = 0,
 
-found by Newton's method; contact i has the velocity V + omega e_z x r_i, so that two differences of each contact give
-the derivatives in all unknowns. This is first-order averaging, error O((f_n/f)^2).
+found by Newton's method; contact i has the velocity V + omega e_z x r_i, so that the derivatives of each contact's mean
+force in its own velocity give those in all unknowns. This is first-order averaging, error O((f_n/f)^2).
 """
 
 from dataclasses import dataclass
@@ -17,8 +17,9 @@ import numpy as np
 
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import per_thread
-from contact.plane.balance_search import SHORT, Found, HeavyBody, Search, Task, search_of, seek_balance
-from contact.plane.cycle import COLUMNS, cycle_means, cycle_samples
+from contact.plane.balance_search import SHORT, Accuracies, Found, HeavyBody, Task, Tools, find_balance, search_of
+from contact.plane.cycle import COLUMNS, Extra, cycle_means, cycle_samples
+from contact.plane.cycle_slopes import slopes_of
 from contact.plane.disc_contacts import Stage, Sum, state_of, with_nodes, work_of
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.plane_equations import PlaneProblem
@@ -29,6 +30,7 @@ from contact.slider import Slider
 # Nodes and tolerance of a segment: of the answer, and of the check that differs from it in both
 ANSWER, CHECK = (8, 1e-7), (6, 1e-6)
 SEARCH = (6, 1e-4)  # of the search, whose means err by 1e-9 to 1e-7 of the friction
+FIRST = (4, 1e-3)  # of its first steps: 1e-8 to 5e-7
 # The same for a tolerance of the velocity of 1e-5 or more: errors of 1e-9 to 1e-7 of the friction, in three quarters of
 # the time
 COARSE_ANSWER, COARSE_CHECK, COARSE = SEARCH, (5, 1e-4), 1e-5
@@ -37,14 +39,20 @@ COARSE_ANSWER, COARSE_CHECK, COARSE = SEARCH, (5, 1e-4), 1e-5
 LEAST = (1e-9, 2e-8)
 WIDE = 2  # nodes of a segment of stick over those of slip
 LEFT_START = 1e-9  # rad from the start of a period
-ROUGH = 1e-4  # of that speed: a step at which the search goes over to the means of the answer
 
 
 @per_thread
 def _arrays(n, how):
     """Return the work arrays of n contacts for nodes and tolerance of a segment."""
     work = work_of(n, *how)
-    return state_of(n), work, with_nodes(work, WIDE * how[0])
+    return Tools(state_of(n), work, with_nodes(work, WIDE * how[0]), slopes_of())
+
+
+@per_thread
+def _accuracies(n, coarse):
+    """Return the work arrays of a search for n contacts."""
+    answer, check = (COARSE_ANSWER, COARSE_CHECK) if coarse else (ANSWER, CHECK)
+    return Accuracies(*(_arrays(n, how) for how in (FIRST, SEARCH, answer, check)), 2 if coarse else 3)
 
 
 class Means(NamedTuple):
@@ -99,21 +107,15 @@ class Averaged:
         """The slider as the search for its balance takes it."""
         return HeavyBody(
             self.rigid, np.ascontiguousarray(self.basis), self.load, self.damping, self.friction, self.top_speed,
-            self.height, self.start, self.scaled.period,
+            self.height, self.start, self.scaled.period, bool(self.closed.any()),
         )  # fmt: skip
-
-    def seek(self, body: HeavyBody, search: Search, how, task: Task, close: float = 0.0) -> int:
-        """Do a task of a search with means of this accuracy; see `seek_balance`."""
-        begun = search.done[0]
-        status = seek_balance(self.problem, body, *_arrays(len(self.start), how), search, close, int(task))
-        self.evaluations += int(search.done[0] - begun)
-        return status
 
     def derivative(self, unknown: np.ndarray, how) -> np.ndarray:
         """Return the derivative of the forces that accelerate the body in the free unknowns."""
-        search = search_of(self.body, unknown, self.deformation.copy())
-        self.seek(self.body, search, how, Task.SEARCH, np.inf)
-        return search.matrix
+        contacts, _ = self.contact_means(self.rigid @ unknown, how, self.deformation.copy(), derive=True)
+        each = contacts[:, Extra.X_BY_X : Extra.Y_BY_Y + 1].reshape(-1, 2, 2)
+        slope = np.einsum("ick,icd,idl->kl", self.rigid, each, self.rigid) - np.diag(self.damping)
+        return self.basis.T @ slope @ self.basis
 
     @property
     def closed(self) -> np.ndarray:
@@ -130,14 +132,16 @@ class Averaged:
         tangential = np.hypot(amplitudes[..., 0], amplitudes[..., 1]) + self.problem.limit_slope * amplitudes[..., 2]
         return float((self.problem.ratio[:, None] * tangential).sum(axis=0).max())
 
-    def contact_means(self, velocities: np.ndarray, how=SEARCH, deformation=None) -> tuple[np.ndarray, bool]:
-        """Return the means of each contact at its own velocity (n, 2)."""
+    def contact_means(
+        self, velocities: np.ndarray, how=SEARCH, deformation=None, *, derive=False
+    ) -> tuple[np.ndarray, bool]:
+        """Return the means of each contact at its own velocity (n, 2), and their derivatives in it where asked for."""
         n = len(velocities)
         out = np.zeros((n, COLUMNS))
         guess = self.deformation if deformation is None else deformation
         fine = cycle_means(
             self.problem, self.height, np.ascontiguousarray(velocities), self.start, self.scaled.period,
-            *_arrays(n, how), guess, out,
+            *_arrays(n, how), int(derive), guess, out,
         )  # fmt: skip
         self.evaluations += 1
         return out, bool(fine)
@@ -215,22 +219,21 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         return at_rest(averaged)
     body = averaged.body
     search = search_of(body, averaged.guess() if near is None else near, averaged.deformation)
-    if (held := held_rest(averaged, body, search)) is not None:
-        return held
-    answer, check = (COARSE_ANSWER, COARSE_CHECK) if tolerance >= COARSE else (ANSWER, CHECK)
+    accuracies = _accuracies(len(averaged.start), tolerance >= COARSE)
     close = max(1e-13, 1e-4 * tolerance)
-    status = averaged.seek(body, search, SEARCH, Task.SEARCH, close if answer == SEARCH else ROUGH)
-    if status == Found.BALANCE and answer != SEARCH:
-        search.unknown[:] += body.basis @ search.step
-        status = averaged.seek(body, search, answer, Task.CONTINUE, close)
-    if status != Found.BALANCE:
+    found = find_balance(averaged.problem, body, accuracies, search, close, int(Task.ALL))
+    if found == Found.MAY_REST:
+        if (held := _held(averaged)) is not None:
+            return held
+        found = find_balance(averaged.problem, body, accuracies, search, close, int(Task.MOTION))
+    averaged.evaluations += int(search.done[0])
+    if found != Found.BALANCE:
         held = at_rest(averaged)
-        if held.held or status == Found.AT_REST:
+        if held.held or found == Found.AT_REST:
             return held
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
     if not search.done[1]:
         raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
-    averaged.seek(body, search, check, Task.CHECK)
     means = Means(search.means, averaged.total(search.means), True)
     error = _error(averaged, search, means, tolerance)
     return Root(search.unknown + body.basis @ search.step, means, search.matrix, error, False)
@@ -240,7 +243,7 @@ def _error(averaged, search, means, tolerance):
     """Return the error of a root against means that differ, those in `search.moved`."""
     basis = averaged.basis
     change, *_ = np.linalg.lstsq(search.matrix, basis.T @ (averaged.total(search.moved) - means.force), rcond=1e-12)
-    error = np.abs(basis @ change) + np.abs(basis @ search.step)
+    error = np.abs(basis @ change) + search.left * np.abs(basis @ search.step)
     # two computations may agree by chance
     least = LEAST[tolerance >= COARSE] * max(np.linalg.norm(search.unknown), 0.1 * averaged.top_speed)
     return error + least * np.abs(basis).max(axis=1)
@@ -277,14 +280,19 @@ def dragged_against(velocities: np.ndarray) -> np.ndarray:
     return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
 
 
-def held_rest(averaged: Averaged, body: HeavyBody | None = None, search: Search | None = None) -> Root | None:
+def held_rest(averaged: Averaged) -> Root | None:
     """Return the balance at rest of a slider that friction holds, else None."""
     if not averaged.closed.any():
         return None
-    body = averaged.body if body is None else body
-    search = search_of(body, np.zeros(3), averaged.deformation) if search is None else search
-    if averaged.seek(body, search, SEARCH, Task.REST) != Found.AT_REST:
-        return None
+    body = averaged.body
+    search, accuracies = search_of(body, np.zeros(3), averaged.deformation), _accuracies(len(averaged.start), True)
+    found = find_balance(averaged.problem, body, accuracies, search, 0.0, int(Task.REST))
+    averaged.evaluations += int(search.done[0])
+    return _held(averaged) if found == Found.MAY_REST else None
+
+
+def _held(averaged: Averaged) -> Root | None:
+    """Return the balance at rest of contacts that may hold the load, None where they do not."""
     held = at_rest(averaged)
     return held if held.held and not _pushed_on(averaged) else None
 

@@ -144,6 +144,7 @@ class Work(NamedTuple):
     spot: np.ndarray  # (n, 6): surface at any phase
     point: np.ndarray  # (n, len(Stage)): contacts there
     matrix: np.ndarray  # (s, s + 1)
+    slope_matrix: np.ndarray  # (s, s + 3), see `cycle_slopes`
 
 
 def state_of(n: int) -> State:
@@ -162,7 +163,7 @@ def work_of(n: int, nodes: int, tolerance: float) -> Work:
     return Work(
         radau(nodes), tolerance, np.empty(s), np.empty(s), np.empty((s, 4)), np.empty((s, 4)), np.zeros((s, 4)),
         np.zeros((s, n, len(Stage))), np.empty((s, n, 6)), np.empty((n, 6)), np.zeros((n, len(Stage))),
-        np.empty((n, 6)), np.zeros((n, len(Stage))), np.empty((s, s + 1)),
+        np.empty((n, 6)), np.zeros((n, len(Stage))), np.empty((s, s + 1)), np.empty((s, s + 3)),
     )  # fmt: skip
 
 
@@ -174,8 +175,8 @@ def with_nodes(work: Work, nodes: int) -> Work:
 
 @compiled
 def solve_linear(matrix):
-    """Solve a linear system in place, the right side in the last column; return False where it is singular."""
-    n = matrix.shape[0]
+    """Solve a linear system in place, its right sides in the columns behind it; return False where it is singular."""
+    n, columns = matrix.shape
     for k in range(n):
         best = k
         for i in range(k + 1, n):
@@ -184,17 +185,18 @@ def solve_linear(matrix):
         if matrix[best, k] == 0.0 or not np.isfinite(matrix[best, k]):
             return False
         if best != k:
-            for j in range(k, n + 1):
+            for j in range(k, columns):
                 matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
         for i in range(k + 1, n):
             f = matrix[i, k] / matrix[k, k]
-            for j in range(k + 1, n + 1):
+            for j in range(k + 1, columns):
                 matrix[i, j] -= f * matrix[k, j]
-    for k in range(n - 1, -1, -1):
-        value = matrix[k, n]
-        for j in range(k + 1, n):
-            value -= matrix[k, j] * matrix[j, n]
-        matrix[k, n] = value / matrix[k, k]
+    for side in range(n, columns):
+        for k in range(n - 1, -1, -1):
+            value = matrix[k, side]
+            for j in range(k + 1, n):
+                value -= matrix[k, j] * matrix[j, side]
+            matrix[k, side] = value / matrix[k, k]
     return True
 
 
@@ -208,6 +210,20 @@ def fill_kinematics(problem, i, surface, q, p, row):
     row[Stage.Z_RATE] = surface[Surface.Z_RATE] - p[Body.HEIGHT]
     row[Stage.W_X] = surface[Surface.X_RATE] - p[Body.X] + p[Body.YAW] * y
     row[Stage.W_Y] = surface[Surface.Y_RATE] - p[Body.Y] - p[Body.YAW] * x
+
+
+@compiled
+def angle_equation(problem, i, row, rate):
+    """Return (n.w, t.w, c z over the rate) of eq. (1) at a node of a segment, whose direction is filled."""
+    cos, sin = row[Stage.N_X], row[Stage.N_Y]
+    along, across = cos * row[Stage.W_X] + sin * row[Stage.W_Y], cos * row[Stage.W_Y] - sin * row[Stage.W_X]
+    # at the end of a segment that ends at z = 0 the equation is t.w = 0; where only the map stands still, K = 0
+    stands = rate == 0.0
+    opens = row[Stage.Z] < 1e-12
+    inertia = problem.limit_slope[i] * max(row[Stage.Z], 0.0) / rate if not stands else (0.0 if opens else 1.0)
+    if stands and not opens:
+        along = across = 0.0
+    return along, across, inertia
 
 
 @compiled
@@ -232,15 +248,8 @@ def _slip_angles(problem, i, alpha, known, work):
             angle = alpha
             for k in range(n):
                 angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
-            cos, sin = np.cos(angle), np.sin(angle)
-            row[Stage.N_X], row[Stage.N_Y] = cos, sin
-            along, across = cos * row[Stage.W_X] + sin * row[Stage.W_Y], cos * row[Stage.W_Y] - sin * row[Stage.W_X]
-            # at the end of a segment that ends at z = 0 the equation is t.w = 0; where only the map stands still, K = 0
-            stands = work.rate[j] == 0.0
-            opens = row[Stage.Z] < 1e-12
-            inertia = c * max(row[Stage.Z], 0.0) / work.rate[j] if not stands else (0.0 if opens else 1.0)
-            if stands and not opens:
-                along = across = 0.0
+            row[Stage.N_X], row[Stage.N_Y] = np.cos(angle), np.sin(angle)
+            along, across, inertia = angle_equation(problem, i, row, work.rate[j])
             for k in range(n):
                 matrix[j, k] = along * nodes.integral[j, k]
             matrix[j, j] += inertia

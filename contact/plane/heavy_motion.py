@@ -18,6 +18,7 @@ import numpy as np
 
 from contact.codes import Regime
 from contact.jit.compiled import compiled
+from contact.plane.cycle_slopes import add_slopes, pass_slopes
 from contact.plane.disc_contacts import (
     LEAST_STEP,
     MAX_TRIES,
@@ -193,10 +194,11 @@ def _next_of_stick(problem, i, until, state, work):
 
 
 @compiled
-def _stick(problem, i, until, state, work):
+def _stick(problem, i, until, state, work, slopes, derive):
     """Follow stick to its end, to the least |e| or to a phase; return True where its segments are solved.
 
-    `work` is that with many nodes: what moves is known, and a stick is one piece of quadrature or two.
+    `work` is that with many nodes: what moves is known, and a stick is one piece of quadrature or two. `derive`: see
+    `follow_alone`.
     """
     total = state.total
     end, guard = _next_of_stick(problem, i, until, state, work)
@@ -212,8 +214,12 @@ def _stick(problem, i, until, state, work):
             if error <= work.tolerance or length < 1e-7:
                 break
             length *= shorter(error, work)
+        if derive:
+            add_slopes(problem, i, state, work, slopes)
         finish_segment(problem, i, i + 1, state, work)
     if guard == RegimeEnd.SLIP:
+        if derive:
+            pass_slopes(problem, i, guard, state.begins[i] == 1, work.start[i], slopes)
         pass_event(problem, i, guard, state, work.start[i])
     return True
 
@@ -279,7 +285,7 @@ def _shorten(i, share, kind, work):
 
 
 @compiled
-def _slip_segment(problem, i, left, opens, state, work):
+def _slip_segment(problem, i, left, opens, state, work, slopes, derive):
     """Solve the next segment of slip, at most `left` long, after which the contact may open.
 
     Return 0 where none is solved, 1 where slip goes on, 2 where it ends with the segment.
@@ -319,6 +325,8 @@ def _slip_segment(problem, i, left, opens, state, work):
         length, sticks = max(length * _mapped(kind, s), 1e-15), True
     else:
         return 0
+    if derive:
+        add_slopes(problem, i, state, work, slopes)
     finish_segment(problem, i, i + 1, state, work)
     if not sticks:
         grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / work.phase.size)
@@ -327,7 +335,7 @@ def _slip_segment(problem, i, left, opens, state, work):
 
 
 @compiled
-def _slip(problem, i, until, state, work):
+def _slip(problem, i, until, state, work, slopes, derive):
     """Follow slip to its end, to the opening of the contact or to a phase; return True where it is solved."""
     end, opens = _next_contact_end(problem, i, True, until, state, work)
     for _ in range(MAX_SEGMENTS):
@@ -336,8 +344,10 @@ def _slip(problem, i, until, state, work):
             if opens:
                 pass_event(problem, i, RegimeEnd.OPEN, state, work.start[i])
             return True
-        done = _slip_segment(problem, i, left, opens, state, work)
+        done = _slip_segment(problem, i, left, opens, state, work, slopes, derive)
         if done == 2:
+            if derive:
+                pass_slopes(problem, i, RegimeEnd.STICK, False, work.start[i], slopes)
             pass_event(problem, i, RegimeEnd.STICK, state, work.start[i])
         if done != 1:
             return done == 2
@@ -345,7 +355,7 @@ def _slip(problem, i, until, state, work):
 
 
 @compiled
-def _fly(problem, i, until, state, work):
+def _fly(problem, i, until, state, work, slopes, derive):
     """Move a contact that is open to its next touch, or to a phase."""
     end, touches = _next_contact_end(problem, i, False, until, state, work)
     for k in range(4):
@@ -353,24 +363,26 @@ def _fly(problem, i, until, state, work):
     state.total[Total.PHASE] = end
     begin(problem, i, i + 1, state, work)
     if touches:
+        if derive:
+            pass_slopes(problem, i, RegimeEnd.TOUCH, True, work.start[i], slopes)
         pass_event(problem, i, RegimeEnd.TOUCH, state, work.start[i])
 
 
 @compiled
-def follow_alone(problem, i, until, state, work, wide):
+def follow_alone(problem, i, until, state, work, wide, slopes, derive):
     """Move contact i of a heavy slider up to a phase; return True where all segments converge.
 
-    `wide`: the same work arrays with more nodes, for stick.
+    `wide`: the same work arrays with more nodes, for stick. `derive`: True if `slopes` are moved too.
     """
     begin(problem, i, i + 1, state, work)
     for _ in range(MAX_SEGMENTS):
         if until - state.total[Total.PHASE] <= ROOT:
             return True
         if state.regime[i] == Regime.SEPARATED:
-            _fly(problem, i, until, state, work)
+            _fly(problem, i, until, state, work, slopes, derive)
         elif state.regime[i] == Regime.STICK:
-            if not _stick(problem, i, until, state, wide):
+            if not _stick(problem, i, until, state, wide, slopes, derive):
                 return False
-        elif not _slip(problem, i, until, state, work):
+        elif not _slip(problem, i, until, state, work, slopes, derive):
             return False
     return False

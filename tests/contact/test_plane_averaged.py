@@ -24,7 +24,7 @@ from contact.plane import (
     threshold_factor,
     yaw_stability,
 )
-from contact.plane.averaged import Averaged
+from contact.plane.averaged import ANSWER, Averaged
 from contact.plane.disc_contacts import Sum
 from tests.contact.plane_motors import MU, R_X, F, ball, beams
 from tests.oracles.line_cycle import velocity_error
@@ -311,3 +311,23 @@ def test_mean_loads_next_to_a_graze_are_those_of_quadrature(flights):
         load = float((problem.stiffness * np.mean(np.maximum(approach, 0.0) ** 1.5))[0])
         assert repeats
         assert means[0, Sum.NORMAL] == pytest.approx(load, rel=1e-6)
+
+
+def uneven_three(nm):
+    """Return a slider on three balls, and two waves of another phase at each ball: some contacts never open."""
+    x, y = nm * 1e-9 * np.exp(2j * np.pi * np.random.default_rng(1).random((2, 3)))
+    rows = np.stack([-1j * R_X * x, -1j * R_X * y, x + y], axis=-1)
+    slider = ball(x=X, y=Y, preload=3 * F, freedom="xy yaw", tilt="free")
+    return slider, SurfaceWaves(frequencies=[2.2e6], amplitudes=rows[None])
+
+
+@pytest.mark.parametrize("nm", [3, 10], ids=["contacts that never open", "contacts that open too"])
+def test_derivatives_of_the_mean_forces_are_their_differences(nm):
+    """The variational equation against central differences of the same means, which it does not use."""
+    averaged = Averaged.of(*uneven_three(nm))
+    averaged.deformation = np.zeros((3, 2))
+    at, step = np.array([0.12, 0.05, -0.02]), 1e-5
+    slope = averaged.derivative(at, ANSWER)
+    for k, along in enumerate(np.eye(3)):
+        more, less = (averaged.residual(averaged.at(u, ANSWER), u) for u in (at + step * along, at - step * along))
+        assert slope[:, k] == pytest.approx((more - less) / (2.0 * step), rel=1e-6, abs=1e-6 * np.abs(slope).max())
