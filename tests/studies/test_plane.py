@@ -274,7 +274,7 @@ def test_both_components_of_a_velocity_are_predicted_from_one_motion(monkeypatch
     assert np.array([*x.values, *y.values]) == pytest.approx(expected, rel=1e-6)
     assert len(evaluations) == 1
     measured(predictor, (1e-8,), {"slider.preload": 0.874e-3})
-    assert evaluations[1] < evaluations[0] - 2
+    assert evaluations[1] <= evaluations[0] - 2
     moved = velocity(run(moving.replace(slider={"preload": 0.874e-3}), tolerance=1e-2))
     x, y = measured(predictor, (1e-8,), {"slider.preload": 0.874e-3}, 0.0)
     assert np.array([*x.values, *y.values]) == pytest.approx(moved, rel=1e-6)
