@@ -9,19 +9,21 @@ from types import BuiltinFunctionType, FunctionType, ModuleType
 
 import numpy as np
 
-ROOM = 800_000_000  # bytes of all kept answers; the field of a small motor takes 40 MB, of twente 90, a band 500
+ROOM = 600_000_000  # bytes of all kept answers; the field of a small motor takes 40 MB, of twente 90
 
 
 def bytes_of(root) -> int:
-    """Return the memory of an object with all that it refers to, but for code."""
+    """Return the memory of an object with all that it refers to, but for code; what a closure holds counts."""
     seen: set[int] = set()
     total, waiting = 0, [root]
     while waiting:
         each = waiting.pop()
-        if id(each) in seen or isinstance(each, type | ModuleType | FunctionType | BuiltinFunctionType):
+        if id(each) in seen or isinstance(each, type | ModuleType | BuiltinFunctionType):
             continue
         seen.add(id(each))
-        if isinstance(each, np.ndarray) and each.base is not None:
+        if isinstance(each, FunctionType):
+            waiting.extend(each.__closure__ or ())  # and not its module, which refers to everything
+        elif isinstance(each, np.ndarray) and each.base is not None:
             waiting.append(each.base)  # a view
         else:
             total += sys.getsizeof(each, 0)
