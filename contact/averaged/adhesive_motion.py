@@ -253,16 +253,36 @@ class AdhesiveBalls:
         waves = _listed(orbits)
         return self._pull(waves, self._riding(waves, STEPS * 16)[1], velocity)[0]
 
+    def repulsion(self, cycle: _Cycle) -> np.ndarray:
+        """Return the elastic part of the forces of a cycle, which friction feels, N."""
+        return self._stiffness * (cycle.radii**2 / self.ball.radius) ** 1.5
+
+    def dragged(self, waves, cycles, v: float) -> float:
+        """Return the mean force in N of the surface at a velocity in m/s; at 0.0 and -0.0 the limits of both sides."""
+        return self._pull(waves, cycles, v, -math.copysign(self._far(cycles), v))[0]
+
+    def _far(self, cycles) -> float:
+        """Return a deformation in m beyond every limit of slip."""
+        return self.slider.limit_slope * max(
+            (float(each.radii.max()) for each in cycles if each is not None), default=0.0
+        )
+
+    @property
+    def _stiffness(self) -> float:
+        """K of a ball, N/m^1.5."""
+        return 4.0 / 3.0 * self.ball.modulus * math.sqrt(self.ball.radius)
+
     @property
     def _friction(self) -> float:
         return self.slider.friction_coefficient * self.slider.preload
 
-    def _cycles(self, waves, h: float, steps: int) -> list:
+    def cycles(self, waves, h: float, steps: int) -> list:
+        """Return the cycle of each ball at a mean approach in m; None where it never closes."""
         return [_cycle(self.ball, h, abs(each.normal), steps) for each in waves]
 
     def _mean(self, waves, h: float, steps: int) -> float:
         """Return the mean normal force of all balls in N."""
-        cycles = self._cycles(waves, h, steps)
+        cycles = self.cycles(waves, h, steps)
         return sum(float(each.weights @ each.forces) for each in cycles if each is not None)
 
     def _closed(self, waves) -> float:
@@ -286,11 +306,11 @@ class AdhesiveBalls:
             above, below = edge + size * 1e-12, edge - size * 1e-12
             if left(above) <= 0.0:
                 height = bracketed(left, above, high, tolerance=CLOSE * (abs(high) + sizes[0]))
-                return height, self._cycles(waves, height, steps)
+                return height, self.cycles(waves, height, steps)
             high = below
         low = ball.make_approach - sizes[0]
         height = bracketed(left, low, high, tolerance=CLOSE * (abs(high) + sizes[0]))
-        return height, self._cycles(waves, height, steps)
+        return height, self.cycles(waves, height, steps)
 
     def _pull(self, waves, cycles, v: float, start: float = 0.0) -> tuple[float, float]:
         """Return the mean friction of all balls in N at a velocity, from a deformation `start` in m, and its work in W.
@@ -314,8 +334,7 @@ class AdhesiveBalls:
             repeats = REPEATS * c * float(delta.max())
             mean_stop(delta, cycle.weights, moved, rate, float(cycle.hops), c, repeats, begin, answer)
             total += answer
-        stiffness = 4.0 / 3.0 * self.ball.modulus * math.sqrt(self.ball.radius)
-        pull, work = self.slider.friction_coefficient * stiffness * total
+        pull, work = self.slider.friction_coefficient * self._stiffness * total
         return float(pull), float(work)
 
     def _normal_power(self, waves, cycles) -> float:
@@ -328,9 +347,7 @@ class AdhesiveBalls:
 
     def _held(self, waves, cycles) -> tuple[float, float]:
         """Return the smallest and largest mean friction in N on a slider at rest."""
-        far = self.slider.limit_slope * max(
-            (float(each.radii.max()) for each in cycles if each is not None), default=0.0
-        )
+        far = self._far(cycles)
         lowest, highest = (self._pull(waves, cycles, 0.0, sign * far)[0] for sign in (-1.0, 1.0))
         return lowest, highest
 

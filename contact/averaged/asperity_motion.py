@@ -90,6 +90,15 @@ class RoughBalls:
         if amplitude > 0.0:
             self._reach(amplitude)
 
+    @property
+    def lowest(self) -> float:
+        """Approach from which on the asperities of the first ball to touch are counted to carry, m."""
+        return self._lowest
+
+    def reaching(self, deepest: float) -> TangentialModel:
+        """Return the balls for approaches up to one in m."""
+        return self._reach(max(0.5 * (deepest - self._lowest), 0.0))
+
     def velocity(self, orbits: Orbit | Sequence[Orbit], *, tolerance: float) -> Answer:
         """Return the steady velocity in m/s; see `motion`."""
         return self.motion(orbits, tolerance=tolerance).answer

@@ -102,7 +102,7 @@ class Stops:
         The velocity differs from that of the steps by their error; where that is all of it, the slider rests.
         """
         slider, heavy, answer = self.slider, heavy_slider(self.slider, waves), np.zeros(4)
-        tables = [_touching_at_roots(each) for each in self._at(doubling)]
+        tables = [_touching_at_roots(each) for each in self.tables(doubling)]
         motions, way = [motion_of(slider, each) for each in waves], math.copysign(1.0, solved.velocity)
 
         def sums(v, cut):
@@ -128,7 +128,7 @@ class Stops:
     @property
     def said(self) -> str:
         """As in `TangentialModel`."""
-        number = sum(table.touch.size for table in self._at(0))
+        number = sum(table.touch.size for table in self.tables(0))
         return f"cycle means of {number} asperities, a stop each"
 
     def refined(self, before: float, last: float) -> tuple[float, float]:
@@ -136,7 +136,7 @@ class Stops:
         # about the square of the step: of a smooth mean a third of the change would be the error
         return last, 0.5 * abs(last - before)
 
-    def _at(self, doubling: int) -> list[Table]:
+    def tables(self, doubling: int) -> list[Table]:
         """Return the tables with so many doublings of their rows."""
         if doubling not in self._tables:
             self._tables[doubling] = [self._table(each, ROWS * 2**doubling) for each in self.balls]
@@ -171,7 +171,7 @@ class Stops:
             span = self.deepest - self.lowest
             return bracketed(left, self.lowest - size, self.deepest - size, tolerance=1e-9 * span)
 
-        return tuple(height(*each) for each in zip(self._at(doubling), waves, strict=True))
+        return tuple(height(*each) for each in zip(self.tables(doubling), waves, strict=True))
 
     def _velocity(self, waves: tuple[Orbit, ...], doubling: int, heights: tuple[float, ...]) -> float:
         """Return the velocity at which no mean force is left, with so many doublings of steps and rows."""
@@ -188,7 +188,7 @@ class Stops:
             """Return the force that is left at a velocity under a load with its sign."""
             travel = v * 2.0 * np.pi / (steps * omega)
             pull = 0.0
-            for table, place, along in zip(self._at(doubling), z, u_x, strict=True):
+            for table, place, along in zip(self.tables(doubling), z, u_x, strict=True):
                 mean_pull(table, place, along - np.roll(along, 1) - travel, c, repeats, answer)
                 pull += float(answer[0])
             return friction * pull - load - slider.tangential_damping * v

@@ -60,6 +60,10 @@ class Memory:
             return last, abs(last - before)
         return last + (last - before) / 3.0, ERROR * abs(last - before)
 
+    def forces(self, doubling: int) -> tuple[ForceTable, np.ndarray]:
+        """Return the forces of the distinct balls, with so many doublings of their rows, and the row of each ball."""
+        return self._at(doubling), self._which
+
     def _at(self, doubling: int) -> ForceTable:
         if doubling not in self._tables:
             self._tables[doubling] = joined([each.force_table(self.deepest, doubling) for each in self._distinct])

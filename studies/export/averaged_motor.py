@@ -5,24 +5,30 @@ The tables of mean forces are those of `force_grid`; the step response of the su
 """
 
 import logging
+import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 import contact
 from studies.export import reduced_motor as model
 from studies.export.force_grid import force_tables, mean_forces, packed
-from studies.export.motor_model import RESPONSE_STEP, AveragedMotor, Drive, ring_speed
+from studies.export.law_contact import LawContact
+from studies.export.law_grid import BEYOND, MOST_PRELOAD, LawGrid
+from studies.export.motor_model import RESPONSE_STEP, AveragedMotor, Drive
 from studies.model.scene_errors import as_run_errors
 from studies.model.wave_to_contact import Contact
 from studies.scene import Scene
 from studies.solve.ring_up import RingUp, switched
+from studies.solve.velocity_error import held_height_error
 from studies.study_list import driven_contact
 
 LOGGER = logging.getLogger(__name__)
 
 PROBES = 400  # random points at which the interpolation is compared with the exact mean
 KICK_CYCLES = 10  # after which the start of a sudden wave is over
+TWO_MOTIONS = 200  # levels at which contacts that attract are asked for a second motion
 SETTLED = 2e-4  # of the steady amplitude: from there on the wave counts as settled
 MAX_RESPONSE = 20_000  # nodes; what rings longer is taken as settled there
 
@@ -39,18 +45,19 @@ def first_drive(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
     scene.refuse_pillars(rule)
     refuse_special_contacts(scene)
     driven = driven_contact(scene, tolerance=tolerance)
-    refuse_special_friction(driven)
+    if not driven.heavy:
+        refuse_special_friction(driven)
     return driven
 
 
 def refuse_special_contacts(scene: Scene) -> None:
     """Raise a SceneError for contacts of which the tables' two ratios do not hold."""
-    taken = {
-        "heights": "contacts of one height",
-        "normal_law": "smooth contacts",
-        "roughness": "smooth balls, whose force is a power of the approach",
-        "adhesion": "contacts without adhesion",
-    }
+    taken = {"heights": "contacts of one height", "normal_law": "smooth contacts"}
+    if scene.planar:
+        taken |= {
+            "roughness": "smooth balls, whose force is a power of the approach",
+            "adhesion": "contacts without adhesion",
+        }
     for key, what in taken.items():
         if scene.slider is not None and getattr(scene.slider, key):
             scene.refuse(f"slider.{key}", f"must be absent: the tables of the averaged motor take {what}")
@@ -85,36 +92,53 @@ def averaged_motor(
     """
     scene = Scene.load(scene)
     driven = first or first_drive(scene, tolerance=tolerance)
-    slider = driven.slider
+    law = LawContact.of(driven)
+    slider, share = (driven.slider, driven.scene.slider.share) if law is None else (law.slider, law.share)
     left_out = ["the wave is that at the initial position of the slider: its variation along the way is not included"]
     if driven.scene.wave is None:
         left_out.append("the stator's mean temperature is stated, and does not act on the motion")
     drives = [_drive(driven, left_out)]
     for other in other_drives(scene):
         drives.append(_drive(driven_contact(other, tolerance=tolerance), left_out))
+    if law is not None:
+        drives = [replace(each, orbits=each.orbits * law.each) for each in drives]
     if driven.scene.wave is not None:
-        opposite = tuple(orbit.mirrored() for orbit in driven.orbits)
+        opposite = tuple(orbit.mirrored() for orbit in drives[0].orbits)
         drives.append(replace(drives[0], name="wave from the other side", orbits=opposite, mirrored=True))
     if len(drives) == 2:
         left_out.append("where the waves of both drives overlap, only the larger one counts")
-    left_out += [
-        "below the threshold, sticking contacts have the stiffness of a surface at rest, also with a wave",
-        f"a slider that has stopped rings in its contacts at up to {ring_speed(slider, len(driven.orbits)):.2g} m/s; "
-        "the phase of the ring is lost within about 10 ms, so that the velocity at the start of a later burst may be "
-        "wrong by up to twice that",
-    ]
+    left_out += ["below the threshold, sticking contacts have the stiffness of a surface at rest, also with a wave"]
+    grid = None
     with as_run_errors():
-        steady = _steady(slider, drives[0], driven.levels)  # first: it refuses what averaging does not know
-        LOGGER.info("tables of mean forces")
-        tables = [None if drive.mirrored else force_tables(slider, drive) for drive in drives]
+        if law is None:
+            steady = _steady(slider, drives[0], driven.levels)  # first: it refuses what averaging does not know
+            LOGGER.info("tables of mean forces")
+            tables: list = [None if drive.mirrored else force_tables(slider, drive) for drive in drives]
+        else:
+            LOGGER.info("tables of mean forces")
+            steady = _law_steady(law, drives[0], between(driven.levels))
+            largest = max(driven.levels) * max(drive.amplitude for drive in drives)
+            grid = law.grid(len(drives[0].orbits), largest)
+            tables = [None if drive.mirrored else grid.tables(slider, drive) for drive in drives]
     averaging = max((abs(second - first) / scale for _, second, first, scale in steady), default=0.0)
-    parameters, flat = packed(slider, drives, tables)
+    parameters, flat = packed(slider, drives, tables, grid)
     motor = AveragedMotor(
-        scene=driven.scene, slider=slider, share=driven.scene.slider.share, drives=tuple(drives), levels=driven.levels,
+        scene=driven.scene, slider=slider, share=share, drives=tuple(drives), levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
         velocity_error=0.0, left_out=(),
     )  # fmt: skip
-    if drives[0].response is None:
+    ring = f"a slider that has stopped rings in its contacts at up to {motor.ring_speed:.2g} m/s"
+    left_out.append(
+        f"{ring}; the phase of the ring is lost within about 10 ms, so that the velocity at the start of a later burst "
+        "may be wrong by up to twice that"
+    )
+    if grid is not None:
+        reach, most = driven.scene.named(BEYOND * max(driven.levels)), MOST_PRELOAD * motor.preload
+        left_out.append(f"the tables reach up to a level of {reach} and a preload of {most:.4g} N")
+    left_out += _two_motions(motor)
+    if drives[0].response is None and grid is not None:
+        left_out.append("how the sudden start of a wave depends on its phase")
+    elif drives[0].response is None:
         kick = _kick(motor, [level for level, *_ in steady])
         left_out.append(
             f"the sudden start of a wave changes the velocity by up to {kick:.1e} m/s, depending on its phase: "
@@ -123,7 +147,7 @@ def averaged_motor(
     return replace(
         motor,
         left_out=tuple(dict.fromkeys(left_out)),
-        interpolation_error=_interpolation_error(motor),
+        interpolation_error=_interpolation_error(motor) if grid is None else _law_interpolation_error(motor, grid),
         velocity_error=_velocity_error(motor, steady),
     )
 
@@ -191,6 +215,42 @@ def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, flo
     return steady
 
 
+def between(levels: tuple[float, ...]) -> list[float]:
+    """Return the levels and the geometric means of neighbours, off the levels that a user has."""
+    return sorted({*levels, *(math.sqrt(low * high) for low, high in pairwise(levels))})
+
+
+def _law_steady(law: LawContact, drive: Drive, levels) -> list[tuple[float, float, float, float]]:
+    """Return what `_steady` does of balls whose tables have depths: the second velocity has the error of averaging."""
+    steady = []
+    for level in levels:
+        orbits = tuple(orbit.scaled(level) for orbit in drive.orbits)
+        velocity = law.velocity(orbits)
+        if velocity != 0.0:
+            scale = contact.reference_speed(velocity, orbits)
+            steady.append((level, velocity + scale * held_height_error(law.slider, orbits), velocity, scale))
+    return steady
+
+
+def _two_motions(motor: AveragedMotor) -> list[str]:
+    """Return in words between which levels contacts that attract have two motions; empty if there are none."""
+    p, tables, preload = motor.parameters, motor.tables, motor.slider.preload
+    largest = motor.levels[-1]
+    double = []
+    for level in largest * np.linspace(0.0, 1.0, TWO_MOTIONS + 1)[1:]:
+        size = level * motor.drives[0].amplitude
+        closed, hops = (model.steady_approach(p, tables, 0, size, preload, k) for k in (0, 1))
+        if closed - hops > 1e-6 * size:
+            double.append(level)
+    if not double:
+        return []
+    span = " to ".join(motor.scene.named(each) for each in (double[0], double[-1]))
+    return [
+        f"at {span} two motions exist, with contacts that stay closed, as in a run, and with contacts that open: "
+        "which of them is reached depends on how the wave grows"
+    ]
+
+
 def _kick(motor: AveragedMotor, levels) -> float:
     """Return how far the motor is from the exact contact after the first cycles of a sudden wave, m/s."""
     worst = 0.0
@@ -211,16 +271,45 @@ def _velocity_error(motor: AveragedMotor, steady) -> float:
     p, worst = motor.parameters, 0.0
     for level, _, first, scale in steady:
         size = level * motor.drives[0].amplitude
-        height = model.steady_approach(p, motor.tables, 0, size, motor.slider.preload)
+        height = model.steady_approach(p, motor.tables, 0, size, motor.slider.preload, 0)
+        load_on = model.mean_load(p, motor.tables, 0, height, size)
         nearby = first + 1e-4 * scale * np.array([-1.0, 0.0, 1.0])
         low, here, high = (
-            model.slip_force(p, motor.tables, 0, height, size, motor.slider.preload, v)
-            - motor.slider.tangential_damping * v
+            model.slip_force(p, motor.tables, 0, height, size, load_on, v) - motor.slider.tangential_damping * v
             for v in nearby
         )
         load = -float(np.copysign(motor.slider.load, first)) if motor.slider.load else 0.0
         worst = max(worst, abs((here + load) / (high - low)) * 2e-4)
     return worst
+
+
+def _law_interpolation_error(motor: AveragedMotor, grid: LawGrid) -> tuple[float, float]:
+    """Return the largest error of the mean tangential force over mu preload, and its 99 % quantile.
+
+    At random waves and preloads within the reach of the tables, at the approaches at which a slider rides there.
+    """
+    random, errors, p = np.random.default_rng(1), [], motor.parameters
+    largest = max(motor.levels) * max(drive.amplitude for drive in motor.drives)
+    friction = motor.slider.friction_coefficient * motor.slider.preload
+    for number, drive in enumerate(motor.drives):
+        if drive.mirrored:
+            continue
+        for _ in range(PROBES):
+            size, root = random.uniform(0.02, BEYOND) * largest, random.uniform(0.0, 1.0)
+            preload = motor.slider.preload * MOST_PRELOAD ** random.uniform(-1.0, 1.0)
+            height = model.steady_approach(p, motor.tables, number, size, preload, 0)
+            found = grid.at(motor.slider, drive, height, size, np.array([root]))
+            if found is None:
+                continue
+            load, speed = (
+                model.mean_load(p, motor.tables, number, height, size),
+                root**2 * drive.saturation(motor.slider),
+            )
+            for side, sign in ((0, -1.0), (1, 1.0)):
+                q = model.friction_force(p, motor.tables, number, height, size, load, side, sign * speed * size)
+                exact = motor.slider.friction_coefficient * found[0] * found[2][side, 0]
+                errors.append(abs(q - exact) / friction)
+    return float(max(errors)), float(np.quantile(errors, 0.99))
 
 
 def _interpolation_error(motor: AveragedMotor) -> tuple[float, float]:

@@ -44,6 +44,9 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
     """
     size = drive.amplitude
     height = ((1.0 / tau - 1.0) ** 2 - 1.0) * size  # tau = sqrt(s)/(sqrt(s) + sqrt(h + s)) solved for h
+    slider = replace(
+        slider, adhesion=None
+    )  # friction feels the elastic force alone; `reduced_motor` has the attraction
     loads = [contact.mean_load(height, abs(orbit.normal), slider.profile) for orbit in drive.orbits]
     preload = slider.normal_stiffness * sum(loads)
     exponent = force_exponent(slider)
@@ -56,8 +59,11 @@ def mean_forces(slider, drive: Drive, tau: float, sizes: np.ndarray) -> tuple[fl
     return share, forces / (slider.friction_coefficient * preload)
 
 
-def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
-    """Return the flat arrays of `reduced_motor`, parameters and tables; a mirrored drive has no table (None)."""
+def packed(slider, drives, tables, grid=None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the flat arrays of `reduced_motor`, parameters and tables; a mirrored drive has no table (None).
+
+    ``grid``: `law_grid.LawGrid` of tables with depths.
+    """
     p = np.zeros(index.FIRST_DRIVE + 2 * index.DRIVE_SIZE)
     contacts = len(drives[0].orbits)
     p[index.MASS], p[index.NORMAL_DAMPING] = slider.mass, slider.normal_damping
@@ -71,17 +77,30 @@ def packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
     p[index.RING_STEP] = min(MAX_STEP, 1.0 / (RING_STEPS * fastest))
     p[index.DEAD_BOUNCE] = DEAD_BOUNCE
     p[index.THERMAL_TIME] = drives[0].thermal_time
+    p[index.CONTACTS], p[index.PULL] = contacts, slider.normal_stiffness * slider.profile.pull
     parts, length = [], 0
+    if grid is not None:
+        grid.parameters(p)
+        parts, length = [grid.force ** (1.0 / force_exponent(slider))], grid.force.size
     for number, (drive, table) in enumerate(zip(drives, tables, strict=True)):
         own = index.FIRST_DRIVE + number * index.DRIVE_SIZE
         p[own + index.AMPLITUDE], p[own + index.SATURATION] = drive.amplitude, drive.saturation(slider)
         p[own + index.POWER], p[own + index.RESPONSE_STEP] = drive.power, drive.response_step
         p[own + index.FACING], p[own + index.WARMTH] = -1.0 if drive.mirrored else 1.0, drive.warmth
+        p[own + index.PULLS] = -1.0
         if table is None:  # as the first drive, except for the sign
             first = index.FIRST_DRIVE
             p[own : own + index.FACING] = p[first : first + index.FACING]
+            p[own + index.PULLS], p[own + index.SIZES] = p[first + index.PULLS], p[first + index.SIZES]
             continue
-        pieces = {index.LOADS: table[0], index.FORCES: table[1].ravel()}
+        if grid is None:
+            pieces = {index.LOADS: table[0], index.FORCES: table[1].ravel()}
+        else:
+            pieces = {index.LOADS: table.loads.ravel(), index.FORCES: table.forces.ravel()}
+            if table.pulls is not None:
+                pieces[index.PULLS] = table.pulls.ravel()
+        if p[index.PULL] > 0.0:
+            pieces[index.SIZES] = np.array([abs(orbit.normal) for orbit in drive.orbits]) / drive.amplitude
         if drive.response is not None:
             p[own + index.RESPONSE_NODES] = len(drive.response)
             pieces[index.RESPONSE] = np.ascontiguousarray(drive.response).view(float)

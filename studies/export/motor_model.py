@@ -10,6 +10,7 @@ from studies.export.reduced_motor import index
 from studies.refusal import RunError, refuse_if
 from studies.scene import Scene
 
+RING_NODES = 24  # of the energy of a ring; 1e-5 of the velocity
 RESPONSE_STEP = 2.5e-7  # s; half of the cycle at 2 MHz
 
 
@@ -85,8 +86,42 @@ class AveragedMotor(OfScene):
     @property
     def load(self) -> float:
         """Load of the scene as a force along +x on the real slider, N: against the first drive's motion."""
-        direction = push(self.slider, self.orbits_at(self.levels[-1]))
-        return -float(np.copysign(self.slider.load, direction)) * self.share + 0.0
+        return -float(np.copysign(self.slider.load, self.direction)) * self.share + 0.0
+
+    @property
+    def direction(self) -> float:
+        """Mean force in N of the largest wave along +x on a slider at rest without a load, whose sign counts."""
+        if self.parameters[index.DEPTHS] < 0.5:
+            return push(self.slider, self.orbits_at(self.levels[-1]))
+        size, p, tables = self.levels[-1] * self.drives[0].amplitude, self.parameters, self.tables
+        height = model.steady_approach(p, tables, 0, size, self.slider.preload, 0)
+        load = model.mean_load(p, tables, 0, height, size)
+        return sum(model.friction_force(p, tables, 0, height, size, load, side, 0.0) for side in (0, 1))
+
+    @property
+    def slip_deformation(self) -> float:
+        """Tangential deformation of the contacts at which they slip on a surface at rest, m."""
+        return self.slider.limit_slope * model.rest_approach(self.parameters, self.tables, self._repulsion)
+
+    @property
+    def ring_speed(self) -> float:
+        """Largest velocity in m/s of the tangential ringing of a slider that sticks on a surface at rest.
+
+        The energy stored in the contacts at the limit of slip, the integral of their spring's force, becomes kinetic
+        energy m v^2/2.
+        """
+        point, weight = np.polynomial.legendre.leggauss(RING_NODES)
+        depth = model.rest_approach(self.parameters, self.tables, self._repulsion)
+        shares = [model.spring_share(self.parameters, self.tables, 0.5 * (1.0 + u), depth) for u in point]
+        force = self.slider.friction_coefficient * self._repulsion * 0.5 * float(weight @ shares)
+        return float(np.sqrt(2.0 * force * self.slip_deformation / self.slider.mass))
+
+    @property
+    def _repulsion(self) -> float:
+        """Repulsion of the contacts under the preload without a wave, which friction feels, N."""
+        p, tables, preload = self.parameters, self.tables, self.slider.preload
+        height = model.steady_approach(p, tables, 0, 0.0, preload, 0)
+        return model.steady_load(p, tables, 0, height, 0.0, preload)
 
     def orbits_at(self, level: float) -> tuple:
         """Return the contacts' orbits at a level of the first drive."""
@@ -164,14 +199,3 @@ def force_exponent(slider: contact.Slider) -> float:
 def push(slider: contact.Slider, orbits: tuple) -> float:
     """Return the mean force of the wave along +x on a slider at rest without a load, N."""
     return float(contact.mean_traction(replace(slider, load=0.0), orbits, np.zeros(1))[0])
-
-
-def ring_speed(slider, contacts: int) -> float:
-    """Return the largest velocity in m/s of the tangential ringing of a slider that sticks on a surface at rest.
-
-    The energy stored in the contacts at the limit of slip, e/(e + 1) mu P x_max with x_max = c z and e = 3/2 for
-    spheres, 1 for flat punches, becomes kinetic energy m v^2/2.
-    """
-    exponent = force_exponent(slider)
-    energy = slider.friction_coefficient * slider.preload * slider.limit_slope * slider.rest_approach(contacts)
-    return float(np.sqrt(2.0 * exponent / (exponent + 1.0) * energy / slider.mass))

@@ -12,8 +12,10 @@ from studies.export.c_source import description, header, source
 from studies.export.exported import Exported
 from studies.export.fmu import FMI_VERSIONS, FmuModel, fmu, fmu_of
 from studies.export.force_grid import COLUMNS, ROWS
+from studies.export.law_grid import places
 from studies.export.motor_model import AveragedMotor, force_exponent
 from studies.export.reduced_motor import index
+from studies.export.reduced_motor.force_tables import EDGE
 from studies.record.waveform import instants, modulation
 from studies.refusal import refuse_other
 from studies.scene import Scene
@@ -70,6 +72,8 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
     tau = np.linspace(0.0, 1.0, ROWS)
     nu = np.linspace(0.0, 1.0, COLUMNS) ** 2
     slider, files = motor.slider, {}
+    if motor.parameters[index.DEPTHS] > 0.5:
+        return _tables_of_depths(motor, head)
     for number, drive in enumerate(motor.drives):
         start = motor.parameters[index.FIRST_DRIVE + number * index.DRIVE_SIZE :].astype(int)
         loads = motor.tables[start[index.LOADS] :][:ROWS]
@@ -91,11 +95,61 @@ def tables(motor: AveragedMotor) -> dict[str, str]:
         files[f"mean_force_{label}.csv"] = (
             drive_head + columns + "\n" + _rows(np.column_stack([tau, limits, both_sides]))
         )
-        if drive.response is not None:
-            time = drive.response_step * np.arange(len(drive.response))
-            numbers = np.column_stack([time, drive.response.real, drive.response.imag])
-            files[f"ring_up_{label}.csv"] = drive_head + "time_s,factor_real,factor_imaginary\n" + _rows(numbers)
+        files |= _response_table(drive, drive_head, label)
     return files
+
+
+def _tables_of_depths(motor: AveragedMotor, head: str) -> dict[str, str]:
+    """Return the tables of contacts whose force is no power of the approach; see `tables`."""
+    p, files = motor.parameters, {}
+    depths, rows, split, columns = (
+        int(p[each]) for each in (index.DEPTHS, index.TAU_NODES, index.SPLIT, index.NU_NODES)
+    )
+    t = np.linspace(0.0, 1.0, split), np.linspace(0.0, 1.0, rows - split)
+    tau = np.concatenate([EDGE * (1.0 - (1.0 - t[0]) ** 2), EDGE + (1.0 - EDGE) * t[1] ** 2])
+    crest = places(depths, float(p[index.DEEPEST]), float(p[index.FORCE_SCALE]))
+    z, taus = (each.ravel() for each in np.meshgrid(crest, tau, indexing="ij"))
+    nu = (p[index.FASTEST] * np.linspace(0.0, 1.0, columns)) ** 2
+    nodes = int(p[index.FORCE_NODES])
+    at_rest = places(nodes, float(p[index.DEEPEST]), float(p[index.FORCE_SCALE]))
+    force = motor.tables[int(p[index.FORCE_TABLE]) :][:nodes] ** p[index.EXPONENT]
+    for number, drive in enumerate(motor.drives):
+        start = p[index.FIRST_DRIVE + number * index.DRIVE_SIZE :].astype(int)
+        size = depths * rows
+        shares = [motor.tables[start[index.LOADS] :][:size]]
+        if start[index.PULLS] >= 0:
+            shares.append(motor.tables[start[index.PULLS] :][:size])
+        forces = motor.tables[start[index.FORCES] :][: 2 * size * columns].reshape(2, size, columns)
+        if start[index.FACING] < 0:
+            forces = -forces[::-1]
+        drive_head = head + (
+            f"# drive {drive.name}: s = {drive.amplitude!r} m per {motor.unit}, "
+            f"v_1 = {float(drive.saturation(motor.slider))!r} (m/s)/m\n"
+            f"# z = h + s - ({float(p[index.START])!r} m), tau = sqrt(s)/(sqrt(s) + sqrt(z)), nu = V/(v_1 s), mean "
+            "repulsion R P(z), mean attraction A P(z), Q = mu R P(z) g; P(z) is the repulsion at rest of a part of "
+            f"1/{motor.share} of the slider\n# mu = {motor.slider.friction_coefficient!r}\n"
+        )
+        label, names = drive.name.replace(" ", "_"), "RA"[: len(shares)]
+        files[f"force_at_rest_{label}.csv"] = drive_head + "z_m,P_N\n" + _rows(np.column_stack([at_rest, force]))
+        head_line = ",".join(["z_m", "tau", *names]) + "\n"
+        files[f"mean_load_{label}.csv"] = drive_head + head_line + _rows(np.column_stack([z, taus, *shares]))
+        signed = np.concatenate([-nu[:0:-1], nu[1:]])
+        title = ",".join(
+            ["z_m", "tau", "g_at_0_from_below", "g_at_0_from_above", *(f"g_at_nu={v:.8g}" for v in signed)]
+        )
+        both = [forces[0, :, 0], forces[1, :, 0], forces[0, :, :0:-1], forces[1, :, 1:]]
+        files[f"mean_force_{label}.csv"] = drive_head + title + "\n" + _rows(np.column_stack([z, taus, *both]))
+        files |= _response_table(drive, drive_head, label)
+    return files
+
+
+def _response_table(drive, drive_head: str, label: str) -> dict[str, str]:
+    """Return the step response of the surface as CSV text by file name, of a drive that has one."""
+    if drive.response is None:
+        return {}
+    time = drive.response_step * np.arange(len(drive.response))
+    numbers = np.column_stack([time, drive.response.real, drive.response.imag])
+    return {f"ring_up_{label}.csv": drive_head + "time_s,factor_real,factor_imaginary\n" + _rows(numbers)}
 
 
 def _rows(table: np.ndarray) -> str:

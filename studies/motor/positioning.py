@@ -32,7 +32,7 @@ import numpy as np
 import contact
 from fem.parameters import refuses
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
-from studies.export.motor_model import AveragedMotor, push, ring_speed
+from studies.export.motor_model import AveragedMotor, push
 from studies.model.resolve import build
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
@@ -91,6 +91,9 @@ def run(
                 raise SceneError(option, "must be absent with a slider in the plane, whose steps are without a sensor")
         return _in_plane(scene, target, tolerance)
     distance = None if target is None else _read_target(target, scene)
+    for key in ("roughness", "adhesion"):
+        if scene.slider is not None and getattr(scene.slider, key):
+            scene.refuse(f"slider.{key}", "must be absent here: the steps of positioning are those of smooth dry balls")
     first = first_drive(scene, tolerance=tolerance)
     one_way = scene.wave is None and not other_drives(scene)
     direction = math.copysign(1.0, push(first.slider, first.at(max(first.levels))))
@@ -256,11 +259,13 @@ def _move_in_words(name: str, move: Move) -> Iterator[tuple[str, str]]:
 def _errors_in_words(motor: AveragedMotor, error: float, averaging: tuple[float, float]) -> list[tuple[str, str]]:
     """Return label and text of each line on the error of the positions and on the averaged motor."""
     largest, last = averaging
-    speed = ring_speed(motor.slider, len(motor.drives[0].orbits))
     return [
         ("error", f"of the positions: at most {error * 1e9:.2g} nm (difference from half as many steps per cycle)"),
         ("averaging", f"the averaged motor under the same drive differs by at most {largest * 1e9:.2g} nm,"),
-        ("", f"{last * 1e9:.2g} nm at the end: it loses the phase of a ring of up to {speed * 1e6:.2g} um/s"),
+        (
+            "",
+            f"{last * 1e9:.2g} nm at the end: it loses the phase of a ring of up to {motor.ring_speed * 1e6:.2g} um/s",
+        ),
     ]
 
 

@@ -50,7 +50,7 @@ def short_bursts(driven: Contact, motor: AveragedMotor, cycles: tuple[int, ...])
     return {
         "cycles": np.array(cycles), "exact_m": displacements, "averaged_m": averaged,
         "farthest_m": np.array(largest), "ring_m": np.array([each.ring for each in exact]),
-        "elastic_m": motor.slider.limit_slope * motor.slider.rest_approach(len(drive.orbits)),
+        "elastic_m": motor.slip_deformation,
         "difference": float(np.max(np.abs(averaged - displacements))),
     }  # fmt: skip
 

@@ -11,7 +11,7 @@ import pytest
 import contact
 from studies.__main__ import main
 from studies.export.averaged_motor import averaged_motor
-from studies.export.motor_model import push, ring_speed
+from studies.export.motor_model import push
 from studies.motor import positioning
 from studies.motor.controllers import CONTROLLERS, Command, MotorNumbers, Reading, controller
 from studies.motor.followed_motor import FollowedMotor
@@ -117,7 +117,7 @@ def test_the_averaged_motor_goes_the_way_of_the_followed_one():
     first_burst = np.flatnonzero(np.diff(true.level) != 0.0)[2]
     assert np.abs(averaged - true.position)[:first_burst].max() < 5e-10
     # afterwards the phase of the ring is lost, and the error grows while the slider slides, as the export states
-    ring = ring_speed(motor().slider, 1)
+    ring = motor().ring_speed
     slides = np.cumsum(np.diff(true.time, prepend=0.0) * (np.abs(true.velocity) > ring))
     assert np.all(np.abs(averaged - true.position) < 1e-9 + 2.0 * ring * slides)
     assert any(f"up to {ring:.2g} m/s" in each for each in motor().left_out)
@@ -130,7 +130,7 @@ def test_a_slider_let_go_at_the_limit_of_slip_rings_at_the_stated_speed():
     for _ in range(2000):
         state.advance(1e-7, 0.0)
         speeds.append(abs(state.velocity))
-    assert max(speeds) == pytest.approx(ring_speed(slider, 1), rel=1e-3)
+    assert max(speeds) == pytest.approx(motor().ring_speed, rel=1e-3)
 
 
 def test_there_and_back_within_2_nm_with_a_sensor_of_1_nm():

@@ -28,8 +28,15 @@ interpolation over four neighbours; on a steady wave (`glide`, `hold`) constant 
 """
 
 from studies.export.reduced_motor.bounce import steady_approach
-from studies.export.reduced_motor.contact_spring import power, spring_share
-from studies.export.reduced_motor.force_tables import slip_force, traction_share
+from studies.export.reduced_motor.contact_spring import power, rest_approach, spring_share
+from studies.export.reduced_motor.force_tables import (
+    friction_force,
+    mean_load,
+    normal_force,
+    slip_force,
+    steady_load,
+    traction_share,
+)
 from studies.export.reduced_motor.sticking import deformation
 from studies.export.reduced_motor.time_steps import advance, begin
 
@@ -37,10 +44,15 @@ __all__ = [
     "advance",
     "begin",
     "deformation",
+    "friction_force",
+    "mean_load",
+    "normal_force",
     "power",
+    "rest_approach",
     "slip_force",
     "spring_share",
     "steady_approach",
+    "steady_load",
     "traction_share",
 ]
 # in the order of their C in one file

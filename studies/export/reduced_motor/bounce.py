@@ -10,32 +10,55 @@ from math import sqrt
 
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
-from studies.export.reduced_motor.contact_spring import rest_approach
-from studies.export.reduced_motor.force_tables import mean_load
+from studies.export.reduced_motor.contact_spring import carrying_approach, rest_approach
+from studies.export.reduced_motor.force_tables import attracts, mean_load, mean_pull, normal_force
 from studies.export.reduced_motor.index import Array
 
 
 @compiled
-def steady_approach(p: Array, tables: Array, drive: int, s: float, preload: float) -> float:
-    """Return the mean approach in m at which <P> is the preload (false position, Illinois variant).
+def steady_approach(p: Array, tables: Array, drive: int, s: float, preload: float, hops: int) -> float:
+    """Return the mean approach in m at which <P> is the preload.
 
-    It lies between -s, where no contact touches, and the approach without a wave, because a wave raises <P>.
+    It lies between -s, where no contact touches, and the approach without a wave, because a wave raises <P>. Contacts
+    that attract may have two: that of contacts which stay closed, or with `hops` = 1 that of contacts which open.
     """
-    rest = rest_approach(p, preload)
+    if attracts(p) == 0 and p[index.DEPTHS] < 0.5:
+        rest = rest_approach(p, tables, preload)
+        return rest if s <= 0.0 else riding_between(p, tables, drive, s, preload, -s, rest)
+    start = p[index.START]
+    top = start + carrying_approach(p, tables, preload + p[index.CONTACTS] * p[index.PULL])
+    if p[index.FIRST_DRIVE + index.PULLS] >= 0.0:
+        top = start + p[index.DEEPEST]
     if s <= 0.0:
-        return rest
-    low = -s
-    high = rest
-    below = -preload
-    above = mean_load(p, tables, drive, high, s) - preload
+        return riding_between(p, tables, drive, 0.0, preload, start, top) if attracts(p) == 1 else top
+    high = top + s
+    if attracts(p) == 0:
+        return riding_between(p, tables, drive, s, preload, start - s, high)
+    closed = start + s * (1.0 + 1e-9)
+    opens = start + s * (1.0 - 1e-9)
+    if hops == 1 and normal_force(p, tables, drive, opens, s) > preload:
+        return riding_between(p, tables, drive, s, preload, start - s, opens)
+    if closed < high and normal_force(p, tables, drive, closed, s) <= preload:
+        return riding_between(p, tables, drive, s, preload, closed, high)
+    return riding_between(p, tables, drive, s, preload, start - s, min(opens, high))
+
+
+@compiled
+def riding_between(p: Array, tables: Array, drive: int, s: float, preload: float, low: float, high: float) -> float:
+    """Return the approach between two bounds at which <P> is the preload (false position, Illinois variant)."""
+    span = high + s
+    below = normal_force(p, tables, drive, low, s) - preload
+    above = normal_force(p, tables, drive, high, s) - preload
     if above <= 0.0:
         return high
+    if below >= 0.0:
+        return low
     last_side: int = 0
     h = high
     i: int = 0
-    while i < 60 and high - low > 1e-14 * (rest + s):
+    while i < 60 and high - low > 1e-14 * span:
         h = (low * above - high * below) / (above - below)
-        f = mean_load(p, tables, drive, h, s) - preload
+        f = normal_force(p, tables, drive, h, s) - preload
         if abs(f) < 1e-14 * preload:
             i = 60
         if f > 0.0:
@@ -58,6 +81,8 @@ def steady_approach(p: Array, tables: Array, drive: int, s: float, preload: floa
 def normal_acceleration(p: Array, tables: Array, drive: int, s: float, preload: float, h: float, w: float) -> float:
     """Return h'' = (preload - <P> (1 + contact damping w) - normal damping w)/mass, m/s^2."""
     force = mean_load(p, tables, drive, h, s) * (1.0 + p[index.CONTACT_DAMPING] * w)
+    if attracts(p) == 1:
+        force = force - mean_pull(p, tables, drive, h, s)
     return (preload - force - p[index.NORMAL_DAMPING] * w) / p[index.MASS]
 
 
@@ -89,9 +114,10 @@ def update_steady_approach(p: Array, tables: Array, state: Array, drive: int, s:
 
     The frequency follows from the slope of <P> over h, by a central difference.
     """
-    h = steady_approach(p, tables, drive, s, preload)
+    hops: int = 1 if state[index.APPROACH] - s < p[index.START] else 0
+    h = steady_approach(p, tables, drive, s, preload, hops)
     span = 1e-4 * (abs(h) + s)
-    rise = mean_load(p, tables, drive, h + span, s) - mean_load(p, tables, drive, h - span, s)
+    rise = normal_force(p, tables, drive, h + span, s) - normal_force(p, tables, drive, h - span, s)
     state[index.STEADY_APPROACH] = h
     state[index.BOUNCE_OMEGA] = sqrt(max(0.5 * rise / span, 1e-30) / p[index.MASS])
     return h

@@ -26,7 +26,20 @@ FAST_STEP = 12  # that of all other motion, s
 RING_STEP = 13  # that of sticking contacts on a steady wave, and of slip during a bounce on a wave, s
 DEAD_BOUNCE = 14  # amplitude at which a bounce ends, over |steady approach| + normal amplitude (`bounce.settle`)
 THERMAL_TIME = 15  # time constant of the stator's mean temperature, s; 0: its temperature is not known
-FIRST_DRIVE = 16
+# Of contacts that attract each other, or whose force is no power of the approach (`contact_spring`, `force_tables`)
+CONTACTS = 16  # number n
+PULL = 17  # constant attraction of each closed contact, N
+START = 18  # approach at which a contact of a table opens, m; 0 of a power
+MAKES = 19  # crest h + s from which contacts that open in each cycle close again, m
+FORCE_NODES = 20  # of the table of the force at rest; 0: a power
+FORCE_TABLE = 21  # where that table begins
+FORCE_SCALE = 22  # L of the places of its nodes, m (`contact_spring.place`)
+DEEPEST = 23  # approach over START of the last node, m
+SPRING = 24  # 1: sticking contacts have the spring of the table; 0: that of a power
+DEPTHS = 25  # number of nodes of the crest's approach in R and g; 0: R and g hold at each
+SPLIT = 26  # rows of R and g whose contacts do not open in the cycle
+FASTEST = 27  # sqrt(nu) of the last column of g
+FIRST_DRIVE = 28
 # Indices of the parameters of each drive; the block of the first one begins at FIRST_DRIVE
 AMPLITUDE = 0  # largest |u_z| of the contacts per unit of the drive, m: s of a steady wave
 SATURATION = 1  # v_1, (m/s)/m: from V = v_1 s on friction has one direction throughout the cycle
@@ -38,7 +51,9 @@ FORCES = 6  # where the table g begins
 RESPONSE = 7  # where the step response begins, real and imaginary part
 FACING = 8  # 1, or -1 where the table g is that of the mirrored wave
 WARMTH = 9  # steady mean rise of the stator above its surroundings, K per squared unit of the drive
-DRIVE_SIZE = 10
+PULLS = 10  # where the table of the mean attraction over the repulsion at the crest begins; -1: none
+SIZES = 11  # where the normal amplitudes of the contacts over the largest begin
+DRIVE_SIZE = 12
 
 # Indices of the state (a flat array of doubles)
 TIME = 0  # s

@@ -3,7 +3,14 @@
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
 from studies.export.reduced_motor.contact_spring import spring_deformation
-from studies.export.reduced_motor.force_tables import bounded, cached_share, mean_load, slip_force, stick_limit
+from studies.export.reduced_motor.force_tables import (
+    bounded,
+    cached_share,
+    mean_load,
+    slip_force,
+    steady_load,
+    stick_limit,
+)
 from studies.export.reduced_motor.index import Array
 from studies.export.reduced_motor.sticking import parts
 
@@ -21,10 +28,10 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
     elif (state[index.PINNED] >= 0.0 and v > 0.0) or (state[index.PINNED] <= 0.0 and v < 0.0) or v == 0.0:
         # contacts that can stick slip only once their spring is at its limit
         state[index.STICKS] = 1.0
-        state[index.DEFORMATION] = spring_deformation(p, load, bounded(state[index.FORCE], low, high))
+        state[index.DEFORMATION] = spring_deformation(p, tables, load, bounded(state[index.FORCE], low, high))
         return d
     else:  # if the limit grows faster than the spring deforms, the contacts stick
-        limit = spring_deformation(p, load, high if v < 0.0 else low)
+        limit = spring_deformation(p, tables, load, high if v < 0.0 else low)
         if (limit - state[index.DEFORMATION]) * state[index.PINNED] > abs(v) * d:
             state[index.STICKS] = 1.0
             return d
@@ -52,7 +59,7 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
     state[index.VELOCITY] = new
     state[index.FORCE] = q
     if state[index.STICKS] > 0.5:
-        state[index.DEFORMATION] = spring_deformation(p, load, q)
+        state[index.DEFORMATION] = spring_deformation(p, tables, load, q)
     return (1.0 - share) * d
 
 
@@ -64,7 +71,7 @@ def glide(p: Array, tables: Array, state: Array, force: float, preload: float, d
     """
     s = state[index.SURFACE]
     v = state[index.VELOCITY]
-    if state[index.APPROACH] + s <= 0.0 or v == 0.0:
+    if state[index.APPROACH] + s <= p[index.START] or v == 0.0:
         return duration
     drive: int = int(state[index.ACTIVE])
     sign = 1.0 if v > 0.0 else -1.0
@@ -72,7 +79,8 @@ def glide(p: Array, tables: Array, state: Array, force: float, preload: float, d
     if s > 0.0:
         inverse = sign / (p[index.FIRST_DRIVE + drive * index.DRIVE_SIZE + index.SATURATION] * s)
     lightness = 1.0 / p[index.MASS]
-    limit = p[index.FRICTION] * preload * lightness
+    load = steady_load(p, tables, drive, state[index.APPROACH], s, preload)
+    limit = p[index.FRICTION] * load * lightness
     rate = p[index.TANGENTIAL_DAMPING] * lightness
     pull = force * lightness
     left = duration
@@ -94,7 +102,7 @@ def glide(p: Array, tables: Array, state: Array, force: float, preload: float, d
         else:
             distance = distance + 0.5 * step * (v + new)
             v = new
-            state[index.FORCE] = p[index.FRICTION] * preload * g
+            state[index.FORCE] = p[index.FRICTION] * load * g
             left = left - step
             steps = steps - 1
     state[index.VELOCITY] = v

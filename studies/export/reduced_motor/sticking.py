@@ -3,7 +3,7 @@
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
 from studies.export.reduced_motor.contact_spring import rest_approach, spring_deformation, spring_force, spring_share
-from studies.export.reduced_motor.force_tables import bounded, mean_load, stick_limit
+from studies.export.reduced_motor.force_tables import bounded, mean_load, steady_load, stick_limit
 from studies.export.reduced_motor.index import Array
 
 
@@ -16,17 +16,19 @@ def parts(duration: float, longest: float) -> int:
 
 
 @compiled
-def ring(p: Array, state: Array, force: float, limit: float, inverse: float, d: float) -> float:
+def ring(p: Array, tables: Array, state: Array, force: float, limit: float, inverse: float, d: float) -> float:
     """Advance deformation and velocity of sticking contacts by a step d in s (Nystrom, order 4); return 0."""
-    e = p[index.EXPONENT]
+    depth = 1.0 / (p[index.LIMIT_SLOPE] * inverse)
     lightness = 1.0 / p[index.MASS]
     fade = 0.5 * d * p[index.TANGENTIAL_DAMPING] * lightness
     fade = 1.0 - fade * (1.0 - 0.5 * fade)  # of the dampers in half a step
     x = state[index.DEFORMATION]
     v = fade * state[index.VELOCITY]
-    first = lightness * (force + limit * spring_share(x * inverse, e))
-    middle = lightness * (force + limit * spring_share((x - 0.5 * d * (v + 0.25 * d * first)) * inverse, e))
-    last = lightness * (force + limit * spring_share((x - d * (v + 0.5 * d * middle)) * inverse, e))
+    first = lightness * (force + limit * spring_share(p, tables, x * inverse, depth))
+    middle = lightness * (
+        force + limit * spring_share(p, tables, (x - 0.5 * d * (v + 0.25 * d * first)) * inverse, depth)
+    )
+    last = lightness * (force + limit * spring_share(p, tables, (x - d * (v + 0.5 * d * middle)) * inverse, depth))
     state[index.DEFORMATION] = x - d * (v + d / 6.0 * (first + 2.0 * middle))
     state[index.VELOCITY] = fade * (v + d / 6.0 * (first + 4.0 * middle + last))
     return 0.0
@@ -39,20 +41,21 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
     load = mean_load(p, tables, drive, h, s)
     least = stick_limit(p, tables, drive, h, s, load, 1)
     largest = stick_limit(p, tables, drive, h, s, load, 0)
-    low = spring_deformation(p, load, least)
-    high = spring_deformation(p, load, largest)
+    low = spring_deformation(p, tables, load, least)
+    high = spring_deformation(p, tables, load, largest)
     v = state[index.VELOCITY]
     x = bounded(state[index.DEFORMATION], low, high)
     if (largest <= least) or (x >= high and v < 0.0) or (x <= low and v > 0.0):
         state[index.STICKS] = 0.0
         state[index.PINNED] = 1.0 if v < 0.0 else -1.0
         state[index.DEFORMATION] = x
-        state[index.FORCE] = spring_force(p, load, x)
+        state[index.FORCE] = spring_force(p, tables, load, x)
         return d
     limit = p[index.FRICTION] * load
-    inverse = 1.0 / (p[index.LIMIT_SLOPE] * rest_approach(p, load))
+    depth = rest_approach(p, tables, load)
+    inverse = 1.0 / (p[index.LIMIT_SLOPE] * depth)
     state[index.DEFORMATION] = x
-    ring(p, state, force, limit, inverse, d)
+    ring(p, tables, state, force, limit, inverse, d)
     share = 1.0
     edge = bounded(state[index.DEFORMATION], low, high)
     if edge != state[index.DEFORMATION]:  # slip begins within the step
@@ -64,7 +67,7 @@ def stick_step(p: Array, tables: Array, state: Array, h: float, s: float, force:
         state[index.STICKS] = 0.0
         state[index.PINNED] = 1.0 if edge > x else -1.0
     state[index.POSITION] = state[index.POSITION] + x - state[index.DEFORMATION]
-    state[index.FORCE] = limit * spring_share(state[index.DEFORMATION] * inverse, p[index.EXPONENT])
+    state[index.FORCE] = limit * spring_share(p, tables, state[index.DEFORMATION] * inverse, depth)
     return (1.0 - share) * d
 
 
@@ -74,14 +77,15 @@ def hold(p: Array, tables: Array, state: Array, force: float, preload: float, du
 
     It ends before the contacts slip.  A step ends at zero deformation, where the second derivative of the force jumps.
     """
+    drive: int = int(state[index.ACTIVE])
+    h = state[index.APPROACH]
+    s = state[index.SURFACE]
+    load = steady_load(p, tables, drive, h, s, preload)
     if state[index.DEPTH] <= 0.0:
-        drive: int = int(state[index.ACTIVE])
-        h = state[index.APPROACH]
-        s = state[index.SURFACE]
-        state[index.DEPTH] = rest_approach(p, preload)
-        state[index.LOWEST] = spring_deformation(p, preload, stick_limit(p, tables, drive, h, s, preload, 1))
-        state[index.HIGHEST] = spring_deformation(p, preload, stick_limit(p, tables, drive, h, s, preload, 0))
-    limit = p[index.FRICTION] * preload
+        state[index.DEPTH] = rest_approach(p, tables, load)
+        state[index.LOWEST] = spring_deformation(p, tables, load, stick_limit(p, tables, drive, h, s, load, 1))
+        state[index.HIGHEST] = spring_deformation(p, tables, load, stick_limit(p, tables, drive, h, s, load, 0))
+    limit = p[index.FRICTION] * load
     inverse = 1.0 / (p[index.LIMIT_SLOPE] * state[index.DEPTH])
     x = state[index.DEFORMATION]
     initial = x
@@ -91,14 +95,14 @@ def hold(p: Array, tables: Array, state: Array, force: float, preload: float, du
     while inside == 1 and left > 1e-12 * duration:
         d = min(step, left)
         v = state[index.VELOCITY]
-        ring(p, state, force, limit, inverse, d)
+        ring(p, tables, state, force, limit, inverse, d)
         if state[index.DEFORMATION] * x < 0.0:
             turns: int = 0
             while turns < 3:  # Newton's method for the instant of zero deformation
                 d = d + state[index.DEFORMATION] / state[index.VELOCITY]
                 state[index.DEFORMATION] = x
                 state[index.VELOCITY] = v
-                ring(p, state, force, limit, inverse, d)
+                ring(p, tables, state, force, limit, inverse, d)
                 turns = turns + 1
             state[index.DEFORMATION] = 0.0
         if state[index.DEFORMATION] > state[index.LOWEST] and state[index.DEFORMATION] < state[index.HIGHEST]:
@@ -109,7 +113,7 @@ def hold(p: Array, tables: Array, state: Array, force: float, preload: float, du
             state[index.VELOCITY] = v
             inside = 0
     state[index.POSITION] = state[index.POSITION] + initial - x
-    state[index.FORCE] = limit * spring_share(x * inverse, p[index.EXPONENT])
+    state[index.FORCE] = limit * spring_share(p, tables, x * inverse, state[index.DEPTH])
     return 0.0 if inside == 1 else left
 
 
@@ -120,4 +124,4 @@ def deformation(p: Array, tables: Array, state: Array) -> float:
         return state[index.DEFORMATION]
     load = mean_load(p, tables, int(state[index.ACTIVE]), state[index.APPROACH], state[index.SURFACE])
     limit = p[index.FRICTION] * load
-    return spring_deformation(p, load, bounded(state[index.FORCE], -limit, limit))
+    return spring_deformation(p, tables, load, bounded(state[index.FORCE], -limit, limit))

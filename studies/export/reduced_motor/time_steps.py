@@ -4,9 +4,9 @@ from math import exp
 
 from contact.jit.compiled import compiled
 from studies.export.reduced_motor import index
-from studies.export.reduced_motor.bounce import bounce_step, settle, update_steady_approach
-from studies.export.reduced_motor.contact_spring import rest_approach, spring_deformation
-from studies.export.reduced_motor.force_tables import bounded
+from studies.export.reduced_motor.bounce import bounce_step, settle, steady_approach, update_steady_approach
+from studies.export.reduced_motor.contact_spring import spring_deformation
+from studies.export.reduced_motor.force_tables import bounded, steady_load
 from studies.export.reduced_motor.index import Array
 from studies.export.reduced_motor.sliding import glide, slip_step
 from studies.export.reduced_motor.sticking import hold, stick_step
@@ -20,11 +20,12 @@ def begin(p: Array, tables: Array, state: Array, preload: float, force: float) -
     while i < index.STATE_SIZE:
         state[i] = 0.0
         i = i + 1
-    state[index.APPROACH] = rest_approach(p, preload)
+    state[index.APPROACH] = steady_approach(p, tables, 0, 0.0, preload, 0)
     state[index.STICKS] = 1.0
-    slip_limit = p[index.FRICTION] * preload
+    load = steady_load(p, tables, 0, state[index.APPROACH], 0.0, preload)
+    slip_limit = p[index.FRICTION] * load
     held = bounded(-force, -slip_limit, slip_limit)
-    state[index.DEFORMATION] = spring_deformation(p, preload, held)
+    state[index.DEFORMATION] = spring_deformation(p, tables, load, held)
     state[index.FORCE] = held
     return 0.0
 
