@@ -42,7 +42,7 @@ OWN = {
 }  # fmt: skip
 ANY_SIGN = ("x", "y", "heights")
 USER_START, USER_END = 1e-2, 1e3  # of the table of a user's normal law, over the approach of a smooth contact at rest
-# Depth of a contact that has just closed, over the approach of a smooth one at rest, below which its adhesion is none
+# Unit of the depth of adhesion (`law.holding`) over the approach of a smooth ball at rest, below which there is none
 NEGLIGIBLE = 1e-12
 SAME_ROW = 1e-9  # positions closer than this times the slider's length are equal up to rounding in the input
 
@@ -351,6 +351,7 @@ class Slider(SliderRules):
         )
         refuse_if(self.stick_band > 0.0, "slider.stick_band", f"must be 0 {model}", self.stick_band)
         refuse_if(float(np.max(self.weights)) != 1.0, "slider.weights", f"must be 1 {model}")
+        self.adhesion.hold(float(np.max(self.radius)), self.effective_modulus)  # refuses a separation far below atoms'
 
     @property
     def contact_shape(self) -> int:
@@ -367,7 +368,7 @@ class Slider(SliderRules):
         radius = float(np.max(self.radius))
         hold = self.adhesion.hold(radius, self.effective_modulus) if self.adhesion.holds else None
         smooth = float(normal.approach(self.preload / unit, law))
-        if hold is not None and holding.made_depth(hold) < NEGLIGIBLE * smooth:
+        if hold is not None and hold.unit < NEGLIGIBLE * smooth:
             hold = None  # its branches differ by less than rounding
         return law._replace(pull=self.adhesion.attraction(radius) / unit, hold=hold)
 
@@ -522,7 +523,9 @@ class Slider(SliderRules):
         pressure = 2.0 * self._pressed_modulus * length / (math.pi * self.radius)
         if self.profile.hold is None:
             return pressure
-        return pressure - np.sqrt(2.0 * self.adhesion.work * self.effective_modulus / (math.pi * length))
+        depths = np.asarray(length) ** 2 / self.radius
+        share = np.vectorize(lambda d: float(holding.suction(d, self.profile.hold)))(depths)
+        return pressure - self.effective_modulus / (math.pi * math.sqrt(self.radius)) * share
 
     def _depths(self, approach):
         """Return the depths of closed contacts at approaches, which they are without adhesion that holds on."""

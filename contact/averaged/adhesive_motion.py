@@ -1,8 +1,8 @@
 r"""Motion of a heavy slider on balls with adhesion that hold on beyond z = 0, of first order.
 
 A ball of Johnson, Kendall and Roberts (`law.adhesion`) closes at z = 0 and opens where dz/da = 0, at a negative
-approach; one of Maugis (`law.maugis`) closes where the attraction begins and opens at its smallest approach. A heavy
-slider prescribes z = h + u_z. Closed, the contact has the radius a(z) and with it the elastic, repulsive part
+approach; one of Maugis (`law.maugis`) closes where the attraction begins and opens there or as a point. A heavy slider
+prescribes z = h + u_z. Closed, the contact has the radius a(z) and with it the elastic, repulsive part
 K delta^(3/2) of its force, delta = a^2/R, from which its slip limit c delta and its friction follow:
 
     Q = mu K (delta^(3/2) - (delta - |x|/c)^(3/2)) sign x,      |x| <= c delta                                  (1)
@@ -28,8 +28,9 @@ from contact.choice import Answer
 from contact.error_estimate import reference_speed
 from contact.exceptions import InputError
 from contact.jit.compiled import native
-from contact.law.adhesion import DISTANCE, AdhesiveSphere
+from contact.law.adhesion import AdhesiveSphere
 from contact.law.maugis import MaugisSphere
+from contact.law.sphere_limits import DISTANCE
 from contact.orbit import Orbit
 from contact.roots import bracketed
 from contact.slider import Slider
@@ -411,7 +412,8 @@ def holding_balls(slider: Slider) -> AdhesiveBalls:
     own = slider.adhesion
     if own is None or own.work is None:
         raise InputError("slider.adhesion", "is required: of balls that hold on beyond the touch")
-    return AdhesiveBalls(replace(slider, adhesion=None), work=own.work, model=own.model)
+    distance = own.separation or DISTANCE
+    return AdhesiveBalls(replace(slider, adhesion=None), work=own.work, model=own.model, separation=distance)
 
 
 def _listed(orbits: Orbit | Sequence[Orbit]) -> tuple[Orbit, ...]:

@@ -30,7 +30,7 @@ from contact.codes import At, Guard, Regime, Tangential
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START
 from contact.jit.compiled import compiled
 from contact.law.elastic import FAR_SIDE, spring
-from contact.law.holding import attraction, closes_at, depth, depth_rate, opens_at
+from contact.law.holding import circle, closes_at, depth_rate, opens_at
 from contact.law.hysteretic import moment_rate
 from contact.law.normal import load
 from contact.law.protocol import slip_limit
@@ -204,10 +204,12 @@ def point_at(nodes, i, j, hold):
 
 
 @compiled
-def keep_depth(nodes, i, j, hold):
-    """Store the depth of a contact at a node, at its approach there."""
+def keep_circle(nodes, i, j, pull, hold):
+    """Store the depth of a contact at a node, at its approach there; return depth and attraction over its stiffness."""
+    d, own = circle(nodes.contact[ContactRow.Z, i, j], pull, hold)
     if hold is not None:
-        nodes.contact[ContactRow.LEVEL, i, j] = depth(nodes.contact[ContactRow.Z, i, j], hold)
+        nodes.contact[ContactRow.LEVEL, i, j] = d
+    return d, own
 
 
 @compiled
@@ -250,9 +252,8 @@ def contact_forces(problem, grid, state, nodes, i, memory):
         return
     hold = contact.normal.hold
     for j in range(n):
-        keep_depth(nodes, i, j, hold)
-        d = depth_at(nodes, i, j, hold)
-        own[ContactRow.BACK, i, j] = -contact.stiffness * attraction(d, contact.normal.pull, hold)
+        d, pull = keep_circle(nodes, i, j, contact.normal.pull, hold)
+        own[ContactRow.BACK, i, j] = -contact.stiffness * pull
         own[ContactRow.P, i, j] = contact.stiffness * load(d, contact.normal)
     if regime == Regime.SLIP:
         for j in range(n):
@@ -423,9 +424,8 @@ def contact_end(problem, state, nodes, i):
     q = coordinates_at(nodes, n)
     own[ContactRow.Z, i, n] = approach(problem.paths, i, own[ContactRow.U_Z, i, n], q)
     hold = problem.normal.hold
-    keep_depth(nodes, i, n, hold)
+    d, _ = keep_circle(nodes, i, n, 0.0, hold)
     if state.regime[i] == Regime.SLIP:
-        d = depth_at(nodes, i, n, hold)
         own[ContactRow.X, i, n] = state.sign[i] * slip_limit(contact_parameters(problem, i), d)
     elif state.regime[i] != Regime.SEPARATED:
         own[ContactRow.X, i, n] = state.deformation[i] + travel(own[ContactRow.U_X, i, n], q)

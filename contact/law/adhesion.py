@@ -22,26 +22,13 @@ import numpy as np
 from contact import parameter_check
 from contact.exceptions import InputError
 from contact.law.holding import Hold, jkr
+from contact.law.maugis import MaugisSphere
+from contact.law.sphere_limits import DISTANCE, first_release, tabor_number
 from contact.roots import bracketed
 from contact.rules import AdhesionRules
 
 MODELS = ("DMT", "JKR")
-ADHESIONS = ("DMT", "meniscus", "JKR")  # of a slider
-DISTANCE = 0.3e-9  # m, between the surfaces in contact, of Tabor's number
-NODES = 48  # of a mean over a cycle; the force is smooth there
-
-
-def tabor_number(radius: float, modulus: float, work: float, separation: float = DISTANCE) -> float:
-    """Return Tabor's number of a sphere of a radius in m with the modulus E in Pa and a work of adhesion in J/m^2.
-
-    ``separation``: of the surfaces in equilibrium, m.
-
-    Examples
-    --------
-    >>> round(tabor_number(1e-3, 64e9, 0.05), 2)
-    2.83
-    """
-    return (radius * work**2 / (modulus**2 * separation**3)) ** (1.0 / 3.0)
+ADHESIONS = ("DMT", "meniscus", "JKR", "Maugis")  # of a slider
 
 
 def meniscus_force(radius: float, surface_tension: float, contact_angle: float = 0.0) -> float:
@@ -71,23 +58,25 @@ def meniscus_force(radius: float, surface_tension: float, contact_angle: float =
 
 @dataclass(frozen=True, kw_only=True)
 class Adhesion(AdhesionRules):
-    """Attraction of the balls of a slider: constant in contact and absent outside, or that of "JKR".
+    """Attraction of the balls of a slider: constant in contact and absent outside, or that of "JKR" or "Maugis".
 
     The friction limit follows from the elastic part of the normal force alone, so that a slider that keeps contact
-    moves as under a preload that is larger by a constant attraction. Balls of "JKR" hold on beyond the touch and lose
-    energy in every hop (`law.holding`).
+    moves as under a preload that is larger by a constant attraction. Balls of "JKR" and "Maugis" hold on beyond the
+    touch and lose energy in every hop (`law.holding`).
 
     Attributes
     ----------
     model : str
-        "DMT" (Derjaguin, Muller and Toporov, 2 pi w R), "meniscus" (4 pi gamma R cos theta) or "JKR" (Johnson, Kendall
-        and Roberts).
+        "DMT" (Derjaguin, Muller and Toporov, 2 pi w R), "meniscus" (4 pi gamma R cos theta), "JKR" (Johnson, Kendall
+        and Roberts) or "Maugis" (Maugis and Dugdale; `law.maugis`).
     work : float, optional
         Work of adhesion w, J/m^2, positive; not with "meniscus".
     surface_tension : float, optional
         gamma, N/m, positive; with "meniscus".
     contact_angle : float
         theta of the liquid, rad, from 0 to below pi/2; with "meniscus".
+    separation : float, optional
+        Equilibrium separation of the surfaces, m, positive; with "Maugis", 0.3 nm where it is left out.
 
     Examples
     --------
@@ -99,16 +88,19 @@ class Adhesion(AdhesionRules):
     work: float | None = None
     surface_tension: float | None = None
     contact_angle: float = 0.0
+    separation: float | None = None
 
     def __post_init__(self):
         parameter_check.choice("adhesion.model", self.model, ADHESIONS)
         self._refuse("adhesion")
+        if self.model == "Maugis" and self.separation is None:
+            object.__setattr__(self, "separation", DISTANCE)
         self.attraction(1.0)
 
     @property
     def holds(self) -> bool:
         """Whether a contact ends beyond the approach at which it begins."""
-        return self.model == "JKR"
+        return self.model in ("JKR", "Maugis")
 
     def attraction(self, radius: float) -> float:
         """Return the constant attraction of a ball of a radius in m, N; 0 of one that holds on."""
@@ -121,6 +113,9 @@ class Adhesion(AdhesionRules):
         """Return the numbers of a ball, radius in m and modulus E in Pa, that holds on; None of one that does not."""
         if not self.holds:
             return None
+        if self.model == "Maugis":
+            distance = self.separation or DISTANCE
+            return MaugisSphere(radius=radius, modulus=modulus, work=self.work or 0.0, separation=distance).hold
         return jkr(math.sqrt(2.0 * math.pi * (self.work or 0.0) / modulus) * radius**0.25)
 
 
@@ -258,20 +253,3 @@ class AdhesiveSphere:
     def release_amplitude(self, preload: float) -> float:
         """Return the normal amplitude in m at which a heavy slider's contact first ends, of first order."""
         return first_release(self, preload)
-
-
-def first_release(ball, preload: float) -> float:
-    """Return the normal amplitude in m of the wave on which a heavy slider's ball just ends its contact in the trough.
-
-    The mean force over the wave's cycle is the preload in N.
-    """
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    lift = 1.0 + np.cos(0.5 * math.pi * (1.0 + nodes))
-
-    def left(amplitude):
-        return 0.5 * float(weights @ ball.closed(ball.break_approach + amplitude * lift)[1]) - preload
-
-    high = ball.approach_under(preload) - ball.break_approach
-    while left(high) < 0.0:
-        high *= 2.0
-    return bracketed(left, 0.0, high, tolerance=1e-12 * high)

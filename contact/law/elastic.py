@@ -32,6 +32,7 @@ import numpy as np
 from contact.body import slip_speed
 from contact.codes import Event, Guard, Regime
 from contact.jit.compiled import formula
+from contact.law.holding import closes_as_point
 from contact.law.normal import approach, energy, load, slope
 from contact.law.protocol import Law, limit_bend, slip_limit, slip_rate
 
@@ -186,7 +187,7 @@ def follow(problem, memory, i, regime, which, sign, point):
             return Regime.SEPARATED, sign, 0.0, Event.RELEASE
         sign = -1.0 if point.deformation_rate < 0.0 else 1.0
         speed = slip_rate(problem, sign, point)
-        if problem.normal.hold is not None:  # it closes with a circle, within whose slip limit it sticks
+        if not closes_as_point(problem.normal.hold):  # it closes with a circle, within whose slip limit it sticks
             return Regime.STICK, sign, 0.0, Event.CONTACT
         if speed > band:
             return Regime.SLIP, sign, 0.0, Event.CONTACT

@@ -60,24 +60,16 @@ def whole_excess(theta, h, jump, slope):
 
 
 @compiled
-def break_excess(theta, h, rate, bend, end, elastic, root):
-    """Return the excess (1) of the rule for elastic d^(3/2) - (3/2) root d^(3/4) where a contact that holds on opens.
+def break_excess(theta, h, rate, bend, terms):
+    """Return the excess (1) of the rule for a force of a contact that holds on, over its stiffness, where it opens.
 
-    `law.holding`: in the time t before the end the approach is q = rate t + bend t^2/2 above it, and with y = d^(1/4),
-    of which `end` is the value at the end, q = 6 y_0^2 e^2 + 4 y_0 e^3 + e^4, e = y - y_0. The series of e in sqrt(q)
-    gives that of the force, terms a = 0, 1/2, 1, 3/2.
+    `terms` (`law.holding.Terms`) are its coefficients of 1, s, s^2 and s^3, s^2 the approach from the end on: in the
+    time t before the end rate t + bend t^2/2. This gives the terms a = 0, 1/2, 1, 3/2.
     """
-    a1 = 1.0 / (np.sqrt(6.0) * end)
-    a2 = -a1 * a1 / (3.0 * end)
-    a3 = -(6.0 * end**2 * a2 * a2 + 12.0 * end * a1 * a1 * a2 + a1**4) / (12.0 * end**2 * a1)
-    # coefficients of e, e^2 and e^3 in elastic y^6 - (3/2) root y^3
-    f0, f1 = elastic * end**6 - 1.5 * root * end**3, 6.0 * elastic * end**5 - 4.5 * root * end**2
-    f2, f3 = 15.0 * elastic * end**4 - 4.5 * root * end, 20.0 * elastic * end**3 - 1.5 * root
-    b1, b2, b3 = f1 * a1, f1 * a2 + f2 * a1 * a1, f1 * a3 + 2.0 * f2 * a1 * a2 + f3 * a1**3
     speed = np.sqrt(rate)
-    last = b3 * speed**3 + 0.25 * b1 * bend / speed
-    fractional = b1 * speed * zeta_one_half(theta) + h * last * zeta_three_halves(theta)
-    return whole_excess(theta, h, f0, b2 * rate) + h * np.sqrt(h) * fractional
+    last = terms.mixed * speed**3 + 0.25 * terms.root * bend / speed
+    fractional = terms.root * speed * zeta_one_half(theta) + h * last * zeta_three_halves(theta)
+    return whole_excess(theta, h, terms.one, terms.linear * rate) + h * np.sqrt(h) * fractional
 
 
 @compiled

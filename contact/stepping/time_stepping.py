@@ -21,7 +21,17 @@ from contact.body import Coordinates, Point, approach, approach_rate, at_phase, 
 from contact.codes import At, Recorded
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import compiled, native
-from contact.law.holding import approach_at, attraction, depth, depth_rate, is_open, made_depth, stiffness
+from contact.law.holding import (
+    approach_at,
+    attraction,
+    closes_as_point,
+    depth,
+    depth_rate,
+    is_open,
+    made_depth,
+    opens_as_point,
+    stiffness,
+)
 from contact.law.normal import curvature, load, slope
 from contact.law.normal import force as elastic_force
 from contact.law.protocol import slip_limit, slip_rate
@@ -260,21 +270,60 @@ def _rates(z_rate, d, hold):
 @compiled
 def _opened(contact, passage, z_new, x, slip, hold):
     """Return (x, slip, excess of P, excess of Q) of a contact that holds on and opens in the step, at `z_new`."""
-    h, end, sign = passage.h, hold.end**4, 1.0 if x > 0.0 else -1.0
+    h, end, sign = passage.h, hold.end_depth, 1.0 if x > 0.0 else -1.0
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = edges.rising_root(hold.leave - approach_at(passage.z_old, hold), hold.leave - z_new, -r0, -r1)
     rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-    normal = contact.stiffness * edges.break_excess(s, h, rate, passage.z_bend, hold.end, 1.0, hold.root)
-    normal -= contact.stiffness * contact.contact_damping * rate * load(end, contact.normal) * h * (0.5 - s)
+    normal = edges.break_excess(s, h, rate, passage.z_bend, hold.elastic)
+    normal -= edges.break_excess(s, h, rate, passage.z_bend, hold.attraction)
+    normal = contact.stiffness * (normal - contact.contact_damping * rate * load(end, contact.normal) * h * (0.5 - s))
     friction, kept = contact.friction * contact.stiffness, abs(x + s * passage.along)
-    tangential = friction * edges.break_excess(s, h, rate, passage.z_bend, hold.end, 1.0, 0.0)
+    tangential = friction * edges.break_excess(s, h, rate, passage.z_bend, hold.elastic)
     left = end - kept / contact.limit_slope
     if slip == 0.0 and left > 0.0:  # it sticks to the end: Q is less by what the spring lacks to the limit
-        steep = -slope(left, contact.normal) * 4.0 * hold.end**3 / (np.sqrt(6.0) * hold.end) * np.sqrt(rate)
+        steep = -slope(left, contact.normal) * hold.elastic.root / slope(end, contact.normal) * np.sqrt(rate)
         tangential += friction * (
             edges.whole_excess(s, h, -load(left, contact.normal), 0.0) + steep * h * np.sqrt(h) * edges.zeta_one_half(s)
         )
     return 0.0, 0.0, normal, sign * tangential
+
+
+@compiled
+def _in_depth(passage, hold):
+    """Return the passage of a contact that opens or closes as a point with depths in the place of approaches."""
+    deeper = depth_rate(0.0, hold)
+    old, new, rate_old, rate_new = passage.z_old, passage.z_new, passage.z_rate_old, passage.z_rate_new
+    old, rate_old = (
+        (old, _rates(rate_old, old, hold)) if old > 0.0 else (deeper * (old - hold.leave), deeper * rate_old)
+    )
+    new, rate_new = (
+        (new, _rates(rate_new, new, hold)) if new > 0.0 else (deeper * (new - hold.leave), deeper * rate_new)
+    )
+    return Passage(
+        passage.h, min(old, 0.0) if passage.z_old <= 0.0 else old, min(new, 0.0) if passage.z_new <= 0.0 else new,
+        rate_old, rate_new, passage.x_rate_old, passage.x_rate_new, passage.along, deeper * passage.z_bend,
+        passage.x_bend,
+    )  # fmt: skip
+
+
+@compiled
+def _as_point(contact, passage, x, slip, hold):
+    """Return (x, slip, excess of P, excess of Q) of a contact that holds on and opens or closes as a point in the step.
+
+    Its elastic force and friction are those of a contact without adhesion at its depth. The attraction jumps.
+    """
+    moved, h = _in_depth(passage, hold), passage.h
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    if moved.z_new <= 0.0:
+        x, slip, normal, tangential = _release(contact, moved, x, slip)
+        s = edges.rising_root(hold.leave - approach_at(passage.z_old, hold), hold.leave - passage.z_new, -r0, -r1)
+        theta, rate = s, -(r0 + s * (r1 - r0)) / h
+    else:
+        x, slip, normal, tangential = _close(contact, moved)
+        s = edges.rising_root(passage.z_old - hold.leave, approach_at(passage.z_new, hold) - hold.leave, r0, r1)
+        theta, rate = 1.0 - s, (r0 + s * (r1 - r0)) / h
+    fall = edges.break_excess(theta, h, max(rate, 1e-6), passage.z_bend, hold.attraction)
+    return x, slip, normal - contact.stiffness * fall, tangential
 
 
 @compiled
@@ -303,8 +352,12 @@ def _jumps(contact, passage, z_old, z_new, x, slip, sticks, hold):
     if hold is None:
         return _passed(contact, passage, x, slip, sticks)
     elif passage.z_new <= 0.0:
+        if opens_as_point(hold):
+            return _as_point(contact, passage, x, slip, hold)
         return _opened(contact, passage, z_new, x, slip, hold)
     elif passage.z_old <= 0.0:
+        if closes_as_point(hold):
+            return _as_point(contact, passage, x, slip, hold)
         return _closed(contact, passage, z_old, hold)
     else:
         return _passed(contact, passage, x, slip, sticks)

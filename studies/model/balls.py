@@ -58,8 +58,8 @@ def stator_motion(slider: Slider, stator, solved, motion: Callable[[], Any]) -> 
 
 
 def _adhesion(slider: Slider):
-    """Return the ``contact`` object of an attraction, None for none; that of Maugis is in `adhesive_answer`."""
-    if slider.adhesion is None or slider.adhesion.averaged_alone:
+    """Return the ``contact`` object of an attraction, None for none."""
+    if slider.adhesion is None:
         return None
     own = slider.adhesion.arguments(contact.Adhesion)
     return contact.Adhesion(**own | {"contact_angle": math.radians(slider.adhesion.contact_angle)})

@@ -114,9 +114,6 @@ class Contact:
                 raise SceneError("slider.law", STOPS.format(where="here"))
             force = ball_force(self.scene.slider, largest_amplitude(self.scene.levels, self.orbits))
             return replace(contact_slider(self.scene.slider), normal_law=force)
-        if self.holding and self.scene.slider.adhesion.averaged_alone:
-            rule = 'must be "DMT", "meniscus" or "JKR" here: of others run and sweep give steady velocities alone'
-            raise SceneError("slider.adhesion.model", f'{rule}, got "{self.scene.slider.adhesion.model}"')
         return contact_slider(self.scene.slider)
 
     @property
@@ -141,16 +138,8 @@ class Contact:
         return slider is not None and slider.adhesion is not None and slider.adhesion.holds
 
     @property
-    def by_means(self) -> bool:
-        """Whether its answers are cycle means of balls whose adhesion holds on; JKR's are also followed in time."""
-        if not self.holding:
-            return False
-        own: Any = self.scene.slider
-        return own.adhesion.averaged_alone or (self.scene.burst is None and own.method in ("auto", "averaged"))
-
-    @property
     def heavy(self) -> bool:
-        """Whether its answers are those of a heavy slider alone: rough balls, and adhesion that holds on."""
+        """Whether its limits are those of a heavy slider: rough balls, and adhesion that holds on."""
         return self.rough or self.holding
 
     @property

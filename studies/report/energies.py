@@ -43,8 +43,8 @@ def balances(record: Record) -> tuple[Balance, ...]:
     if scene.slider is None or any(point.friction_power_W is not None for point in record.points):
         return ()
     driven = contact_of_run(record)
-    if driven.rough or driven.by_means:
-        return _of_heavy_slider(record, driven)
+    if driven.rough:
+        return _of_rough_balls(record, driven)
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     goal, results = record.tolerance * SHARE, []
     for level in _levels(record):
@@ -68,33 +68,11 @@ def _levels(record: Record) -> list[float]:
     return [moving[0], moving[len(moving) // 2], moving[-1]] if len(moving) > MAX_POINTS else moving
 
 
-def _of_heavy_slider(record: Record, driven: Contact) -> tuple[Balance, ...]:
-    """Return the balances of rough balls, and of balls whose adhesion holds on.
+def _of_rough_balls(record: Record, driven: Contact) -> tuple[Balance, ...]:
+    """Return the balances of rough balls."""
+    from studies.solve.rough_answer import rough_ledger
 
-    Of the latter the residual is that of the normal force; what is lost in slip is the rest of the tangential one.
-    """
-    if driven.rough:
-        from studies.solve.rough_answer import rough_ledger
-
-        share = 1 if record.scene.slider.roughness.sampled else record.scene.slider.share  # as of `rough_balls`
-        return tuple(
-            _balance(driven, level, rough_ledger(driven, level, record.tolerance), share) for level in _levels(record)
-        )
-    from studies.solve.adhesive_answer import adhesive_balls
-
-    balls, share, results = adhesive_balls(record.scene.slider), record.scene.slider.share, []
-    for level in _levels(record):
-        state = balls.motion(driven.at(level), tolerance=record.tolerance * SHARE)
-        speed = abs(state.velocity.value)
-        load, damper = balls.slider.load * speed, balls.slider.tangential_damping * speed**2
-        powers = {
-            LEDGER["wave_normal"]: state.normal_power, LEDGER["wave_tangential"]: state.tangential_power,
-            LEDGER["adhesion"]: state.lost_power,
-            LEDGER["slip"]: state.tangential_power - load - damper,
-            LEDGER["tangential_damper"]: damper, LEDGER["load"]: load,
-        }  # fmt: skip
-        supplied = abs(state.normal_power) + abs(state.tangential_power)
-        residual = abs(state.normal_power - state.lost_power) / supplied
-        entries = tuple((text, power * share) for text, power in powers.items())
-        results.append(Balance(level=level, entries=entries, residual=residual))
-    return tuple(results)
+    share = 1 if record.scene.slider.roughness.sampled else record.scene.slider.share  # as of `rough_balls`
+    return tuple(
+        _balance(driven, level, rough_ledger(driven, level, record.tolerance), share) for level in _levels(record)
+    )

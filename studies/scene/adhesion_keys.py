@@ -20,8 +20,8 @@ class Adhesion(Block):
         str,
         choice("DMT", "meniscus", *HOLDING),
         "DMT: 2 pi work R (Derjaguin, Muller and Toporov); meniscus: of a liquid, 4 pi surface_tension R cos("
-        "contact_angle). JKR (Johnson, Kendall and Roberts) and Maugis hold on beyond the touch and lose energy in "
-        "every hop. Maugis: steady velocities of a heavy slider.",
+        "contact_angle). JKR (Johnson, Kendall and Roberts) and Maugis (Maugis and Dugdale, from DMT to JKR) hold on "
+        "beyond the touch and lose energy in every hop.",
     ]
     work: Annotated[
         float | None, Quantity("J/m^2"), "Work of adhesion w of ball and stator; with all models but meniscus."
@@ -40,11 +40,6 @@ class Adhesion(Block):
     def holds(self) -> bool:
         """Whether a contact ends beyond the approach at which it begins."""
         return self.model in HOLDING
-
-    @property
-    def averaged_alone(self) -> bool:
-        """Whether only the steady velocity of a heavy slider is known."""
-        return self.model == "Maugis"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -254,11 +254,10 @@ class Slider(Block):
         other = {
             "law": isinstance(self.law, LawText),
             "friction_coefficient": isinstance(self.friction_coefficient, Friction),
-            "method": self.adhesion.averaged_alone and self.method not in ("auto", "averaged"),
         } | {key: bool(getattr(self, key)) for key in ("stick_band", "normal_law")}
-        why = "of a heavy slider's cycle means" if self.adhesion.averaged_alone else "which knows smooth balls alone"
         for key in (key for key, wrong in other.items() if wrong):
-            yield key, f'does not go with slider.adhesion.model = "{self.adhesion.model}", {why}'
+            model = f'slider.adhesion.model = "{self.adhesion.model}"'
+            yield key, f"does not go with {model}, which knows smooth balls with Coulomb's friction alone"
 
     def check_friction(self) -> Any:
         if isinstance(self.friction_coefficient, Friction) and isinstance(self.law, LawText):

@@ -69,10 +69,6 @@ def point_answer(
             from studies.solve.rough_answer import rough_answer
 
             answer = rough_answer(driven, level, tolerance, balance=balance)
-        elif driven.by_means:
-            from studies.solve.adhesive_answer import adhesive_answer
-
-            answer = adhesive_answer(driven, level, tolerance)
         else:
             answer = _answer(driven, level, tolerance, bursting)
             if driven.rough:

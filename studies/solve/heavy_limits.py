@@ -1,5 +1,7 @@
 """Threshold and release of sliders whose answers are those of a heavy one: rough balls, and adhesion that holds on."""
 
+import contact
+from studies.model.scene_errors import slider_keys
 from studies.model.wave_to_contact import STOPS, Contact
 
 
@@ -11,6 +13,10 @@ def heavy_limits(driven: Contact) -> tuple[float, float]:
         if driven.scene.burst is not None and not driven.as_law:
             driven.scene.refuse("slider.law", STOPS.format(where="with a burst"))
         return rough_limits(driven)
-    from studies.solve.adhesive_answer import adhesive_limits
-
-    return adhesive_limits(driven)
+    scale = 1e-9 / max(abs(each.normal) for each in driven.orbits)
+    with slider_keys():
+        slider = driven.slider
+    threshold, release = (
+        limit(slider, driven.at(scale)) for limit in (contact.threshold_factor, contact.release_factor)
+    )
+    return scale * threshold, scale * release

@@ -18,7 +18,8 @@ from contact import (
     steady,
     threshold_amplitude,
 )
-from contact.law.adhesion import AdhesiveSphere, meniscus_force, tabor_number
+from contact.law.adhesion import AdhesiveSphere, meniscus_force
+from contact.law.sphere_limits import tabor_number
 from tests.contact.motors import orbit, slider
 
 R, E, PRELOAD = 1e-3, 64e9, 0.87309e-3
@@ -186,7 +187,8 @@ def test_sliders_that_attraction_does_not_take(changed, sentence):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"model": "Maugis", "work": 0.05}, r"adhesion\.model"),
+        ({"model": "jkr", "work": 0.05}, r"adhesion\.model"),
+        ({"model": "JKR", "work": 0.05, "separation": 3e-10}, r"adhesion\.separation must be left out"),
         ({"model": "DMT"}, r"adhesion\.work is required"),
         ({"model": "DMT", "work": -0.05}, r"adhesion\.work must be"),
         ({"model": "meniscus", "work": 0.05}, r"adhesion\.surface_tension is required"),

@@ -5,8 +5,6 @@ import pytest
 import contact
 from studies import Scene, SceneError, run, sweep
 from studies.evidence import rough_balls
-from studies.model.resolve import build
-from studies.model.wave_to_contact import Contact
 from studies.motor import load_line
 from studies.report.energies import balances
 
@@ -17,9 +15,6 @@ def scene(model="JKR", amplitudes=("2 nm", "10 nm"), **slider):
     return Scene.load("twente-contact").replace(wave=wave, slider=own | slider)
 
 
-MAUGIS = {"adhesion": {"work": 0.05, "model": "Maugis"}}
-
-
 @pytest.fixture(scope="module")
 def record():
     return run(scene(), tolerance=1e-4)
@@ -27,15 +22,28 @@ def record():
 
 @pytest.mark.parametrize("model", ["JKR", "Maugis"])
 def test_a_run_is_the_motion_of_the_contact(record, model):
+    """The exact motion; the heavy slider's leaves out (f_n/f)^2, and the springs of opened contacts in the loss."""
     found = record if model == "JKR" else run(scene(model), tolerance=1e-4)
     for point, amplitude in zip(found.points, (2e-9, 10e-9), strict=True):
         known = contact.adhesive_motion(
-            rough_balls.ball(), rough_balls.orbit(amplitude), work=0.05, model=model, tolerance=1e-7
+            rough_balls.ball(), rough_balls.orbit(amplitude), work=0.05, model=model, tolerance=1e-4
         )
-        assert abs(point.velocity_m_per_s) == pytest.approx(known.velocity.value, rel=1e-4)
-        assert point.adhesion_power_W == pytest.approx(known.lost_power, rel=1e-9)
+        assert abs(point.velocity_m_per_s) == pytest.approx(known.velocity.value, rel=2e-4)
+        assert point.adhesion_power_W == pytest.approx(known.lost_power, rel=1e-3)
+        assert point.adhesion_power_W >= known.lost_power
         assert point.regime == known.regime
-        assert 0.0 < point.relative_error < 1e-4
+        assert 0.0 < point.relative_error < 1e-6
+
+
+def test_auto_takes_the_exact_motion_as_it_does_for_smooth_balls():
+    """By the means the answer of a light slider is above this tolerance."""
+    auto, exact, means = (
+        run(scene(amplitudes=["10 nm"], method=each, mass="1 mg"), tolerance=1e-3).points[0]
+        for each in ("auto", "exact", "averaged")
+    )
+    assert auto.velocity_m_per_s == exact.velocity_m_per_s
+    assert (auto.status, means.status[:15]) == ("ok", "above tolerance")
+    assert means.velocity_m_per_s == pytest.approx(auto.velocity_m_per_s, rel=2.0 * means.relative_error)
 
 
 def test_threshold_and_release_are_those_of_the_ball(record):
@@ -54,21 +62,23 @@ def test_attraction_slows_and_the_loss_of_energy_comes_in_hops(record):
     for held, free in zip(record.points, dry.points, strict=True):
         assert abs(held.velocity_m_per_s) < abs(free.velocity_m_per_s)
     assert record.points[0].adhesion_power_W == 0.0 < record.points[1].adhesion_power_W
-    # 3.008e-13 J in every hop of the independent program
-    assert record.points[1].adhesion_power_W == pytest.approx(3.008e-13 * 2.2e6, rel=3e-4)
+    # 3.008e-13 J in every hop of the independent program, without the spring of the opened contact
+    assert record.points[1].adhesion_power_W == pytest.approx(3.008e-13 * 2.2e6, rel=1e-3)
 
 
 def test_the_ledger_closes(record):
-    for balance in balances(record):
-        assert balance.residual < 1e-10
+    for balance, point in zip(balances(record), record.points, strict=True):
+        assert (
+            balance.residual < 3e-10
+        )  # the kinetic energy, 3e5 times the work of a cycle, is rounded to 1e-10 of that
         powers = dict(balance.entries)
-        spent = powers["lost by closing and opening"] + powers["lost in slip"]
-        assert spent == pytest.approx(powers["wave, normal force"] + powers["wave, friction force"], rel=1e-9)
+        assert powers["lost by closing and opening"] == pytest.approx(point.adhesion_power_W, rel=1e-9)
 
 
 def test_three_equal_balls_are_one_with_a_third():
     one = run(scene(amplitudes=["10 nm"]), tolerance=1e-3).points[0]
-    three = run(scene(amplitudes=["10 nm"], contacts=3, preload=3 * 0.87309e-3), tolerance=1e-3).points[0]
+    own = {"contacts": 3, "preload": 3 * 0.87309e-3, "mass": "267 mg", "damping": {"normal": 1.5, "tangential": 0.0}}
+    three = run(scene(amplitudes=["10 nm"], **own), tolerance=1e-3).points[0]
     assert three.velocity_m_per_s == pytest.approx(one.velocity_m_per_s, rel=1e-6)
     assert three.adhesion_power_W == pytest.approx(3.0 * one.adhesion_power_W, rel=1e-9)
 
@@ -100,15 +110,10 @@ def test_on_a_stator_the_error_of_the_wave_counts(small):
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"slider": MAUGIS | {"method": "exact"}}, r'method does not go with slider\.adhesion\.model = "Maugis"'),
         ({"slider": {"stick_band": 1e-3}}, r"stick_band does not go with slider\.adhesion"),
         ({"slider": {"law": "hysteretic"}}, r"slider\.adhesion has no hysteretic law"),
         ({"slider": {"adhesion": {"separation": "0.3 nm"}}}, r"separation must be left out: the model is \"JKR\""),
         ({"slider": {"adhesion": {"work": None}}}, r"adhesion\.work is required and missing"),
-        (
-            {"slider": MAUGIS, "wave": {"burst": "1 ms"}},
-            r'adhesion\.model must be "DMT", "meniscus" or "JKR" with a burst',
-        ),
     ],
 )  # fmt: skip
 def test_what_does_not_go_with_it_is_refused(changes, sentence):
@@ -124,27 +129,20 @@ def test_a_separation_below_that_of_atoms_is_refused_with_its_key():
         run(scene("Maugis", adhesion=own))
 
 
-def test_what_needs_the_slider_in_time_refuses_it():
-    with pytest.raises(SceneError, match=r'adhesion\.model must be "DMT", "meniscus" or "JKR" here'):
-        _ = Contact.prescribed(build(scene("Maugis"))).slider
+def test_the_averaged_method_agrees_and_closes_its_ledger(record):
+    found = run(scene(method="averaged"), tolerance=1e-2)
+    for own, exact in zip(found.points, record.points, strict=True):
+        assert own.velocity_m_per_s == pytest.approx(exact.velocity_m_per_s, rel=1e-4)
+        assert own.regime == exact.regime
+        assert own.adhesion_power_W == pytest.approx(exact.adhesion_power_W, rel=1e-3)
+    for balance in balances(found):
+        assert balance.residual < 1e-10
 
 
-def test_the_exact_method_agrees_and_closes_its_ledger(record):
-    """The averaged velocity leaves out (f_n/f)^2; the power lost has the springs of opened contacts in it."""
-    found = run(scene(method="exact"), tolerance=1e-9)
-    for own, mean in zip(found.points, record.points, strict=True):
-        assert own.velocity_m_per_s == pytest.approx(mean.velocity_m_per_s, rel=1e-4)
-        assert own.regime == mean.regime
-        assert own.adhesion_power_W == pytest.approx(mean.adhesion_power_W, rel=1e-3)
-        assert own.relative_error < 1e-8
-    assert own.adhesion_power_W > mean.adhesion_power_W
-    for balance in balances(found):  # the kinetic energy, 3e5 times the work of a cycle, is rounded to 1e-10 of that
-        assert balance.residual < 3e-10
-    assert dict(balance.entries)["lost by closing and opening"] == pytest.approx(own.adhesion_power_W, rel=1e-9)
-
-
-def test_a_burst_moves_towards_the_steady_velocity():
-    motor = scene(amplitudes=["10 nm"]).replace(wave={"burst": "0.5 ms"})
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["JKR", "Maugis"])
+def test_a_burst_moves_towards_the_steady_velocity(model):
+    motor = scene(model, amplitudes=["10 nm"]).replace(wave={"burst": "0.5 ms"})
     exact, stepped = (run(motor.replace(slider={"method": each}), tolerance=1e-3) for each in ("exact", "stepped"))
     (point,), (other,) = exact.points, stepped.points
     assert (point.burst_method, other.burst_method) == ("exact", "stepped")
@@ -154,8 +152,9 @@ def test_a_burst_moves_towards_the_steady_velocity():
     assert point.burst_release > 1000
 
 
-def test_a_load_line_falls_to_the_stall():
-    motor = scene(amplitudes=["10 nm"])
+@pytest.mark.parametrize("model", ["JKR", "Maugis"])
+def test_a_load_line_falls_to_the_stall(model):
+    motor = scene(model, amplitudes=["10 nm"])
     found = load_line.run(motor, points=4, tolerance=1e-2)
     assert all(each.confirmed is not False for each in found.findings)
 
