@@ -282,18 +282,18 @@ class EmittedBeam:
     def _converged(self, x: np.ndarray, y: np.ndarray, distance: float) -> np.ndarray:
         """`_modal` with as many nodes in k_y as the points need."""
         for halvings in range(MAX_HALVINGS + 1):
-            rules = self._modal(x, y, distance, 0.5**halvings)
+            rules = self._modal(x, y, distance, halvings)
             size = abs(rules[0]).max(axis=0)
             if np.all(abs(rules[0] - rules[1]).max(axis=0) <= UNCONVERGED * np.maximum(size, 0.1 * size.max())):
                 break
         return rules
 
-    def _modal(self, x: np.ndarray, y: np.ndarray, distance: float, spacing: float) -> np.ndarray:
+    def _modal(self, x: np.ndarray, y: np.ndarray, distance: float, halvings: int) -> np.ndarray:
         """Sum of the modes at points no nearer than ``distance`` to any charge, shape (RULES, 3, points)."""
         points, reach = Points.of(x, y), self.reach(y)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)
         for emitter in self.emitters:
-            for branch in emitter.source.branches(reach, distance, self.wavelength, self.mirror_width, spacing):
+            for branch in emitter.source.branches(reach, distance, self.wavelength, self.mirror_width, halvings):
                 spectra = partial(emitter.spectra, branch, points.x)
                 total += inverse_transform(branch, emitter.sheets, points, spectra, self.mirror_width is None)
         return total

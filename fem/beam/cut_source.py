@@ -115,7 +115,7 @@ class CutSource:
     omits_oblique : bool
         True: waves whose power leaves at more than 45 degrees are neglected.
     known_poles : dict
-        Poles at the nodes of the rules that were integrated so far, by the number of nodes and the last node.
+        Poles at the nodes of the rules that were integrated so far, by node; finer rules contain those of coarser ones.
     """
 
     section: Section = field(repr=False)
@@ -151,7 +151,7 @@ class CutSource:
         return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
 
     def branches(
-        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, halvings: int = 0
     ) -> Iterator[Branch]:
         """Waves to both sides, as `ModeSource.branches`, for points at least ``distance`` from the load.
 
@@ -160,7 +160,7 @@ class CutSource:
         low, high = (each * self.wavenumber for each in FADE)
         floats = self.section.floating_potential
         options: dict = {"cusp": True} if floats else {"max_tilt": CONTOUR_TILT_GROUNDED}
-        options["coarser"] = spacing * (SPACING_FLOATING if floats else SPACING_GROUNDED)
+        options |= {"coarser": SPACING_FLOATING if floats else SPACING_GROUNDED, "halvings": halvings}
         narrow = NARROWER * low, NARROWER * high
         rule = lateral_rule(self.wavenumber, rounded_reach(reach), (low, high), mirror_width, narrow=narrow, **options)
         yield from self._branches_at(rule, distance)
@@ -179,10 +179,7 @@ class CutSource:
 
     def _branches_at(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule, without those that decay within ``distance`` (m)."""
-        key = (len(rule.nodes), complex(rule.nodes[-1]))
-        if key not in self.known_poles:
-            self.known_poles[key] = self.poles_at(rule.nodes)
-        poles = self.known_poles[key]
+        poles = self.poles_at(rule.nodes)
         for side in (1, -1):
             for sign in (1, -1):
                 along, motion = [], []
@@ -204,17 +201,21 @@ class CutSource:
         The surface wave is followed from the first node on, so that nodes must be close together.
         """
         out, surface_wavenumber = [], self.wavenumber
-        for node in nodes:
-            lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
-            # On the complex contour a wave whose power leaves to the opposite side of its lateral phase grows along x
-            # by Im k_y times the tangent of the angle of its power, which is 1 at this module's limit, 45 degrees.
-            allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
-            out.append(
-                self.select_poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
-            )
+        for node in np.asarray(nodes):
+            if (key := complex(node)) not in self.known_poles:
+                self.known_poles[key] = self._poles_at(node, surface_wavenumber)
+            out.append(self.known_poles[key])
             surface_waves = out[-1].wavenumbers[out[-1].surface & out[-1].right]
             surface_wavenumber = next(iter(surface_waves), surface_wavenumber)
         return out
+
+    def _poles_at(self, node: complex, surface_wavenumber: complex) -> Poles:
+        """Modes at one k_y in rad/m, with the surface wave near its wavenumber."""
+        lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
+        # On the complex contour a wave whose power leaves to the opposite side of its lateral phase grows along x
+        # by Im k_y times the tangent of the angle of its power, which is 1 at this module's limit, 45 degrees.
+        allowed = abs(np.imag(lateral)) + GROWTH * self.wavenumber
+        return self.select_poles(*self.reduced.modes(lateral), surface_wavenumber, allowed * self.section.length_unit)
 
     def select_poles(self, k, shapes, left, carried, expected: complex, allowed: float) -> Poles:
         """Select the forward modes that do not decay within a wavelength (LOCAL), and the surface wave among them.

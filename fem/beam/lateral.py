@@ -74,6 +74,7 @@ def lateral_rule(
     mirror_width: float | None = None,
     *,
     coarser: float = 1.0,
+    halvings: int = 0,
     max_tilt: float = MAX_TILT,
     narrow: tuple[float, float] | None = None,
     cusp: bool = False,
@@ -92,6 +93,8 @@ def lateral_rule(
         Distance in m of two faces y = const that reflect.  The rule is then an exact sum and has no coarser rule.
     coarser : float
         Factor on the spacing of the nodes, for integrands that are expensive to evaluate.
+    halvings : int
+        How often this spacing is halved; every second node is then one of the rule with one halving less, bit for bit.
     max_tilt : float
         Largest distance of the contour from the real axis over ``highest``.
     narrow : tuple of float, optional
@@ -112,7 +115,7 @@ def lateral_rule(
     offset = min(GROWTH / reach, max_tilt * highest)
     scale = 3.0 * offset
     start, stop = (each + scale for each in fade)
-    count = 4 * int(np.ceil(stop / (coarser * SPACING * offset) / 4))
+    count = 4 * int(np.ceil(stop / (coarser * SPACING * offset) / 4)) * 2**halvings
     t = np.linspace(0.0, stop, count + 1)
     weights = np.full(count + 1, t[1] / np.pi)
     if cusp:

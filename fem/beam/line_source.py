@@ -106,12 +106,12 @@ class ModeSource(Protocol):
         """Wavenumber along x of the surface wave at real lateral wavenumbers, rad/m."""
 
     def branches(
-        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, halvings: int = 0
     ) -> Iterator[Branch]:
         """Waves to both sides, for points at least ``distance`` from the load and at most ``reach`` beside it (m).
 
         Modes that are local to the load may be omitted, those that decay by more than exp(-LOCAL) over the length
-        ``resolved`` (m).  ``spacing``: factor on the distance of the nodes in k_y.
+        ``resolved`` (m).  ``halvings``: of the distance of the nodes in k_y.
         """
 
     def plane(self, resolved: float) -> Iterator[Branch]:
@@ -201,12 +201,12 @@ class LineSource:
         return wavenumber_along(np.mean(self.wavenumbers[self.surface]), lateral)
 
     def branches(
-        self, reach: float, distance: float, resolved: float, mirror_width: float | None, spacing: float = 1.0
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None, halvings: int = 0
     ) -> Iterator[Branch]:
         """Waves to both sides: as of `ModeSource`."""
         highest = highest_wavenumber(self.wavenumbers)
         fade = evanescent(highest, max(distance, resolved))
-        rule = lateral_rule(highest, reach, fade, mirror_width, coarser=spacing)
+        rule = lateral_rule(highest, reach, fade, mirror_width, halvings=halvings)
         lasting = self._lasting(distance, resolved)
         for modes, contour in rule.contours(self.wavenumbers):
             along, motion = self._at_lateral(lasting & modes, contour.nodes)

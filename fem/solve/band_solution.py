@@ -36,6 +36,9 @@ from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 # Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at
 # the last one, and the factor from one attempt to the next:
 FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
+# Share of the error that a step of the truncation must remove; without it the interpolation between the nodes decides,
+# which further fields do not change.
+GAIN_OF_STEP = 0.02
 MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
 REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
 # Up to this share of the tolerance in the discretisation's error, more nodes are tried before a finer discretisation
@@ -402,7 +405,7 @@ def reduced_model(
     """
     share = REDUCTION_SHARE * problem.tolerance
     allowed = np.array([motion_allowance if motion_allowance > 0 else share, share])
-    truncation = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION)
+    truncation, before = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION), np.full(2, np.inf)
     while True:
         last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
         model = project(problem, nodes, truncation)
@@ -412,9 +415,11 @@ def reduced_model(
             if last:
                 raise
             errors = np.inf, np.inf
-        if last or np.all(errors <= allowed):
+        too_large = errors > allowed
+        stagnant = np.isfinite(before) & (np.array(errors) > (1 - GAIN_OF_STEP) * before)
+        if last or not too_large.any() or stagnant[too_large].all():
             return model, *errors
-        truncation *= TRUNCATION_STEP
+        truncation, before = truncation * TRUNCATION_STEP, np.array(errors)
 
 
 def reduction_errors(

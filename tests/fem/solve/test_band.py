@@ -92,6 +92,28 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
     assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3
 
 
+def test_more_fields_are_not_tried_where_they_do_not_help(monkeypatch):
+    """The interpolation between the nodes leaves 6e-4, of which more fields take nothing."""
+    monkeypatch.setattr("fem.solve.band_solution.project", lambda problem, nodes, truncation: truncation)
+    reached = iter([(9e-4, 5e-4), (6e-4, 6e-4), (5.99e-4, 1e-6), (1e-5, 0.0)])
+    monkeypatch.setattr("fem.solve.band_solution.reduction_errors", lambda *rest: next(reached))
+    problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES)
+    assert reduced_model(problem, None, [], 1.0, 2e-4)[1:] == (5.99e-4, 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("ends", "tolerance", "nodes"),
+    [("free", 1e-2, 3), ("free", 1e-3, 4), ("free", 1e-5, 5), ("absorbing", 1e-3, 3), ("absorbing", 1e-6, 5)],
+)
+def test_a_tight_tolerance_takes_more_nodes_and_more_can_be_asked_for(ends, tolerance, nodes):
+    problem = BandProblem(
+        stator=SimpleNamespace(ends=ends), transducers=(), limits=(2.1e6, 2.3e6), drive="a", tolerance=tolerance,
+        positions=PLACES,
+    )  # fmt: skip
+    assert len(problem.nodes) == nodes
+    assert len(replace(problem, more_nodes=True).nodes) == nodes + 1
+
+
 @pytest.fixture
 def parts(monkeypatch):
     """What `frequency_band` adds: the wave of two levels and what its reduction returned."""
