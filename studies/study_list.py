@@ -204,7 +204,7 @@ def contact_of_study(scene: str | Scene, *, tolerance: float = 1e-3, planar: boo
     if resolved_scene.slider is None:
         resolved_scene.refuse("slider", "is missing: this study needs a slider")
     if planar is not None and resolved_scene.planar is not planar:
-        _refuse_freedom(resolved_scene)
+        refuse_freedom(resolved_scene)
     if resolved_scene.wave is not None:
         return Contact.prescribed(model)
     if not resolved_scene.transducer:
@@ -214,7 +214,7 @@ def contact_of_study(scene: str | Scene, *, tolerance: float = 1e-3, planar: boo
     return replace(driven, model=Model(resolved_scene.with_source(frequency=driven.scene.frequency)))
 
 
-def _refuse_freedom(scene: Scene) -> None:
+def refuse_freedom(scene: Scene) -> None:
     """Raise a SceneError about a slider that moves in the plane, or does not."""
     if not scene.planar:
         scene.refuse("slider.freedom", 'must be "xy" or "xy yaw", or slider.axis given: this study follows the plane')

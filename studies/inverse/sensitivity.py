@@ -37,7 +37,7 @@ from studies.record.quantities import quantity
 from studies.report.explanation import plan
 from studies.scene import Scene
 from studies.scene.keys import coordinate
-from studies.study_list import Answered, Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, StudyRecord, judged, of_record, refuse_freedom, study
 
 QUICK = {"outcomes": ("velocity",)}
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
@@ -74,7 +74,10 @@ def run(scene: Scene, *, outcomes: str | tuple[str, ...] | None = None, toleranc
     predictor = MeasurementPredictor(scene, tolerance=tolerance)
     level = max(predictor.contact({}).scene.levels)
     outcomes = answers_of_slider(predictor) if outcomes is None else outcomes
-    slopes = elasticities(predictor, (outcomes,) if isinstance(outcomes, str) else outcomes, level)
+    outcomes = (outcomes,) if isinstance(outcomes, str) else outcomes
+    if predictor.scene({}).planar and set(outcomes) != {"velocity"}:
+        refuse_freedom(predictor.scene({}))
+    slopes = elasticities(predictor, outcomes, level)
     changes = both_sides(predictor, tuple(name for name, by_key in slopes.items() if by_key), level)
     title, findings, panels = predictor.scenes.table.get("title", ""), [], []
     for name, by_key in slopes.items():

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import resample
 
 import contact
 from studies import Scene, run, sweep
@@ -305,9 +306,12 @@ def test_pillars_in_front_of_a_reflector():
     both = Scene.from_table("", table)
     record = run(both, tolerance=TOLERANCE)
     (point,) = record.points
-    places = np.linspace(record.summary["ripple_from_m"], record.summary["ripple_to_m"], 17)
+    places = np.linspace(record.summary["ripple_from_m"], record.summary["ripple_to_m"], 8, endpoint=False)
     rows = sweep(both, {"slider.position": places.tolist()}, tolerance=TOLERANCE, also=("ripple",)).to_dataframe()
-    assert [point[name] for name in COLUMNS] == pytest.approx(truth(rows["velocity_m_per_s"].to_numpy()), rel=TOLERANCE)
+    velocities = resample(rows["velocity_m_per_s"].to_numpy(), 256)  # half a wavelength is its period: Fourier series
+    expected = [velocities.mean(), velocities.min(), velocities.max()]
+    assert [point[name] for name in COLUMNS] == pytest.approx(expected, rel=TOLERANCE)
+    assert np.ptp(velocities) > 10 * TOLERANCE * velocities.mean()
     assert np.ptp(rows["mean_velocity_m_per_s"]) < 2e-3 * abs(point["mean_velocity_m_per_s"])
     assert any("partly a standing one" in each for each in record.warnings)
 
