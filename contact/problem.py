@@ -24,6 +24,8 @@ from contact.law.protocol import Law
 from contact.orbit import as_orbits, product
 from contact.slider import Slider
 
+WAVE_SEGMENT = 2.0 * math.pi / 8.0  # longest segment that the wave allows
+
 
 class ContactFactors(NamedTuple):
     """What distinguishes the contacts of one slider, relative to the numbers of the problem; arrays (n,)."""
@@ -182,7 +184,7 @@ def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem
     factors = ContactFactors(*slider.contact_factors(len(orbits)))
     problem = in_units(own, length, omega, paths, factors, slider.tangential_law, slider.profile)
     return _with_longest(
-        problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
+        problem, WAVE_SEGMENT if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
         load=direction * problem.load, stick_band=slider.stick_band / problem.speed,
     )  # fmt: skip
 
@@ -206,7 +208,13 @@ def _with_longest(problem, longest, **changed):
 
 def immobile(problem: Problem) -> Problem:
     """Return the same problem for a slider that does not answer its forces: segments as long as the wave allows."""
-    return problem._replace(longest=2.0 * math.pi / 8.0)
+    return problem._replace(longest=WAVE_SEGMENT)
+
+
+def with_longer_segments(problem: Problem, factor: float) -> Problem:
+    """Return the same problem with the wave's limit of a segment so many times longer, and those of the others kept."""
+    longer = _with_longest(problem, factor * WAVE_SEGMENT).longest
+    return problem._replace(longest=max(problem.longest, longer))
 
 
 def without_wave(problem: Problem) -> Problem:

@@ -117,14 +117,16 @@ def _wiggles(u, v, du, dv):
 
 
 @compiled
-def first_root(sigma, bary, rates, values):
+def first_root(sigma, bary, rates, values, searched):
     """Return the smallest sigma at which a guard turns negative; 2.0, outside of [-1, 1], if it does not.
+
+    `searched`: number of nodes up to which it is searched.
 
     An interval between two nodes is searched for further roots if the cubic through the values and slopes at its ends
     has an extremum inside and may come close to zero.
     """
     n = sigma.size
-    for j in range(1, n):
+    for j in range(1, searched):
         low = min(values[j - 1], values[j])
         # First a cheap estimate of how far the cubic reaches below its ends, because a slope costs a sum over all nodes
         steps = abs(values[j] - values[j - 1])

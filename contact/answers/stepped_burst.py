@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.answers.burst_question import Burst, compared_velocities
-from contact.answers.event_driven_burst import CHECK, EXACT_CYCLES, ORDERS, every_event, exact_refusals
+from contact.answers.event_driven_burst import EXACT_CYCLES, ORDERS, every_event, exact_refusals
 from contact.answers.refined_run import refined
 from contact.answers.rest_motion import rest, times
 from contact.choice import Result
@@ -31,10 +31,11 @@ MAX_STEP = 0.2
 MAX_DAMPING = 5e-3
 
 # A burst of more than EXACT_CYCLES in fixed steps, without envelope and track, is computed once. From its states at
-# STEPPED_PARTS of its length the event-driven method at the level CHECK follows it over PART_PERIODS / 2 pi periods of
-# the contact resonance, but PART_CYCLES (least, most). The errors of a cycle there are added over the burst and
-# enlarged by STEPPED_FACTOR; without it the true error was up to 1.46 times that (`tests/benchmarks/stepped_error.py`,
-# `--parts`).
+# STEPPED_PARTS of its length the event-driven method at the level CHECK (nodes, truncation, longest segment over the
+# problem's) follows it over PART_PERIODS / 2 pi periods of the contact resonance, but PART_CYCLES (least, most). The
+# errors of a cycle there are added over the burst and enlarged by STEPPED_FACTOR; without it the true error was up to
+# 1.46 times that (`tests/benchmarks/stepped_error.py`, `--parts`).
+CHECK = (10, 1e-7, 0.8)
 STEPPED_PARTS, PART_PERIODS, PART_CYCLES, STEPPED_FACTOR = (0.0, 0.25, 0.5, 1.0), 3.0, (256, 1500), 1.5
 # A level of so many times the coarsest one's steps is chosen by the errors from the states of a run at the coarsest.
 COARSE_SHARE = 3

@@ -332,7 +332,7 @@ def _first_event(problem, grid, state, nodes, i, memory):
     regime, first, which = state.regime[i], 2.0, -1
     for k in range(1 if regime == Regime.SEPARATED else LAST_GUARD[regime] + 1):
         seg.guards(problem, state, nodes, i, k, memory)
-        root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
+        root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard, grid.sigma.size)
         if root < first:
             first, which = root, k
     return first, which

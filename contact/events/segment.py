@@ -153,11 +153,14 @@ def surface_of(problem, grid, nodes, segment, i, c0, s0, first):
     """Fill what `surface` fills for one contact from node `first` on; c0, s0: cosine and sine of the start."""
     # with t from the start of the segment: u_z = a cos t + b sin t, u_x = d cos t + e sin t
     a, b, d, e = at_phase(problem.paths, i, c0, s0)
-    own, short = nodes.contact, segment.length <= 0.8
+    own = nodes.contact
     for j in range(first, own.shape[2]):
         t = segment.length * grid.tau[segment.map, j]
-        if short:
+        if segment.length <= 0.8:
             s, v = short_sine(t)
+        elif segment.length <= 1.6:  # of twice the angle
+            s, v = short_sine(0.5 * t)
+            s, v = 2.0 * s * (1.0 - v), 2.0 * s * s
         else:
             s, v = np.sin(t), 1.0 - np.cos(t)
         c = 1.0 - v

@@ -51,8 +51,12 @@ _open_compiled = native("t f t", SHAPES)(_open)
 
 
 @compiled
-def earliest(problem, grid, state, nodes, memory):
-    """Return (sigma, contact, guard) of the earliest root on the segment; sigma = 2 if there is none."""
+def earliest(problem, grid, state, nodes, memory, segment):
+    """Return (sigma, contact, guard) of the earliest root on the segment; sigma = 2 if there is none.
+
+    The guard that ends the segment at a root of the force begins there as (1 - s)^2, s as in `collocation`, and its
+    interpolant may cross zero just before: it is searched up to the last node but one.
+    """
     first, contact, which = 2.0, -1, -1
     for i in range(state.regime.size):
         regime = state.regime[i]
@@ -63,7 +67,8 @@ def earliest(problem, grid, state, nodes, memory):
                 if on_curve(memory, i):
                     continue  # the front is smooth only up to the first of the other events
             guards(problem, state, nodes, i, k, memory)
-            root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
+            own = i == segment.contact and k == segment.guard and segment.map == ROOT_AT_END
+            root = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard, grid.sigma.size - int(own))
             if root < first:
                 first, contact, which = root, i, k
             if problem.normal.hold is not None and k == Guard.GAP and root < 1.0 - 1e-6:

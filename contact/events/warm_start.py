@@ -1,8 +1,9 @@
 r"""Warm start: the segments of the last cycle are the first guess of the next cycle's.
 
 A slider that is heavy on the wave's time scale meets the same events at nearly the same phases in every cycle. For each
-segment the kernel stores where it began and ended, which guard ended it, and the accelerations at its nodes. The next
-cycle computes its segment up to the same end at once. The result is checked like that of any other segment, so that the
+segment the kernel stores where it began and ended, which guard ended it, and the accelerations at its nodes, with the
+changes of end and accelerations from the cycle before. The next cycle computes its segment at once up to the end, and
+from the accelerations, that these changes lead to. The result is checked like that of any other segment, so that the
 warm start saves time and does not change the motion beyond rounding.
 """
 
@@ -32,6 +33,9 @@ class Pattern(NamedTuple):
     regime: np.ndarray  # (2, K, contacts): of the contacts
     sign: np.ndarray
     acceleration: np.ndarray  # (2, K, 2, nodes): of the slider, normal and tangential
+    # changes from the same segment of the cycle before, zero where it had none
+    end_change: np.ndarray  # (2, K)
+    acceleration_change: np.ndarray  # (2, K, 2, nodes)
 
 
 def blank(contacts: int, nodes: int) -> Pattern:
@@ -41,6 +45,7 @@ def blank(contacts: int, nodes: int) -> Pattern:
         stored=np.zeros(3, np.int64), begin=np.empty(which), end=np.empty(which), map=np.empty(which, np.int64),
         contact=np.empty(which, np.int64), guard=np.empty(which, np.int64), regime=np.empty(contact, np.int64),
         sign=np.empty(contact), acceleration=np.empty((2, MAX_SEGMENTS, 2, nodes)),
+        end_change=np.empty(which), acceleration_change=np.empty((2, MAX_SEGMENTS, 2, nodes)),
     )  # fmt: skip
 
 
@@ -62,23 +67,31 @@ def matching(pattern, old, first, phase, state):
 
 @compiled
 def recall(pattern, old, m, nodes):
-    """Fill the accelerations at the nodes with those of the last cycle's segment."""
+    """Fill the accelerations at the nodes with those of the last cycle's segment and their last change."""
+    known, change = pattern.acceleration[old, m], pattern.acceleration_change[old, m]
     for j in range(nodes.guard.size):
-        nodes.slider[SliderRow.NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
-        nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
+        nodes.slider[SliderRow.NORMAL_ACCELERATION, j] = known[0, j] + change[0, j]
+        nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, j] = known[1, j] + change[1, j]
 
 
 @compiled
-def store(pattern, new, segment, end, state, nodes):
-    """Store a segment of this cycle, which ends at the phase `end`."""
-    m = pattern.stored[new]
+def store(pattern, new, match, segment, end, state, nodes):
+    """Store a segment of this cycle, which ends at the phase `end`; `match`: that of the last cycle, -1 without one."""
+    m, old = pattern.stored[new], 1 - new
     if m >= pattern.begin.shape[1]:
         return
     pattern.begin[new, m], pattern.end[new, m], pattern.map[new, m] = segment.phase, end, segment.map
     pattern.contact[new, m], pattern.guard[new, m] = segment.contact, segment.guard
     for i in range(state.regime.size):
         pattern.regime[new, m, i], pattern.sign[new, m, i] = state.regime[i], state.sign[i]
+    normal, tangential = nodes.slider[SliderRow.NORMAL_ACCELERATION], nodes.slider[SliderRow.TANGENTIAL_ACCELERATION]
+    same = match >= 0 and segment.map == pattern.map[old, match]
+    same = same and segment.contact == pattern.contact[old, match] and segment.guard == pattern.guard[old, match]
+    known, change = pattern.acceleration[new, m], pattern.acceleration_change[new, m]
+    before = pattern.acceleration[old, max(match, 0)]
+    pattern.end_change[new, m] = end - pattern.end[old, match] if same and segment.contact >= 0 else 0.0
     for j in range(nodes.guard.size):
-        pattern.acceleration[new, m, 0, j] = nodes.slider[SliderRow.NORMAL_ACCELERATION, j]
-        pattern.acceleration[new, m, 1, j] = nodes.slider[SliderRow.TANGENTIAL_ACCELERATION, j]
+        known[0, j], known[1, j] = normal[j], tangential[j]
+        change[0, j] = normal[j] - before[0, j] if same else 0.0
+        change[1, j] = tangential[j] - before[1, j] if same else 0.0
     pattern.stored[new] = m + 1

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from contact import ConvergenceError
 from contact.answers.rest_motion import rest, rest_problem
-from contact.codes import Event, Regime
+from contact.codes import Event, Regime, WorkCount
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
 from contact.events.motion import Motion
-from contact.problem import scaled
+from contact.problem import scaled, with_longer_segments
 from contact.roots import first_root
 from tests.contact.motors import orbit, slider
 
@@ -62,10 +62,10 @@ def test_a_dip_between_nodes_is_not_skipped():
     table = collocation(9)
     for centre in np.linspace(-0.9, 0.9, 37):
         dip = (table.sigma - centre) ** 2 - 1e-4  # negative only within 0.01 of the centre
-        found = first_root(table.sigma, table.bary, table.rates, dip)
+        found = first_root(table.sigma, table.bary, table.rates, dip, table.sigma.size)
         assert found == pytest.approx(centre - 1e-2, abs=1e-7)
         above = (table.sigma - centre) ** 2 + 1e-6
-        assert first_root(table.sigma, table.bary, table.rates, above) == 2.0
+        assert first_root(table.sigma, table.bary, table.rates, above, table.sigma.size) == 2.0
 
 
 @given(st.lists(st.floats(-0.99, 0.99), min_size=3, max_size=3, unique=True))
@@ -75,7 +75,9 @@ def test_of_three_roots_in_one_stretch_the_first_is_taken(roots):
     assume(min(np.diff(roots)) > 1e-2)
     table = collocation(12)
     values = -np.prod([table.sigma - r for r in roots], axis=0)  # positive before the first
-    assert first_root(table.sigma, table.bary, table.rates, values) == pytest.approx(roots[0], abs=1e-7)
+    assert first_root(table.sigma, table.bary, table.rates, values, table.sigma.size) == pytest.approx(
+        roots[0], abs=1e-7
+    )
 
 
 @pytest.mark.parametrize(("guard", "bracket"), [
@@ -91,7 +93,7 @@ def test_of_three_roots_in_one_stretch_the_first_is_taken(roots):
 def test_the_rounding_of_a_small_guard_that_begins_at_zero_is_no_event(guard, bracket):
     # of a punch that has just touched, f_n/f = 0.57 and 0.79: 80 such events at one phase were "too many events"
     table = collocation(14)
-    found = first_root(table.sigma, table.bary, table.rates, np.array(guard))
+    found = first_root(table.sigma, table.bary, table.rates, np.array(guard), table.sigma.size)
     assert table.sigma[bracket[0]] < found < table.sigma[bracket[1]]
 
 
@@ -131,6 +133,27 @@ def test_a_ball_in_flight_over_many_cycles_is_caught_at_its_first_contact():
     fall = p / d_n**2 * (d_n * t + np.expm1(-d_n * t))  # closed form with drag
     z = 1e-9 / problem.length * np.cos(t) - (1e-9 / problem.length + gap - fall)
     assert z[0] < 0.0 < np.max(z), "first contact must be in the cycle in which the closed form has it"
+
+
+@pytest.mark.parametrize("A", [10e-9, 15e-9])
+def test_a_root_of_a_long_segment_alone_is_no_event(A):
+    # stick after a contact of the 212th and 426th cycle: the interpolant over a quarter of the cycle has a root at its
+    # start, and the motion does not
+    problem = with_longer_segments(rest_problem(slider(), (orbit(A),)), 2.0)
+    motion = rest(slider(), (orbit(A),), problem, nodes=8, truncation=1e-4)
+    motion.turn(600)
+    assert motion.tally[WorkCount.CHATTER] < 5
+
+
+def test_a_cycle_like_the_last_takes_few_iterations():
+    problem = with_longer_segments(rest_problem(slider(), (orbit(5e-9),)), 2.0)
+    motion = rest(slider(), (orbit(5e-9),), problem, nodes=8, truncation=1e-4)
+    motion.turn(40)
+    motion.tally[:] = 0
+    motion.turn(10, warm=True)
+    assert motion.tally[Event.RELEASE] == 10
+    # without the changes from cycle to cycle 3.3 iterations per segment, with releases from a cold start 3.5
+    assert motion.tally[WorkCount.SWEEPS] < 3.1 * motion.tally[WorkCount.SEGMENTS]
 
 
 def test_the_deformation_is_bounded_and_forgotten_in_flight():

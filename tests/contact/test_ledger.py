@@ -171,6 +171,11 @@ def test_a_burst_and_the_slide_after_it_balance(A, changed):
     assert found.statistics["smallest_gap"] > 0.0
 
 
+def test_the_residual_of_a_coarser_burst_is_far_below_its_tolerance():
+    found = burst(slider(), orbit(10e-9), duration=3e-4, after=0.0, tolerance=1e-4, samples=20, method="exact")
+    assert found.ledger.relative_residual < 1e-5
+
+
 def test_a_burst_in_steps_has_a_ledger_of_the_slide_alone():
     found = burst(slider(), orbit(5e-9), duration=3e-4, after=2e-3, tolerance=1e-3, samples=20, method="stepped")
     assert found.ledger is None
