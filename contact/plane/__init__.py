@@ -9,7 +9,7 @@ from importlib import import_module
 
 _PUBLIC = {
     "plane_threshold": "threshold_factor",
-    "scaling": "beats_slowly",
+    "scaling": "beats_slowly common_period",
     "averaged_path": "turned",
     "each_contact": "contact_forces ContactForces",
     "bursts": "burst",

@@ -1,12 +1,13 @@
-"""The averaged motor of a scene whose slider moves in the plane, or turns: its tables, and what they leave out.
+"""The averaged motor of a scene whose slider moves in the plane, or turns: its numbers, their errors, what is left out.
 
-The tables are those of the waves at the slider's first place, of a rotor the mean over a turn. How much the steady
+The waves are those at the slider's first place, the torque of a rotor is the mean over a turn. How much the steady
 motion differs from there within a wavelength, or over the turn, is measured and stated, and refused above
 `MAX_VARIATION`: of sources of one frequency, a fraction of a wavelength decides the direction.
 """
 
 import logging
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,12 @@ import numpy as np
 import contact
 from contact import plane
 from studies.export.averaged_motor import refuse_special_contacts, refuse_special_friction
+from studies.export.planar_body import Body
+from studies.export.planar_contacts import packed_contacts
 from studies.export.planar_motor import PlanarMotor
-from studies.export.planar_tables import BEYOND, Body, Forces, Grid, packed, tables_of
+from studies.export.planar_tables import BEYOND, Forces, Grid, packed, tables_of
 from studies.export.reduced_plane import plane_index as index
+from studies.export.reduced_plane.plane_cycle import force_on_waves
 from studies.export.reduced_plane.plane_force_tables import element_force, set_wave
 from studies.model.plane import StatorSurface
 from studies.model.scene_errors import as_run_errors, slider_keys
@@ -29,8 +33,13 @@ from studies.study_list import driven_contact
 
 LOGGER = logging.getLogger(__name__)
 
-TOLERANCE = 1e-2  # of the steady states that the tables are compared with, at least: averaged ones
-PROBES = 100  # random points at which the tables are compared with the exact means
+TOLERANCE = 1e-2  # of the steady states with which the motor is compared, at least: averaged ones
+PROBES = 100  # random points at which a rotor's tables are compared with the exact means
+WAVE_PROBES, VELOCITY_PROBES = 12, 8  # random levels and velocities at each, the same of contacts
+# Levels of two drives over those of the scene at which the steady motion is compared, besides those themselves
+MIXTURES = ((1.0, 0.0), (0.0, 1.0), (1.0, 0.35), (0.35, 1.0), (0.5, 0.5))
+HALF = ((0.5,),)  # the same of one drive
+LOADED, SMALL = 0.8, 0.35  # of friction: forces under which it is compared too, at these levels and at parts of them
 CREEP = 1e-5  # of the largest speed of the surface at the scene's levels
 MAX_STEP, FAST_STEP, RISE_STEPS = 1e-4, 1e-5, 5.0  # s, s, steps in the rise's time constant
 MAX_VARIATION = 0.3  # of the steady motion over the places near the first one, over its speed
@@ -48,7 +57,7 @@ def planar_motor(scene: str | Scene, *, tolerance: float = 1e-3, nodes: tuple | 
     tolerance : float
         Relative, of the slider velocity; the stator is solved to it.
     nodes : tuple, optional
-        Number of nodes of tau, phi, speed and angle; by default those of `planar_tables`.
+        Of a rotor: number of nodes of tau, phi, speed and angle; by default those of `planar_tables`.
 
     Raises
     ------
@@ -57,14 +66,15 @@ def planar_motor(scene: str | Scene, *, tolerance: float = 1e-3, nodes: tuple | 
     """
     scene = Scene.load(scene)
     refuse_special_contacts(scene)
+    if scene.slider is not None and scene.slider.method == "auto":
+        # its motion is that of averaged forces: nothing of the exact one is needed
+        scene = replace(scene, slider=replace(scene.slider, method="averaged"))
     driven = driven_contact(scene, tolerance=tolerance, planar=True)
     refuse_special_friction(driven)
     surfaces, levels = _surfaces_of_frequencies(driven), driven.levels
     if len(surfaces) > 2:
         key = "wave.sources" if driven.scene.wave is not None else "drive.source_frequencies"
-        rule = (
-            f"must hold at most two frequencies here: tables of mean forces over more are too long, got {len(surfaces)}"
-        )
+        rule = f"must hold at most two frequencies here, one for each input of the motor, got {len(surfaces)}"
         driven.scene.refuse(key, rule)
     if not levels:
         driven.scene.refuse(driven.scene.level_key, "must hold a value above 0: the tables reach as far as the levels")
@@ -75,24 +85,31 @@ def planar_motor(scene: str | Scene, *, tolerance: float = 1e-3, nodes: tuple | 
             share=driven.scene.slider.share,
             surfaces=tuple(surfaces.values()),
         )
-        forces = Forces(body)
-        size = BEYOND * levels[-1] * sum(forces.amplitudes)
-        grid = Grid.of(forces, forces.tau(size), nodes)
-        LOGGER.info("tables of mean forces")
-        tables = tables_of(forces, grid)
         rise = _rise(driven)
-        speed = PlaneMotor.of(driven, levels[-1], tolerance).waves.peak_speed
         fast = max(min(FAST_STEP, rise / RISE_STEPS), 1e-7) if rise > 0.0 else FAST_STEP
-        p, flat = packed(body, forces, grid, tables, creep=CREEP * speed, steps=(MAX_STEP, fast), rise=rise)
+        speed = PlaneMotor.of(driven, levels[-1], tolerance).waves.peak_speed
+        numbers = {"creep": CREEP * speed, "steps": (MAX_STEP, fast), "rise": rise}
+        forces: Forces | None = None
+        limits: tuple[float, ...] = ()
+        if body.freedom == "axle":
+            LOGGER.info("tables of mean forces")
+            forces = Forces(body)
+            size = BEYOND * levels[-1] * sum(forces.amplitudes)
+            limits = tuple(size / each for each in forces.amplitudes)
+            grid = Grid.of(forces, forces.tau(size), nodes)
+            p, flat = packed(body, forces, grid, tables_of(forces, grid), **numbers)
+        else:
+            p, flat = packed_contacts(body, **numbers)
         motor = PlanarMotor(
             scene=driven.scene, body=body, drives=tuple(surfaces), parameters=p, tables=flat,
-            load=_load(driven, levels[-1], tolerance), limits=tuple(size / each for each in forces.amplitudes),
+            load=_load(driven, levels[-1], tolerance), limits=limits,
         )  # fmt: skip
-        LOGGER.info("errors of the tables")
+        LOGGER.info("errors of the mean forces and of the steady motion")
         velocity, averaging = _steady_errors(driven, motor, tolerance)
+        error = _force_error(motor, levels[-1]) if forces is None else _table_error(motor, forces)
         return replace(
-            motor, interpolation_error=_interpolation_error(motor, forces), velocity_error=velocity,
-            averaging_error=averaging, left_out=tuple(_left_out(driven, motor, variation, rise)),
+            motor, force_error=error, velocity_error=velocity, averaging_error=averaging,
+            left_out=tuple(_left_out(driven, motor, variation, rise)),
         )  # fmt: skip
 
 
@@ -124,7 +141,11 @@ def _surfaces_of_frequencies(driven: Contact) -> dict[str, Any]:
 
 def _load(driven: Contact, level: float, tolerance: float) -> tuple[float, float, float]:
     """Return the scene's load as it acts on the slider: a load that is a number is that at a level."""
-    slider, share = PlaneMotor.of(driven, level, max(tolerance, TOLERANCE)).slider, driven.scene.slider.share
+    return acting_load(PlaneMotor.of(driven, level, max(tolerance, TOLERANCE)).slider, driven.scene.slider.share)
+
+
+def acting_load(slider: contact.Slider, share: int) -> tuple[float, float, float]:
+    """Return the load of one of so many equal parts of a slider as it acts on the slider: N, N, N m."""
     x, y = (-float(each) * share + 0.0 for each in slider.load)
     return x, y, -float(slider.torque) + 0.0
 
@@ -174,10 +195,33 @@ def _rise(driven: Contact) -> float:
     return Rise(rings=tuple(each.lasting(duration) for each in rings), duration=duration).time
 
 
-def _interpolation_error(motor: PlanarMotor, forces: Forces) -> tuple[float, float]:
+def _force_error(motor: PlanarMotor, level: float) -> tuple[float, float]:
+    """Return the largest error of g of contacts at random levels and velocities above the creep, and a quantile.
+
+    The 95 % quantile.
+    """
+    random, errors, p, body = np.random.default_rng(1), [], motor.parameters, motor.body
+    state, n, slider = np.zeros(motor.state_size), body.slider.count, body.slider
+    for number in range(WAVE_PROBES):
+        levels = level * random.uniform(0.02, BEYOND, len(motor.drives))
+        if number % 4 == 0:
+            levels[number % 8 // 4 :: 2][1:] = 0.0  # one wave alone
+        waves = body.waves_at(levels)
+        fastest = 2.0 * np.pi * waves.frequencies[:, None] * np.abs(waves.amplitudes[..., :2]).max(axis=1)
+        reach = 1.2 * np.linalg.norm(fastest.max(axis=0)) * random.uniform(-1.0, 1.0, (VELOCITY_PROBES, n, 2))
+        velocities = reach * random.uniform(size=(VELOCITY_PROBES, n, 1))
+        exact = plane.contact_forces(slider, waves, velocities).forces / (slider.friction_coefficient * slider.preload)
+        for k, element in np.ndindex(VELOCITY_PROBES, n):
+            inputs = *(*map(float, levels), 0.0)[:2], *map(float, velocities[k, element]), motor.preload
+            force_on_waves(p, motor.tables, state, element, *inputs)
+            errors.append(float(np.hypot(*(state[index.FOUND : index.FOUND + 2] - exact[k, element]))))
+    return max(errors), float(np.quantile(errors, 0.95))
+
+
+def _table_error(motor: PlanarMotor, forces: Forces) -> tuple[float, float]:
     """Return the largest error of g at random points above the creep, and its 95 % quantile."""
     random, errors, p = np.random.default_rng(1), [], motor.parameters
-    state, count = np.zeros(index.STATE_SIZE), len(motor.body.places)
+    state, count = np.zeros(motor.state_size), len(motor.body.places)
     for _ in range(PROBES):
         tau, phi = random.uniform(0.05, 1.0) * p[index.MAX_TAU], random.uniform() * (len(motor.drives) - 1)
         u, angle = random.uniform(0.0, 0.98), random.uniform(0.0, 2.0 * np.pi)
@@ -200,19 +244,43 @@ def _steady_errors(driven: Contact, motor: PlanarMotor, tolerance: float) -> tup
     worst, averaging = 0.0, 0.0
     for level in driven.levels:
         there = PlaneMotor.of(driven, level, max(tolerance, TOLERANCE))
-        try:
-            states = states_nearby(driven, there) if motor.freedom == "axle" else [there.state()]
-        except contact.ConvergenceError as error:
-            if error.status != "near the threshold":
-                raise
-            continue  # at rest, or too slow to test the tables with
-        exact = np.mean([[*each.velocity, each.yaw_rate] for each in states], axis=0)
-        rates = replace(motor, load=_load(driven, level, tolerance)).steady(*[level] * len(motor.drives))
-        speed = contact_speed(there.slider, exact[:2], exact[2])
-        reference = contact.speed_scale(speed, there.waves.peak_speed)
-        worst = max(worst, contact_speed(there.slider, rates[:2] - exact[:2], rates[2] - exact[2]) / reference)
-        averaging = max(averaging, *(each.relative_error for each in states))
+        for levels, slider in _compared(motor, there, level):
+            try:
+                states = _states(driven, motor, replace(there, slider=slider), levels)
+            except contact.ConvergenceError as error:
+                if error.status != "near the threshold":
+                    raise
+                continue  # at rest, or too slow to compare with
+            exact = np.mean([[*each.velocity, each.yaw_rate] for each in states], axis=0)
+            rates = replace(motor, load=acting_load(slider, motor.body.share)).steady(*levels)
+            speed = contact_speed(slider, exact[:2], exact[2])
+            reference = contact.speed_scale(speed, motor.body.waves_at(levels).peak_speed)
+            worst = max(worst, contact_speed(slider, rates[:2] - exact[:2], rates[2] - exact[2]) / reference)
+            averaging = max(averaging, *(each.relative_error for each in states))
     return worst, averaging
+
+
+def _compared(motor: PlanarMotor, there: PlaneMotor, level: float):
+    """Yield levels of the drives and a slider with its load, at which steady motions are compared.
+
+    A rotor only at a level of the scene, under its load.
+    """
+    count = len(motor.drives)
+    yield np.full(count, level), there.slider
+    if motor.freedom == "axle":
+        return
+    for each in MIXTURES if count > 1 else HALF:
+        yield level * np.array(each), there.slider
+    size = LOADED * there.slider.friction_coefficient * there.slider.preload
+    for part, (x, y) in product((1.0, SMALL), ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))):
+        yield np.full(count, part * level), replace(there.slider, load=(x, y), torque=0.0)
+
+
+def _states(driven: Contact, motor: PlanarMotor, there: PlaneMotor, levels: np.ndarray) -> list[plane.PlaneState]:
+    """Return the steady state at levels of the drives, of a rotor those over a turn."""
+    if motor.freedom == "axle":
+        return states_nearby(driven, there)
+    return [there.state(motor.body.waves_at(levels))]
 
 
 def _start_error(driven: Contact, motor: PlanarMotor, rise: float) -> tuple[float, np.ndarray]:
@@ -231,6 +299,18 @@ def _start_error(driven: Contact, motor: PlanarMotor, rise: float) -> tuple[floa
     return duration, np.abs(followed.rates[-1] - state.rates)
 
 
+def _start_in_words(driven: Contact, motor: PlanarMotor, rise: float) -> str:
+    """Return what the motor leaves out of a start."""
+    try:
+        time, moved = _start_error(driven, motor, rise)
+    except contact.ConvergenceError as error:
+        return f"the bounce of a sudden start is not included, and its size is not known ({error})"
+    what = f"{moved[2]:.1e} rad/s" if motor.freedom == "axle" else f"{np.hypot(*moved[:2]):.1e} m/s"
+    what += f" and {moved[2]:.1e} rad/s" if motor.freedom == "xy yaw" else ""
+    changes = f"which changes the rates after {1e3 * time:.2g} ms by {what} at the largest level"
+    return f"the bounce of a sudden start, {changes}, is not included"
+
+
 def _left_out(driven: Contact, motor: PlanarMotor, variation: float, rise: float):
     """Yield what the motor leaves out, with its size where that is known."""
     turns = motor.freedom == "axle"
@@ -247,13 +327,7 @@ def _left_out(driven: Contact, motor: PlanarMotor, variation: float, rise: float
     if together:
         names = ", ".join(together)
         yield f"ratio and phase of sources of one frequency are those of the scene: {names} have one input"
-    moved = _start_error(driven, motor, rise)
-    what = f"{moved[1][2]:.1e} rad/s" if turns else f"{np.hypot(*moved[1][:2]):.1e} m/s"
-    what += f" and {moved[1][2]:.1e} rad/s" if motor.freedom == "xy yaw" else ""
-    yield (
-        "the heights follow the waves at once: the bounce of a sudden start, which changes the rates after "
-        f"{1e3 * moved[0]:.2g} ms by {what} at the largest level, is not included"
-    )
+    yield f"the heights follow the waves at once: {_start_in_words(driven, motor, rise)}"
     creep = motor.parameters[index.CREEP]
     yield f"below {creep:.1e} m/s friction grows with the speed: a slider that it holds creeps, and rings not"
     if rise > 0.0:

@@ -6,11 +6,12 @@ import numpy as np
 
 from studies.export import reduced_plane as model
 from studies.export.motor_model import OfScene, refuse_preload
-from studies.export.planar_tables import Body
+from studies.export.planar_body import Body
 from studies.export.reduced_plane import plane_index as index
 from studies.refusal import RunError, refuse_if
 
-ENOUGH = 1e-9  # of the rates: a motor whose motion changes less in a stretch is steady
+ENOUGH = 1e-9  # of the rates: a motor whose motion changes less in a step is steady
+STEADY_STEP, STEADY_STEPS = 0.05, 1000  # s; the implicit steps on the way to the steady motion, and how many
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,10 +24,10 @@ class PlanarMotor(OfScene):
     body: Body = field(repr=False)
     drives: tuple[str, ...]  # names of the sources of each frequency
     load: tuple[float, float, float]  # of the scene, as it acts on the slider: forces in N, torque in N m
-    limits: tuple[float, ...]  # largest levels of all drives together at the scene's preload
-    # largest error of the mean force over mu preload at random points of the tables, and its 95 % quantile
-    interpolation_error: tuple[float, float] = (0.0, 0.0)
-    velocity_error: float = 0.0  # largest, of the steady motion at the scene's levels, against averaged ones
+    limits: tuple[float, ...]  # largest levels of all drives together at the scene's preload, of tables; else empty
+    # largest error of the mean force over mu preload at random points, and its 95 % quantile
+    force_error: tuple[float, float] = (0.0, 0.0)
+    velocity_error: float = 0.0  # largest, of the steady motion at the scene's levels and parts of them
     averaging_error: float = 0.0  # of those by averaging
     left_out: tuple[str, ...] = ()
 
@@ -42,7 +43,9 @@ class PlanarMotor(OfScene):
 
     @property
     def reach_in_words(self) -> str:
-        """How far the tables reach."""
+        """How far the levels reach."""
+        if not self.limits:
+            return "any level"
         ends = (f"{limit:.3g} {self.unit} of {name}" for limit, name in zip(self.limits, self.drives, strict=True))
         return f"{' or '.join(ends)} alone, under the preload of {self.preload:.4g} N"
 
@@ -51,19 +54,27 @@ class PlanarMotor(OfScene):
         """Freedom of the slider."""
         return self.body.freedom
 
+    @property
+    def state_size(self) -> int:
+        """Number of values of a state."""
+        return index.STATE_SIZE + index.ELEMENT_STATE * int(self.parameters[index.ELEMENTS])
+
     def start(self) -> "PlanarState":
         """Return the motor at rest at its first place."""
-        numbers = np.zeros(index.STATE_SIZE)
+        numbers = np.zeros(self.state_size)
         model.begin(self.parameters, numbers)
         return PlanarState(motor=self, numbers=numbers)
 
     def steady(self, *levels: float) -> np.ndarray:
-        """Return the rates (V_x, V_y, yaw rate) that the motor reaches at levels of its drives, under its load."""
-        state = self.start()
+        """Return the rates (V_x, V_y, yaw rate) at levels of the drives under the load, at the first place."""
+        steps = self.parameters.copy()
+        steps[index.MAX_STEP], steps[index.RISE] = STEADY_STEP, 0.0
+        state = replace(self, parameters=steps).start()
         arms = np.array([1.0, 1.0, max(np.hypot(*each) for each in self.body.places) or 1.0])
-        for _ in range(200):
+        for _ in range(STEADY_STEPS):
             before = state.rates
-            state.advance(0.05, *levels, load=self.load)
+            state.advance(STEADY_STEP, *levels, load=self.load)
+            state.numbers[index.POSE : index.POSE + 3] = 0.0
             if np.abs((state.rates - before) * arms).max() <= ENOUGH * np.abs(state.rates * arms).max():
                 break
         return state.rates
@@ -106,7 +117,7 @@ class PlanarState:
             self.motor.parameters, self.motor.tables, self.numbers, *both, *map(float, load), float(preload),
             float(duration),
         )  # fmt: skip
-        if failed == 2.0:
+        if failed == 2:
             raise RunError(f"the tables reach up to {self.motor.reach_in_words}: lower the levels or raise the preload")
         if failed:
             raise RunError("the averaged motion is not finite: check levels, forces and preload")

@@ -6,7 +6,6 @@ from studies.export import reduced_plane
 from studies.export.c_source import comment_safe, generated, source_text, token
 from studies.export.fmu import FmuModel, Variable
 from studies.export.planar_motor import PlanarMotor
-from studies.export.reduced_plane import plane_index as index
 
 FREE = {  # of x, y and yaw
     "xy": (True, True, False),
@@ -75,7 +74,7 @@ def planar_header(motor: PlanarMotor) -> str:
     """Return motor.h."""
     x, y, torque = motor.load
     constants = {
-        "STATE_SIZE": index.STATE_SIZE, "DRIVES": len(motor.drives), "LEVEL_UNIT": f'"{motor.unit}"',
+        "STATE_SIZE": motor.state_size, "DRIVES": len(motor.drives), "LEVEL_UNIT": f'"{motor.unit}"',
         "INPUTS": f"{{{{0.0, 0.0}}, {{{x!r}, {y!r}}}, {torque!r}, {motor.preload!r}}} /* those of the scene */",
         "REACH": f'"{comment_safe(motor.reach_in_words)}"', "TOKEN": f'"{token(motor)}"',
     }  # fmt: skip
@@ -96,11 +95,9 @@ def planar_description(motor: PlanarMotor) -> list[str]:
     return [
         motor.title,
         f"drives: {drives} of the largest u_z under the contacts (peak)",
-        f"the tables reach up to {motor.reach_in_words}",
-        "interpolation of the mean force: error over mu preload {:.1e}, at kinks {:.1e}".format(
-            *reversed(motor.interpolation_error)
-        ),
-        f"steady motion: interpolation changes it by up to {motor.velocity_error:.1e}, averaging by "
+        *([f"the tables reach up to {motor.reach_in_words}"] if motor.limits else []),
+        "mean force: error over mu preload {:.1e}, at kinks {:.1e}".format(*reversed(motor.force_error)),
+        f"steady motion: this error changes it by up to {motor.velocity_error:.1e}, averaging by "
         f"{motor.averaging_error:.1e}",
         *motor.left_out,
     ]

@@ -4,15 +4,14 @@ A row of the tables belongs to tau and phi, the sizes of the waves. There the co
 `contact.plane.contact_forces`; a rotor's torque is the mean over a turn.
 """
 
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 import contact
 from contact import plane
 from studies.export.force_grid import as_written
-from studies.export.motor_model import force_exponent
+from studies.export.planar_body import Body, common_parameters
 from studies.export.reduced_plane import plane_index as index
 from studies.export.reduced_plane.plane_force_tables import BELOW, CLOSER, CLOSER_ABOVE, CLOSER_BELOW, KNEE, MIDDLE
 
@@ -21,66 +20,10 @@ from studies.export.reduced_plane.plane_force_tables import BELOW, CLOSER, CLOSE
 # 10 nm 95 % of random points are within 2e-3 of mu P and the steady velocity within 1.6e-3; with 21 speeds 5e-2
 NODES = {1: (31, 1, 25, 48), 2: (15, 7, 17, 32)}
 AXLE_NODES = {1: (31, 1, 33, 2), 2: (17, 7, 17, 2)}
-TURN_STEPS = 13  # of a rotor: a prime, no part of the pitch of usual rings
 BEYOND = 1.5  # of the scene's largest levels: up to there the tables reach
 SMALL = 1e-3  # of tau's first step: waves at which the shares without a wave are taken
 SAME = 1e-5  # of g: elements whose tables differ by less share one; a mean errs by 1e-7 to 1e-6
 SAME_MOTION = 1e-9  # relative: contacts that move alike have one table
-
-
-@dataclass(frozen=True, kw_only=True)
-class Body:
-    """A slider over its waves, as elements whose forces are tabulated."""
-
-    slider: contact.Slider  # one of `share` equal parts, without a load
-    share: int
-    surfaces: tuple[Any, ...] = field(repr=False)  # of each drive for a level of 1: what has ``at(x, y)``
-
-    @property
-    def freedom(self) -> str:
-        """Freedom of the slider."""
-        return self.slider.freedom
-
-    @property
-    def arm(self) -> float:
-        """Largest distance of a contact from the axle, m; 1 m where all stand on it."""
-        x, y = (np.atleast_1d(getattr(self.slider, name)) - self.slider.axis[k] for k, name in enumerate("xy"))
-        return float(np.hypot(x, y).max()) or 1.0
-
-    @property
-    def places(self) -> list[tuple[float, float]]:
-        """Places of the elements from the centre, or from the axle, m."""
-        slider = self.slider
-        if self.freedom == "xy":
-            return [(0.0, 0.0)]
-        if self.freedom == "axle":
-            return [(0.0, -self.arm)]
-        n = slider.count
-        return list(zip(*(np.broadcast_to(each, n).tolist() for each in (slider.x, slider.y)), strict=True))
-
-    def turned(self) -> list[contact.Slider]:
-        """Return the slider at the yaws over which forces are averaged."""
-        count = TURN_STEPS if self.freedom == "axle" else 1
-        return [plane.turned(self.slider, 2.0 * np.pi * k / count) for k in range(count)]
-
-    def waves(self, slider: contact.Slider) -> list[plane.SurfaceWaves]:
-        """Return the waves of each drive under a slider, for a level of 1."""
-        return [each.at(np.atleast_1d(slider.x), np.atleast_1d(slider.y)) for each in self.surfaces]
-
-    def amplitudes(self) -> list[float]:
-        """Return the largest |u_z| of each drive under the contacts for a level of 1, m."""
-        several = [[float(abs(each.amplitudes[..., 2]).max()) for each in self.waves(one)] for one in self.turned()]
-        return [max(column) for column in zip(*several, strict=True)]
-
-    @property
-    def rest_approach(self) -> float:
-        """Approach under the preload without a wave, h in m."""
-        return float((self.slider.preload / self.stiffness) ** (1.0 / force_exponent(self.slider)))
-
-    @property
-    def stiffness(self) -> float:
-        """K of all contacts, N/m^e."""
-        return float(np.broadcast_to(self.slider.normal_stiffness, self.slider.count).sum())
 
 
 class Forces:
@@ -237,20 +180,11 @@ def packed(
     body: Body, forces: Forces, grid: Grid, tables: tuple, *, creep: float, steps: tuple[float, float], rise: float
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return the flat arrays of `reduced_plane`, parameters and tables; ``steps``: the longest and the fast one, s."""
-    slider, (taus, phis, nus, angles) = body.slider, grid.shape
-    p = np.zeros(index.FIRST_ELEMENT + len(body.places) * index.ELEMENT_SIZE)
-    turns, moves = body.freedom in ("xy yaw", "axle"), body.freedom in ("xy", "xy yaw")
-    p[index.MASS], p[index.INERTIA] = slider.mass * body.share, slider.inertia if turns else 1.0
-    p[index.DAMPING], p[index.YAW_DAMPING] = slider.tangential_damping * body.share, slider.yaw_damping
-    p[index.FRICTION], p[index.STIFFNESS] = slider.friction_coefficient, body.stiffness * body.share
-    p[index.EXPONENT] = force_exponent(slider)
-    p[index.MOVES], p[index.TURNS], p[index.ARMS_TURN] = moves, turns, body.freedom == "xy yaw"
-    p[index.ELEMENTS], p[index.DRIVES] = len(body.places), len(body.surfaces)
+    taus, phis, nus, angles = grid.shape
+    p = common_parameters(body, forces.amplitudes, len(body.places), creep=creep, steps=steps, rise=rise)
     p[index.TAU_NODES], p[index.PHI_NODES], p[index.NU_NODES], p[index.ANGLES] = taus, phis, nus, angles
-    p[index.MAX_TAU], p[index.SPEED], p[index.CREEP] = grid.tau[-1], forces.speed, creep
-    (p[index.MAX_STEP], p[index.FAST_STEP]), p[index.RISE] = steps, rise
+    p[index.MAX_TAU], p[index.SPEED] = grid.tau[-1], forces.speed
     p[index.AXIS], p[index.AXES] = grid.axis, grid.axes
-    p[index.AMPLITUDE : index.AMPLITUDE + len(forces.amplitudes)] = forces.amplitudes
     rests, whole = tables
     parts, length = [], 0
     known: list[int] = []

@@ -16,17 +16,17 @@ import contact
 from contact import plane
 from studies.__main__ import main
 from studies.export.fmu import compiler, fmu_of
+from studies.export.planar_body import Body
 from studies.export.planar_export import planar_motor
 from studies.export.planar_motor import PlanarMotor
 from studies.export.planar_source import planar_header, planar_model, planar_source
-from studies.export.planar_tables import Body, Forces, Grid, packed, speeds, tables_of
+from studies.export.planar_tables import Forces, Grid, packed, speeds, tables_of
 from studies.export.reduced_plane import plane_index as index
+from studies.export.reduced_plane.plane_cycle import force_on_waves
 from studies.export.reduced_plane.plane_force_tables import angle_position, speed_position
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study_list import driven_contact
-
-pytestmark = pytest.mark.slow  # tables of both velocities take minutes together
 
 BODY = {
     "radius": "1 mm", "mass": "0.267 g", "preload": "2.61927 mN", "friction_coefficient": 0.08,
@@ -76,8 +76,8 @@ def followed(motor, trajectory, duration, *levels, load=(0.0, 0.0, 0.0)):
 def test_a_force_across_the_wave_makes_the_drift_of_two_integrators(share, expected):
     motor = one_wave()
     rates = replace(motor, load=(0.0, -share * LIMIT, 0.0)).steady(LEVEL)
-    assert motor.velocity_error < 3e-3
-    assert np.hypot(*(rates[:2] - expected)) < 1.5 * motor.velocity_error * expected[0]
+    assert motor.velocity_error < 5e-3
+    assert np.hypot(*(rates[:2] - expected)) < 2.0 * motor.velocity_error * expected[0]
     assert rates[1] == pytest.approx(expected[1], rel=1e-2, abs=1e-9)
     assert abs(rates[2]) < 1e-9
 
@@ -90,7 +90,7 @@ def test_a_burst_and_its_stop_are_those_of_the_averaged_equations():
         method="averaged", start=(np.zeros(3), np.zeros(3)),
     )  # fmt: skip
     rates, poses, state = followed(motor, truth, duration, LEVEL)
-    allowed = motor.velocity_error * 0.0683658806
+    allowed = 2e-4 * 0.0683658806  # twice the tolerance of the burst
     assert np.abs(rates[:, :2] - truth.velocity)[:-1].max() < allowed
     assert np.abs(poses[:, :2] - truth.pose[:, :2]).max() < allowed * truth.time[-1]
     state.advance(1e-3, 0.0)
@@ -123,7 +123,7 @@ def test_a_slider_that_friction_holds_creeps_as_stated_and_one_that_it_does_not_
     assert state.rates[0] == pytest.approx(0.5 * LIMIT / 0.267e-3 * 0.1, rel=1e-4)
 
 
-def test_tables_hold_for_other_preloads():
+def test_other_preloads_are_followed():
     """All forces grow as a power of the lengths: with 4 P a wave 4^(2/3) as large, speeds too."""
     motor, factor = one_wave(), 4.0 ** (2.0 / 3.0)
     small, large = motor.start(), motor.start()
@@ -137,33 +137,70 @@ def test_the_nodes_lie_where_the_tables_are_read():
     for count in (9, 25, 33):
         places = [speed_position(float(q)) * (count - 1) for q in speeds(count)[:-1]]
         np.testing.assert_allclose(places, np.arange(count - 1), atol=1e-6)
-    grid = Grid.of(Forces(one_wave().body), 0.7)
+    grid = Grid.of(dense_ring()[0], 0.7)
     places = [angle_position(each - grid.axis, grid.axes) * grid.angle.size for each in grid.angle]
     np.testing.assert_allclose(np.array(places) % grid.angle.size, np.arange(grid.angle.size), atol=1e-6)
-    gap = np.diff(np.unwrap(grid.angle))
-    assert gap[0] < 0.25 * gap.max()
 
 
 @cache
 def two_waves():
-    """One ball on waves along x and y of two frequencies, on a coarse grid."""
+    """One ball on waves along x and y of two frequencies."""
     sources = {}, {"direction": 90, "frequency": "2.75 MHz"}
-    return planar_motor(scene(*sources, freedom="xy", **ALONE), tolerance=1e-2, nodes=(11, 5, 13, 16))
+    return planar_motor(scene(*sources, freedom="xy", **ALONE), tolerance=1e-2)
 
 
 def test_two_drives_move_along_both_axes():
     motor = two_waves()
     assert motor.drives == ("wave 1", "wave 2")
-    assert motor.velocity_error < 0.1  # of so coarse a grid
+    assert motor.velocity_error < 1e-2
     first, both = motor.steady(LEVEL, 0.0), motor.steady(LEVEL, LEVEL)
     assert first[:2] == pytest.approx([0.0683658806, 0.0], abs=2.0 * motor.velocity_error * 0.0684)
     contact_of = driven(motor)
     exact = plane.mean_motion(contact_of.slider, contact_of.surface_at(LEVEL)).velocity
     assert min(exact) > 0.05
     reference = contact.speed_scale(float(np.hypot(*exact)), 0.1)
-    assert np.hypot(*(both[:2] - exact)) < 1.01 * motor.velocity_error * reference + 1e-4
+    assert np.hypot(*(both[:2] - exact)) < 2.0 * motor.velocity_error * reference
     second = motor.steady(0.0, LEVEL)
     assert abs(second[0]) < 2.0 * motor.velocity_error * 0.0684 < second[1]
+
+
+def test_two_frequencies_make_the_motion_of_two_integrators():
+    sources = {}, {"direction": 90, "frequency": "2.3 MHz"}
+    motor, expected = planar_motor(scene(*sources, freedom="xy", **ALONE), tolerance=1e-2), (0.06470998, 0.06670011)
+    off = np.hypot(*(motor.steady(LEVEL, LEVEL)[:2] - expected)) / np.hypot(*expected)
+    assert off < 2.0 * motor.velocity_error
+    assert motor.velocity_error < 1e-2
+
+
+@pytest.mark.parametrize("draw", range(8))
+def test_the_stated_error_holds_at_other_levels_and_forces(draw):
+    """Unequal levels, one of them next to the threshold of its own wave, under forces of up to 0.8 of friction."""
+    motor, random = two_waves(), np.random.default_rng(draw)
+    levels = LEVEL * random.uniform(0.06, 1.2, 2)
+    force, angle = 0.8 * random.uniform() * LIMIT / 3.0, random.uniform(0.0, 2.0 * math.pi)
+    slider = replace(motor.body.slider, load=(force * math.cos(angle), force * math.sin(angle)))
+    waves = motor.body.waves_at(levels)
+    exact = plane.steady(slider, waves, tolerance=1e-4, method="averaged").velocity
+    found = replace(motor, load=(-slider.load[0], -slider.load[1], 0.0)).steady(*levels)[:2]
+    reference = contact.speed_scale(float(np.hypot(*exact)), waves.peak_speed)
+    assert np.hypot(*(found - exact)) < 2.0 * motor.velocity_error * reference
+
+
+@pytest.mark.parametrize("velocity", [(0.03, 0.02), (-0.001, 0.06), (4e-7, -3e-7)])
+def test_derivatives_of_a_mean_force_are_those_of_its_differences(velocity):
+    """Also below the creep of 2e-6 m/s."""
+    motor, h = two_waves(), 1e-4 * math.hypot(*velocity)
+    state = np.zeros(motor.state_size)
+
+    def force(v_x, v_y):
+        force_on_waves(motor.parameters, motor.tables, state, 0, 8e-9, 5e-9, v_x, v_y, motor.preload)
+        return state[index.FOUND : index.FOUND + 2].copy()
+
+    x, y = velocity
+    differences = [force(x + h, y) - force(x - h, y), force(x, y + h) - force(x, y - h)]
+    force(x, y)
+    slopes = state[index.SLOPE : index.SLOPE + 4].reshape(2, 2)
+    assert slopes.T == pytest.approx(np.array(differences) / (2.0 * h), rel=1e-3, abs=1e-2 * np.abs(slopes).max())
 
 
 class HalfPlanes:
@@ -175,8 +212,9 @@ class HalfPlanes:
         return plane.SurfaceWaves(frequencies=[2.2e6], amplitudes=amplitudes[None])
 
 
-def test_a_rotor_is_that_of_a_dense_ring():
-    """Speed and half of the stall torque of balls dense on a ring, from an integral over the ring."""
+@cache
+def dense_ring():
+    """A rotor on eight balls over two half-planes, its exact mean forces, the arm and the number of balls."""
     turn, arm, count = 2.0 * np.pi * (np.arange(8) + 0.5) / 8, 6e-3, 8
     slider = contact.Slider(
         radius=1e-3, x=arm * np.cos(turn), y=arm * np.sin(turn), mass=1e-3, preload=count * 0.87309e-3, load=(0.0, 0.0),
@@ -184,8 +222,13 @@ def test_a_rotor_is_that_of_a_dense_ring():
         stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=0.0, freedom="axle", inertia=1e-8,
         axis=(0.0, 0.0), tilt="held",
     )  # fmt: skip
-    body = Body(slider=slider, share=1, surfaces=(HalfPlanes(),))
-    forces = Forces(body)
+    return Forces(Body(slider=slider, share=1, surfaces=(HalfPlanes(),))), arm, count
+
+
+def test_a_rotor_is_that_of_a_dense_ring():
+    """Speed and half of the stall torque of balls dense on a ring, from an integral over the ring."""
+    forces, arm, count = dense_ring()
+    body = forces.body
     grid = Grid.of(forces, forces.tau(1.2e-8), (11, 1, 17, 2))
     p, flat = packed(body, forces, grid, tables_of(forces, grid), creep=1e-6, steps=(1e-4, 1e-5), rise=0.0)
     motor = PlanarMotor(scene=one_wave().scene, body=body, drives=("beams",), parameters=p, tables=flat,
@@ -197,6 +240,8 @@ def test_a_rotor_is_that_of_a_dense_ring():
     held = replace(motor, load=(0.0, 0.0, -1.001 * stall)).steady(LEVEL)
     assert held[2] < 0.0
     assert not half[:2].any()
+    with pytest.raises(RunError, match=r"the tables reach up to 1\.2e-08 m"):
+        motor.start().advance(1e-3, 10.0 * LEVEL)
 
 
 @pytest.fixture(scope="module")
@@ -211,7 +256,8 @@ def library(tmp_path_factory):
 
 
 def test_c_and_python_take_the_same_steps(library):
-    motor, state = one_wave(), (ctypes.c_double * index.STATE_SIZE)()
+    motor = one_wave()
+    state = (ctypes.c_double * motor.state_size)()
     inputs = (ctypes.c_double * 6)()
     for name in ("pose", "rates"):
         getattr(library, f"sawmotor_{name}").restype = ctypes.POINTER(ctypes.c_double)
@@ -229,8 +275,6 @@ def test_c_and_python_take_the_same_steps(library):
     assert abs(python.rates[2]) > 1e-4
     inputs[0] = -1.0
     assert library.sawmotor_advance(state, inputs, ctypes.c_double(1e-3)) == 1
-    inputs[0] = 1e-6
-    assert library.sawmotor_advance(state, inputs, ctypes.c_double(1e-3)) == 3
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fmpy's own imports
@@ -257,7 +301,7 @@ def test_fmpy_runs_the_fmu(version, tmp_path):
         assert state.time == pytest.approx(now)
         assert found == pytest.approx([*state.rates, *state.pose], rel=1e-7, abs=1e-12)
     assert result["velocity_y"][-1] < -1e-3
-    assert "interpolation changes it by up to" in fmpy.read_model_description(str(path)).description
+    assert "this error changes it by up to" in fmpy.read_model_description(str(path)).description
 
 
 @pytest.mark.parametrize(
@@ -289,8 +333,6 @@ def test_inputs_that_cannot_be_are_refused():
         state.advance(1e-3, -LEVEL)
     with pytest.raises(SceneError, match="preload must be positive"):
         state.advance(1e-3, LEVEL, preload=0.0)
-    with pytest.raises(RunError, match=r"the tables reach up to 1\.5e-08 m"):
-        state.advance(1e-3, 10.0 * LEVEL)
 
 
 @pytest.mark.slow

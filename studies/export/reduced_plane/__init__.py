@@ -32,4 +32,4 @@ from studies.export.reduced_plane.plane_integration import advance, begin
 
 __all__ = ["advance", "begin", "element_force"]
 # in the order of their C in one file
-MODULES = tuple("plane_index plane_force_tables plane_integration".split())
+MODULES = tuple("plane_index plane_matrix plane_cycle plane_force_tables plane_integration".split())

@@ -5,25 +5,28 @@ Arguments as in `plane_force_tables`; preload, N; fx, fy and torque act on the s
 
 from math import cos, exp, sin, sqrt
 
-from contact.jit.compiled import compiled
+from contact.jit.compiled import compiled, native
 from studies.export.reduced_plane import plane_index as index
+from studies.export.reduced_plane.plane_cycle import contact_force, set_levels
 from studies.export.reduced_plane.plane_force_tables import element_force, rest_approach, set_wave
 from studies.export.reduced_plane.plane_index import Array
+from studies.export.reduced_plane.plane_matrix import solve_matrix
 
 GAMMA = 0.2928932188134524  # 1 - 1/sqrt(2)
-SETTLED = 1e-6  # of the drive: a wave that is that near to it has settled
-CLOSE = 1e-10  # of the speed plus the creep: a step of Newton's method after which it ends
+SETTLED = 1e-6  # of the waves and the approach at rest: an amplitude that is that near to its drive has settled
+CLOSE = 1e-10  # of the speed plus the creep: a residual at which Newton's method ends
+ROUND = 1e-7  # of friction's part in a step: the same where the forces are computed, which repeat to 1e-8
 
 
-@compiled
-def begin(p: Array, state: Array) -> float:
+@native("f1 f1")
+def begin(p: Array, state: Array) -> int:
     """Put the slider at rest at time 0, at its first place; return 0."""
     i: int = 0
-    while i < index.STATE_SIZE:
+    while i < index.STATE_SIZE + index.ELEMENT_STATE * p[index.ELEMENTS]:
         state[i] = 0.0
         i = i + 1
     state[index.RESTS] = 1.0
-    return 0.0
+    return 0
 
 
 @compiled
@@ -32,6 +35,42 @@ def inverse_mass(p: Array, k: int) -> float:
     if k < 2:
         return p[index.MOVES] / p[index.MASS]
     return p[index.TURNS] / p[index.INERTIA]
+
+
+@compiled
+def response(
+    p: Array, tables: Array, state: Array, element: int, vx: float, vy: float, s: float, preload: float,
+    differentiate: int,
+) -> float:  # fmt: skip
+    """Fill g of an element and, with ``differentiate`` 1, its derivatives at a velocity; return its speed, m/s."""
+    if p[index.STEPS] > 0.5:
+        return contact_force(p, tables, state, element, vx, vy, preload)
+    speed = element_force(p, tables, state, element, vx, vy, s)
+    if differentiate == 1:
+        x = state[index.FOUND]
+        y = state[index.FOUND + 1]
+        h = 1e-6 * (speed + p[index.CREEP])
+        element_force(p, tables, state, element, vx + h, vy, s)
+        state[index.SLOPE] = (state[index.FOUND] - x) / h
+        state[index.SLOPE + 2] = (state[index.FOUND + 1] - y) / h
+        element_force(p, tables, state, element, vx, vy + h, s)
+        state[index.SLOPE + 1] = (state[index.FOUND] - x) / h
+        state[index.SLOPE + 3] = (state[index.FOUND + 1] - y) / h
+        state[index.FOUND] = x
+        state[index.FOUND + 1] = y
+    return speed
+
+
+@compiled
+def set_waves(
+    p: Array, tables: Array, state: Array, first: float, second: float, preload: float
+) -> float:  # fmt: skip
+    """Store what depends on waves of two normal amplitudes in m and on the preload; return the sum of both."""
+    if p[index.STEPS] < 0.5:
+        return set_wave(p, state, first, second, preload)
+    level = second / p[index.AMPLITUDE + 1] if p[index.DRIVES] > 1.5 else 0.0
+    set_levels(p, tables, state, first / p[index.AMPLITUDE], level, preload)
+    return first + second
 
 
 @compiled
@@ -74,20 +113,17 @@ def evaluate(
         y = d * p[own + index.ELEMENT_X] + c * p[own + index.ELEMENT_Y]
         vx = u_x - rate * y
         vy = u_y + rate * x
-        fastest = max(fastest, element_force(p, tables, state, e, vx, vy, s))
+        fastest = max(fastest, response(p, tables, state, e, vx, vy, s, preload, differentiate))
         q_x = limit * state[index.FOUND]
         q_y = limit * state[index.FOUND + 1]
         state[index.FORCE] = state[index.FORCE] + q_x
         state[index.FORCE + 1] = state[index.FORCE + 1] + q_y
         state[index.FORCE + 2] = state[index.FORCE + 2] + x * q_y - y * q_x
         if differentiate == 1:
-            h = 1e-6 * (sqrt(vx * vx + vy * vy) + p[index.CREEP])
-            element_force(p, tables, state, e, vx + h, vy, s)
-            xx = (limit * state[index.FOUND] - q_x) / h
-            yx = (limit * state[index.FOUND + 1] - q_y) / h
-            element_force(p, tables, state, e, vx, vy + h, s)
-            xy = (limit * state[index.FOUND] - q_x) / h
-            yy = (limit * state[index.FOUND + 1] - q_y) / h
+            xx = limit * state[index.SLOPE]
+            xy = limit * state[index.SLOPE + 1]
+            yx = limit * state[index.SLOPE + 2]
+            yy = limit * state[index.SLOPE + 3]
             # by the yaw rate
             xr = x * xy - y * xx
             yr = x * yy - y * yx
@@ -129,41 +165,6 @@ def size_of(p: Array, state: Array, start: int) -> float:
 
 
 @compiled
-def solve_matrix(state: Array) -> float:
-    """Solve the system of Newton's method in place, the residual on its right; return 0, or 1 where it is singular."""
-    k: int = 0
-    while k < 3:
-        state[index.MATRIX + 4 * k + 3] = -state[index.RESIDUAL + k]
-        k = k + 1
-    k = 0
-    i: int = 0
-    j: int = 0
-    while k < 3:  # the diagonal is positive and large: no pivots
-        pivot = state[index.MATRIX + 5 * k]
-        if pivot == 0.0:
-            return 1.0
-        i = k + 1
-        while i < 3:
-            f = state[index.MATRIX + 4 * i + k] / pivot
-            j = k
-            while j < 4:
-                state[index.MATRIX + 4 * i + j] = state[index.MATRIX + 4 * i + j] - f * state[index.MATRIX + 4 * k + j]
-                j = j + 1
-            i = i + 1
-        k = k + 1
-    k = 2
-    while k >= 0:
-        value = state[index.MATRIX + 4 * k + 3]
-        j = k + 1
-        while j < 3:
-            value = value - state[index.MATRIX + 4 * k + j] * state[index.MATRIX + 4 * j + 3]
-            j = j + 1
-        state[index.MATRIX + 4 * k + 3] = value / state[index.MATRIX + 5 * k]
-        k = k - 1
-    return 0.0
-
-
-@compiled
 def implicit_stage(
     p: Array, tables: Array, state: Array, yaw: float, s: float, preload: float, fx: float, fy: float, torque: float,
     step: float,
@@ -187,7 +188,9 @@ def implicit_stage(
             state[index.START + k] = state[index.TRIAL + k]
             k = k + 1
         old = size_of(p, state, index.RESIDUAL)
-        reach = size_of(p, state, index.START)
+        enough = CLOSE * (size_of(p, state, index.START) + p[index.CREEP])
+        if p[index.STEPS] > 0.5:
+            enough = enough + ROUND * step * p[index.FRICTION] * preload / p[index.MASS]
         solve_matrix(state)
         step_x = state[index.MATRIX + 3]
         step_y = state[index.MATRIX + 7]
@@ -202,7 +205,7 @@ def implicit_stage(
             fastest = evaluate(p, tables, state, yaw, s, preload, fx, fy, torque, step, 1)
             new = size_of(p, state, index.NEW_RESIDUAL)
             tries = tries + 1
-            if new < 0.9 * old or new <= CLOSE * (reach + p[index.CREEP]):
+            if new < 0.9 * old or new <= enough:
                 tries = 12
             elif restarted == 0:
                 restarted = 1
@@ -216,7 +219,7 @@ def implicit_stage(
             else:
                 factor = 0.4 * factor
         turns = turns + 1
-        if new <= CLOSE * (reach + p[index.CREEP]):
+        if new <= enough:
             turns = 60
     return fastest
 
@@ -233,6 +236,19 @@ def wave_at(p: Array, state: Array, drive: int, level: float, time: float) -> fl
 
 
 @compiled
+def settle(p: Array, state: Array, drive: int, level: float, preload: float) -> float:
+    """Set a wave that is near to its drive to it; return 1 where the wave still changes."""
+    if p[index.RISE] <= 0.0 or drive >= p[index.DRIVES]:
+        return 0.0
+    now = state[index.LEVEL + drive]
+    size = p[index.AMPLITUDE + drive]
+    if abs(now - level) * size > SETTLED * (max(now, level) * size + rest_approach(p, preload)):
+        return 1.0
+    state[index.LEVEL + drive] = level
+    return 0.0
+
+
+@compiled
 def one_step(
     p: Array, tables: Array, state: Array, first: float, second: float, preload: float, fx: float, fy: float,
     torque: float, step: float,
@@ -245,7 +261,7 @@ def one_step(
         state[index.BASE + k] = state[index.RATES + k]
         state[index.START + k] = state[index.RATES + k]
         k = k + 1
-    s = set_wave(p, state, wave_at(p, state, 0, first, part), wave_at(p, state, 1, second, part), preload)
+    s = set_waves(p, tables, state, wave_at(p, state, 0, first, part), wave_at(p, state, 1, second, part), preload)
     implicit_stage(p, tables, state, yaw + part * state[index.RATES + 2], s, preload, fx, fy, torque, part)
     k = 0
     while k < 3:
@@ -255,7 +271,7 @@ def one_step(
             state[index.TRIAL + k] - state[index.RATES + k]
         )
         k = k + 1
-    s = set_wave(p, state, wave_at(p, state, 0, first, step), wave_at(p, state, 1, second, step), preload)
+    s = set_waves(p, tables, state, wave_at(p, state, 0, first, step), wave_at(p, state, 1, second, step), preload)
     fastest = implicit_stage(
         p, tables, state, yaw + step * state[index.FIRST_RATE + 2], s, preload, fx, fy, torque, part
     )
@@ -272,11 +288,11 @@ def one_step(
     return fastest
 
 
-@compiled
+@native("f1 f1 f1 f f f f f f f")
 def advance(
     p: Array, tables: Array, state: Array, first: float, second: float, fx: float, fy: float, torque: float,
     preload: float, duration: float,
-) -> float:  # fmt: skip
+) -> int:  # fmt: skip
     """Advance by a duration in s under constant inputs.
 
     Return 0, 1 if a number is not finite, 2 where the table does not reach as far as the waves.
@@ -285,13 +301,12 @@ def advance(
     done = 0.0
     fastest = 0.0
     state[index.OUTSIDE] = 0.0
-    set_wave(p, state, first * p[index.AMPLITUDE], second * p[index.AMPLITUDE + 1], preload)
+    set_waves(p, tables, state, first * p[index.AMPLITUDE], second * p[index.AMPLITUDE + 1], preload)
     if state[index.OUTSIDE] > 0.5 or rest_approach(p, preload) <= 0.0:
-        return 2.0
+        return 2
     while done < duration * (1.0 - 1e-12):
         step = p[index.MAX_STEP]
-        left = abs(state[index.LEVEL] - first) + abs(state[index.LEVEL + 1] - second)
-        if p[index.RISE] > 0.0 and left > SETTLED * (first + second + state[index.LEVEL] + state[index.LEVEL + 1]):
+        if settle(p, state, 0, first, preload) + settle(p, state, 1, second, preload) > 0.5:
             step = p[index.FAST_STEP]
         step = min(step, duration - done)
         fastest = one_step(p, tables, state, first, second, preload, fx, fy, torque, step)
@@ -301,5 +316,5 @@ def advance(
     total = state[index.POSE] + state[index.POSE + 1] + state[index.POSE + 2]
     total = total + state[index.RATES] + state[index.RATES + 1] + state[index.RATES + 2]
     if total - total != 0.0:
-        return 1.0
-    return 2.0 if state[index.OUTSIDE] > 0.5 else 0.0
+        return 1
+    return 2 if state[index.OUTSIDE] > 0.5 else 0
