@@ -39,7 +39,10 @@ WAVE_PROBES, VELOCITY_PROBES = 12, 8  # random levels and velocities at each, th
 # Levels of two drives over those of the scene at which the steady motion is compared, besides those themselves
 MIXTURES = ((1.0, 0.0), (0.0, 1.0), (1.0, 0.35), (0.35, 1.0), (0.5, 0.5))
 HALF = ((0.5,),)  # the same of one drive
-LOADED, SMALL = 0.8, 0.35  # of friction: forces under which it is compared too, at these levels and at parts of them
+LOADED, SMALL = (
+    (0.4, 0.85),
+    0.35,
+)  # of friction: forces under which it is compared too, at these levels and at parts of them
 CREEP = 1e-5  # of the largest speed of the surface at the scene's levels
 MAX_STEP, FAST_STEP, RISE_STEPS = 1e-4, 1e-5, 5.0  # s, s, steps in the rise's time constant
 MAX_VARIATION = 0.3  # of the steady motion over the places near the first one, over its speed
@@ -271,9 +274,10 @@ def _compared(motor: PlanarMotor, there: PlaneMotor, level: float):
         return
     for each in MIXTURES if count > 1 else HALF:
         yield level * np.array(each), there.slider
-    size = LOADED * there.slider.friction_coefficient * there.slider.preload
-    for part, (x, y) in product((1.0, SMALL), ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))):
-        yield np.full(count, part * level), replace(there.slider, load=(x, y), torque=0.0)
+    for part, force, towards in product((1.0, SMALL), LOADED, ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))):
+        size = force * there.slider.friction_coefficient * there.slider.preload
+        load = size * towards[0], size * towards[1]
+        yield np.full(count, part * level), replace(there.slider, load=load, torque=0.0)
 
 
 def _states(driven: Contact, motor: PlanarMotor, there: PlaneMotor, levels: np.ndarray) -> list[plane.PlaneState]:
