@@ -43,6 +43,9 @@ LOADED, SMALL = (
     (0.4, 0.85),
     0.35,
 )  # of friction: forces under which it is compared too, at these levels and at parts of them
+# Stated error of the steady motion over the largest at the compared ones. At 220 drawn levels and forces of four motors
+# (unequal levels, next to the threshold, up to 0.9 of friction) it was at most 2.2 times that, in 2 of them over twice
+MARGIN = 2.0
 CREEP = 1e-5  # of the largest speed of the surface at the scene's levels
 MAX_STEP, FAST_STEP, RISE_STEPS = 1e-4, 1e-5, 5.0  # s, s, steps in the rise's time constant
 MAX_VARIATION = 0.3  # of the steady motion over the places near the first one, over its speed
@@ -240,7 +243,7 @@ def _table_error(motor: PlanarMotor, forces: Forces) -> tuple[float, float]:
 
 
 def _steady_errors(driven: Contact, motor: PlanarMotor, tolerance: float) -> tuple[float, float]:
-    """Return the largest difference of the steady motions from averaged ones, and the error of averaging, relative.
+    """Return the error of the steady motion, from differences to averaged ones, and that of averaging, relative.
 
     Of a rotor from their mean over a turn.
     """
@@ -260,7 +263,7 @@ def _steady_errors(driven: Contact, motor: PlanarMotor, tolerance: float) -> tup
             reference = contact.speed_scale(speed, motor.body.waves_at(levels).peak_speed)
             worst = max(worst, contact_speed(slider, rates[:2] - exact[:2], rates[2] - exact[2]) / reference)
             averaging = max(averaging, *(each.relative_error for each in states))
-    return worst, averaging
+    return MARGIN * worst, averaging
 
 
 def _compared(motor: PlanarMotor, there: PlaneMotor, level: float):
