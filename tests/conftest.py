@@ -106,7 +106,7 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.fixture(autouse=True, scope="module")
 def _nothing_is_kept_for_other_modules(request):
-    """Empty what the functions of a module of tests have kept (`functools.cache`), when its tests are over."""
+    """Empty what the functions of a module of tests have cached, when its tests are over."""
     yield
     own = request.module.__name__
     for each in vars(request.module).values() if own.startswith("tests.") else ():
