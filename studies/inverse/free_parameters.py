@@ -158,7 +158,7 @@ def read_parameter(text: str | Parameter, option: str = "parameters", *, design:
     refuse_if(
         parameter.vary and not -math.inf < low < high < math.inf,
         f"{option} {parameter.key}",
-        f"must have LOW below HIGH, got {low:g} and {high:g}",
+        f"must have LOW below HIGH, got {low:g} and {high:g} {parameter.unit}".rstrip(),
     )
     return parameter
 

@@ -49,7 +49,7 @@ def stator_keys(path: str, names=(), pieces=()) -> Iterator[None]:
             key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
             rule = f'("{error.owner}") {rule}'
         if not key.startswith(("stator.", "transducer", "piece")):
-            key = path if path.endswith(f".{key}") else f"{path}.{key}"
+            key = path if f".{path}".endswith(f".{key}") else f"{path}.{key}"
         raise SceneError(key, rule) from None
     except ValueError as error:
         raise SceneError(path, str(error).splitlines()[0]) from None

@@ -58,12 +58,10 @@ def limits(run: RunField, span: str | tuple[float, float]) -> tuple[float, float
             farthest = max(abs(run.in_section(each) - focus) for each in slider.contact_positions)
             half = max(half, farthest + 2 * run.radius)
         return max(focus - half, 0.0), min(focus + half, run.length)
-    rule = f"must lie on the stator, 0:{run.length * MM:g} mm"
-    refuse_if(
-        not 0 <= span[0] < span[1] <= run.length * (1 + 1e-9),
-        "--span",
-        f"{rule}, got {span[0] * MM:g}:{span[1] * MM:g} mm",
-    )
+    got = f"got {span[0] * MM:g}:{span[1] * MM:g} mm"
+    refuse_if(span[0] >= span[1], "--span", f"must have START below STOP, {got}")
+    on_stator = span[0] >= 0 and span[1] <= run.length * (1 + 1e-9)
+    refuse_if(not on_stator, "--span", f"must lie on the stator, 0:{run.length * MM:g} mm, {got}")
     min_length = MIN_SPAN * run.wavelength
     rule = f"must be at least {min_length * MM:.3g} mm long, a twentieth of a wavelength"
     refuse_if(span[1] - span[0] < min_length, "--span", f"{rule}, got {(span[1] - span[0]) * MM:.3g} mm")

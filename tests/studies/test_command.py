@@ -228,7 +228,11 @@ def test_bad_input_is_refused_in_one_sentence_with_code_2(call, tmp_path, words)
         (["design", "twente-contact", "--over", "slider.mass=1:2", "--maximise", "noise"], "--maximise must be one"),
         (["design", "twente-contact", "--maximise", "thrust"], "--over is required"),
         (["fit", "twente-contact", "--data", "no.csv", "--free", "slider.mass=1:2"], "--data 'no.csv' cannot be read"),
-        (["fit", "twente-contact", "--free", "slider.mass=2:1"], "--free slider.mass must have LOW below HIGH"),
+        (["materials", "PZT-9"], "material must be in the catalogue"),
+        (
+            ["fit", "twente-contact", "--free", "slider.mass=2:1"],
+            "--free slider.mass must have LOW below HIGH, got 2 and 1 kg",
+        ),
     ],
 )
 def test_what_a_python_function_refuses_is_said_of_the_option(call, words, sentence):

@@ -838,6 +838,7 @@ def test_what_is_no_run_is_refused(tmp_path, content, said):
         (["--screenshot", "a.png", "--quantity", "u_q"], "--quantity 'u_q' does not exist; did you mean u_z?"),
         (["--screenshot", "a.png", "--show", "all"], "--show must be one of field, solid, beam, contact, got 'all'"),
         (["--screenshot", "a.png", "--span", "20:30"], "--span must lie on the stator, 0:24 mm, got 20:30 mm"),
+        (["--screenshot", "a.png", "--span", "5:1"], "--span must have START below STOP, got 5:1 mm"),
         (["--screenshot", "a.png", "--span", "here"], "--span must be whole, slider, wavelength or START:STOP in mm"),
         (["--screenshot", "a.png", "--size", "big"], "--size must be WIDTHxHEIGHT in pixels"),
         (["--screenshot", "a.png", "--phase", "nan"], "--phase must be a finite number (degrees), got 'nan'"),
