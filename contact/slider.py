@@ -340,7 +340,8 @@ class Slider(SliderRules):
             "slider.radius",
             "must be equal for all contacts with slider.adhesion",
         )
-        refuse_if(not self.level, "slider.heights", "must all be 0 with slider.adhesion, and the curvature too")
+        rule = "must all be 0 with slider.adhesion, and the curvature too: at rest all balls count as closed"
+        refuse_if(not self.level, "slider.heights", rule)
         if not self.adhesion.holds:
             return
         model = f'with slider.adhesion.model = "{self.adhesion.model}"'

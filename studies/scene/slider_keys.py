@@ -14,6 +14,18 @@ from studies.scene.roughness_keys import Roughness
 from studies.scene.rule import FLAG, TEXT, Count, choice
 
 OFFSET = FixedList((Quantity("m", negative=True),) * 2, "[x, y] in m")
+# what rough balls do not know, and why
+STOP_OF_EACH = "each asperity slips by Coulomb's law"
+WITHOUT_ROUGHNESS = {
+    "law": STOP_OF_EACH, "friction_coefficient": STOP_OF_EACH,
+    "method": "its steady velocities are averaged ones",
+    "freedom": "rough balls move along x alone",
+    "reciprocal": "the force of an asperity on its neighbours is not a reciprocal one",
+    "stick_band": STOP_OF_EACH,
+    "heights": "each rough ball carries an equal part of the preload, whatever its height",
+    "normal_law": "it is a normal law itself",
+    "adhesion": "the attraction between rough surfaces is not computed (the budget says how much of it is left)",
+}  # fmt: skip
 ALONE = ("radius", "contacts", "heights", "normal_law", "adhesion")  # keys that pillars replace
 
 
@@ -246,7 +258,7 @@ class Slider(Block):
             "freedom": self.freedom != "x",
         } | {key: bool(getattr(self, key)) for key in ("reciprocal", "stick_band", "heights", "normal_law", "adhesion")}
         for key in (key for key, wrong in other.items() if wrong):
-            yield key, "does not go with slider.roughness, of whose asperities each slips by Coulomb's law on its own"
+            yield key, f"does not go with slider.roughness: {WITHOUT_ROUGHNESS[key]}"
 
     def check_holding(self) -> Any:
         if self.adhesion is None or not self.adhesion.holds:
@@ -274,7 +286,7 @@ class Slider(Block):
         if self.heights is None:
             return
         if self.adhesion is not None:
-            yield "heights", "must be absent with slider.adhesion, which holds for balls at one height"
+            yield "heights", "must be absent with slider.adhesion: at rest all balls count as closed, and some may hang"
         number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
         if number == 0:
             yield "heights", "needs slider.contacts as a list of positions, one per height"

@@ -112,6 +112,10 @@ def test_on_a_stator_the_error_of_the_wave_counts(small):
     [
         ({"slider": {"stick_band": 1e-3}}, r"stick_band does not go with slider\.adhesion"),
         ({"slider": {"law": "hysteretic"}}, r"slider\.adhesion has no hysteretic law"),
+        (
+            {"slider": {"contacts": [["-1 mm", "0 mm"], ["1 mm", "0 mm"]], "heights": ["0 nm", "1 nm"]}},
+            r"slider\.heights must be absent with slider\.adhesion: at rest all balls count as closed",
+        ),
         ({"slider": {"adhesion": {"separation": "0.3 nm"}}}, r"separation must be left out: the model is \"JKR\""),
         ({"slider": {"adhesion": {"work": None}}}, r"adhesion\.work is required and missing"),
     ],

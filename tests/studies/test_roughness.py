@@ -143,6 +143,11 @@ def test_missing_pixels_are_counted_aloud(tmp_path):
         ({"rms": "3 nm", "seed": 1}, {"law": {"name": "a.py", "source": "b"}}, r"slider\.law does not go with"),
         ({"rms": "3 nm", "seed": 1}, {"stick_band": "1 mm/s"}, "stick_band does not go with slider.roughness"),
         ({"rms": "3 nm", "seed": 1}, {"method": "exact"}, "method does not go with slider.roughness"),
+        (
+            {"rms": "3 nm"},
+            {"contacts": [["-1 mm", "0 mm"], ["1 mm", "0 mm"]], "heights": ["0 nm", "1 nm"]},
+            "heights does not go with slider.roughness: each rough ball carries an equal part of the preload",
+        ),
         ({"rms": "3 nm"}, {"shape": "punch"}, r"slider\.roughness is that of balls, which this slider has not"),
         ({"rms": -1.0}, {}, r"slider\.roughness\.rms must be positive"),
     ],
