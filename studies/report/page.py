@@ -3,6 +3,7 @@
 The page is self-contained: pictures are embedded as data URIs, and there are no scripts and no external resources.
 """
 
+import logging
 import math
 import os
 import platform
@@ -11,6 +12,7 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
+from studies.progress import counted
 from studies.record import Record, plots, run_pictures
 from studies.record.prefixes import si
 from studies.record.text import percent, points_table
@@ -19,6 +21,7 @@ from studies.report.intermediate import intermediate_numbers
 from studies.report.scene_text import scene_text
 from studies.results.content import provenance
 
+LOGGER = logging.getLogger(__name__)
 TEMPLATE = "report.html"
 CAPTIONS = {
     "layout": "The surface from above.",
@@ -115,7 +118,8 @@ def _pictures(record: Record) -> list[dict]:
     if len([point for point in record.points if point.relative_error]) > 1:
         drawn["errors"] = partial(run_pictures.errors, record)
     captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "Motion of the wave over depth."}
-    return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
+    shown = counted(LOGGER, "pictures of the report", list(drawn.items()))
+    return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in shown]
 
 
 def _machine() -> str:
