@@ -17,7 +17,7 @@ _PUBLIC = {
     "answers.steady": "steady SteadyState",
     "answers.steps": "cycles_for Step step",
     "averaged.cycle_mean": "MeanForces",
-    "averaged.adhesive_motion": "AdhesiveBalls AdhesiveMotion adhesive_motion",
+    "averaged.adhesive_motion": "AdhesiveBalls AdhesiveMotion adhesive_motion holding_balls",
     "averaged.asperity_motion": "asperity_motion RoughBalls RoughMotion",
     "averaged.held_means": "AdhesiveMeans HeldMeans RoughMeans",
     "averaged.steady_sweep": "mean_forces mean_motion MeanMotion steady_sweep",

@@ -8,10 +8,10 @@ from typing import Any
 
 import contact
 from studies.export.law_grid import BEYOND, MOST_PRELOAD, LawGrid, Nodes
+from studies.model.balls import slider_of
 from studies.model.roughness_of_balls import contact_body, largest_amplitude, realised_rms, rough_balls
 from studies.model.scene_errors import slider_keys
 from studies.model.wave_to_contact import Contact
-from studies.solve.adhesive_answer import adhesive_balls
 
 TOLERANCE = 1e-4  # of the steady velocities with which tables are compared
 REACH = (
@@ -50,7 +50,8 @@ class LawContact:
             nodes = STOPS if sampled and block.law == "elastic" else ROUGH
             share, each = (1, block.share) if sampled else (block.share, 1)
             return cls(slider=own.slider, share=share, means=means, balls=own, nodes=nodes, each=each)
-        balls = adhesive_balls(block)
+        with slider_keys():
+            balls = contact.holding_balls(slider_of(block))
         return cls(
             slider=balls.slider, share=block.share, means=contact.AdhesiveMeans(balls), balls=balls, nodes=HOLDING,
             each=1,
