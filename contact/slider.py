@@ -751,7 +751,14 @@ class Slider(SliderRules):
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""
-        return math.sqrt(self._spring(contacts, None) / self.mass) / (2.0 * math.pi)
+        if contacts not in self._bounces:
+            self._bounces[contacts] = math.sqrt(self._spring(contacts, None) / self.mass) / (2.0 * math.pi)
+        return self._bounces[contacts]
+
+    @cached_property
+    def _bounces(self) -> dict[int, float]:
+        """The values of `normal_resonance` by the number of contacts, as `_at_rest`."""
+        return {}
 
     def tangential_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of a small tangential ring at rest, sqrt(sum k_t dp/dz/m)/2 pi; 8 a G for one."""

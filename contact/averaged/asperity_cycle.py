@@ -1,4 +1,4 @@
-r"""Mean forces over one cycle of the wave under rough balls whose asperities slip on their own, in steps of phase.
+r"""Mean forces over one cycle of the wave under rough balls whose asperities slip on their own, between exact events.
 
 The approaches u_j of the asperities of a ball are cubics in the ball's approach z between the rows of a table. Asperity
 j touches from z_j on, its tangential deformation x_j follows the surface in stick and is held within
@@ -6,9 +6,7 @@ j touches from z_j on, its tangential deformation x_j follows the surface in sti
 
     Q_j = mu (P_j(z) - P_j(z - |x_j|/c)) sign x_j.
 
-A step in which it touches counts from the touch on, so that the means err by the square of the step.
-
-The powers of a cycle are integrals between events. The stop of asperity j is the anchor of `memory_cycle` at the depth
+The means of a cycle are integrals between events. The stop of asperity j is the anchor of `memory_cycle` at the depth
 e_j = (h - z_j)/A, so that the walk of that module gives its events. With the energy of the spring at constant z,
 U_j = mu int (P_j(z) - P_j(z - x/c)) dx, the surface's work is
 
@@ -18,14 +16,19 @@ travel, loss by slip, the leak of this law, which has no potential, and what com
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.memory_cycle import first_walk, next_piece, path_of
+from contact.averaged.memory_cycle import ANGLE_OF_WORK, first_walk, mean_height, next_piece, path_of, rest_approach
+from contact.averaged.two_levels import Heavy, balanced_speeds
 from contact.jit.compiled import compiled, native
 
-PANELS = 64  # of Gauss's rule in a cycle, besides the cuts where a table goes on with another cubic
+PANELS_OF_WORK = (
+    64  # of Gauss's rule in a cycle, of energies; besides the cuts where a table goes on with another cubic
+)
+CENTRED = 4  # secants to where a deformation passes zero, in a panel of it
 LOOKED = 4  # places within a panel at which a cut is looked for
 CUT = 1e-14  # rad: error of a cut
 POINT, WEIGHT = (tuple(map(float, each)) for each in np.polynomial.legendre.leggauss(8))
@@ -33,22 +36,25 @@ NO_ANGLES = 10.0 * math.pi, 10.0 * math.pi
 
 
 class Table(NamedTuple):
-    """Approaches of the asperities of one ball at equally spaced approaches of the ball."""
+    """Approaches of the asperities of balls at equally spaced approaches of each ball."""
 
     approaches: np.ndarray  # u_j in m, shape (rows, n)
     rates: np.ndarray  # du_j/dz times the spacing of the rows, m, shape (rows, n)
     touch: np.ndarray  # z_j, m, shape (n,)
     stiffness: np.ndarray  # N/m^1.5, shape (n,)
     merged: np.ndarray  # approach from which on an asperity is a punch, m, shape (n,)
-    start: float  # approach of the first row, m
-    spacing: float  # of the rows, m
+    ball: np.ndarray  # number of its ball, shape (n,)
+    start: np.ndarray  # approach of the first row of each ball, m, shape (balls,)
+    spacing: np.ndarray  # of the rows of each ball, m, shape (balls,)
+    rows: np.ndarray  # number of rows of each ball, shape (balls,)
 
 
 @compiled
-def _row(table, z):
-    """Return the row of the table at an approach of the ball, and the place behind it."""
-    at = (z - table.start) / table.spacing
-    row = min(max(int(at), 0), table.approaches.shape[0] - 2)
+def _row(table, j, z):
+    """Return the row of the table at an approach of the ball of asperity j, and the place behind it."""
+    ball = table.ball[j]
+    at = (z - table.start[ball]) / table.spacing[ball]
+    row = min(max(int(at), 0), table.rows[ball] - 2)
     return row, at - row
 
 
@@ -57,7 +63,7 @@ def _force(table, j, z):
     """Return P_j at an approach of the ball, and its derivative."""
     if z <= table.touch[j]:
         return 0.0, 0.0
-    row, t = _row(table, z)
+    row, t = _row(table, j, z)
     low, high = table.approaches[row, j], table.approaches[row + 1, j]
     rise, fall = table.rates[row, j], table.rates[row + 1, j]
     cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
@@ -65,47 +71,7 @@ def _force(table, j, z):
     cap = min(u, table.merged[j])
     root = table.stiffness[j] * np.sqrt(cap)
     rate = rise + t * (2.0 * square + 3.0 * t * cubic)
-    return root * (cap + 1.5 * (u - cap)), 1.5 * root * rate / table.spacing
-
-
-@native("t f1 f1", {"z": "k", "out": "1"})
-def mean_normal(table, z, out):
-    """Write the mean of sum P_j over approaches of the ball."""
-    total = 0.0
-    for k in range(z.size):
-        for j in range(table.touch.size):
-            total += _force(table, j, z[k])[0]
-    out[0] = total / z.size
-    return 0
-
-
-@native("t f1 f1 f f f1", {"z": "k", "moved": "k", "out": "1"})
-def mean_pull(table, z, moved, slope, repeats, out):
-    """Write the mean of sum Q_j/mu over a periodic cycle.
-
-    ``moved[k]`` is the surface's motion less the slider's from step k - 1 to k, m; ``slope`` is c. The deformations
-    are followed until they repeat to ``repeats`` in m, 24 cycles at most.
-    """
-    steps, total = z.size, 0.0
-    for j in range(table.touch.size):
-        x, own = 0.0, 0.0
-        for _ in range(24):
-            before, own = x, 0.0
-            for k in range(steps):
-                above, below = z[k] - table.touch[j], z[k - 1] - table.touch[j]
-                if above <= 0.0:
-                    x = 0.0
-                    continue
-                share = 1.0 if below >= 0.0 else above / (above - below)
-                limit = slope * above
-                x = min(max(x + share * moved[k], -limit), limit)
-                force = _force(table, j, z[k])[0] - _force(table, j, z[k] - abs(x) / slope)[0]
-                own += force if x > 0.0 else -force
-            if abs(x - before) <= repeats:
-                break
-        total += own
-    out[0] = total / steps
-    return 0
+    return root * (cap + 1.5 * (u - cap)), 1.5 * root * rate / table.spacing[table.ball[j]]
 
 
 @compiled
@@ -125,7 +91,7 @@ def _cubics(table, j, path, c, height, piece, theta):
     z, x, below = _place(path, c, height, table.touch[j], piece, theta)
     rows = table.approaches.shape[0]
     signs = (x > 0.0) + 2 * (_force(table, j, z)[0] > 0.0) + 4 * (_force(table, j, below)[0] > 0.0)
-    return (_row(table, z)[0] * rows + _row(table, below)[0]) * 8 + signs
+    return (_row(table, j, z)[0] * rows + _row(table, j, below)[0]) * 8 + signs
 
 
 @compiled
@@ -150,14 +116,39 @@ def _add_panel(table, j, path, c, height, piece, low, high, sums):
 
 
 @compiled
-def _add_piece(table, j, path, c, height, piece, cut, sums):
-    """Add the integrals of Q/mu and of the three powers of (1) over mu and the angular frequency, over a piece."""
+def _centred(path, c, height, touch, piece, low, high, before, after):
+    """Return the angle between two at which x passes zero, from `before` to `after`, in stick."""
+    middle = high
+    for _ in range(CENTRED):
+        middle = low + (high - low) * before / (before - after)
+        x = _place(path, c, height, touch, piece, middle)[1]
+        if x * before > 0.0:
+            low, before = middle, x
+        else:
+            high, after = middle, x
+        if x == 0.0:
+            break
+    return middle
+
+
+@compiled
+def _add_piece(table, j, path, c, height, piece, number, cut, sums):
+    """Add the integrals of Q/mu and of the three powers of (1) over mu and the angular frequency, over a piece.
+
+    ``number``: of panels in a cycle; ``cut``: whether they are cut where Q goes on as another function.
+    """
     length = piece.stop - piece.start
-    panels = math.ceil(length / (2.0 * math.pi) * PANELS) + 1
+    panels = math.ceil(length / (2.0 * math.pi) * number) + 1
     low, panel = piece.start, 1
+    before = _place(path, c, height, table.touch[j], piece, low)[1]
     while panel <= panels:
         end = piece.start + length * panel / panels
         high = end
+        if not cut and piece.sign == 0.0:
+            after = _place(path, c, height, table.touch[j], piece, end)[1]
+            if before * after < 0.0:
+                high = _centred(path, c, height, table.touch[j], piece, low, end, before, after)
+            before = after
         if cut:
             here = _cubics(table, j, path, c, height, piece, low + CUT)
             inside = low
@@ -179,24 +170,77 @@ def _add_piece(table, j, path, c, height, piece, cut, sums):
             low, panel = end, panel + 1
 
 
-@native("t f1 t f f i f1", {"motion": "3", "sums": "4"})
-def asperity_powers(table, motion, heavy, height, v, cut, sums):
-    """Write the means of sum Q/mu in N, and over mu the powers of the surface, of slip and of the leak in W.
-
-    ``motion``: as in `memory_cycle.path_of`; ``v``: not 0; ``cut``: 1 for integrals to rounding, 0 for those to 1e-7.
-    """
-    path = path_of(motion, heavy, np.sign(v), abs(v))
+@compiled
+def _add_stops(table, waves, heavy, heights, way, v, number, cut, sums):
+    """Write the integrals of `_add_piece` over a cycle, of all asperities; those of powers in m of the surface."""
     sums[:] = 0.0
     for j in range(table.touch.size):
-        e = (height - table.touch[j]) / path.normal
+        ball = table.ball[j]
+        path = path_of(waves[ball], heavy, way, v)
+        e = (heights[ball] - table.touch[j]) / path.normal
         if e > -1.0:
             walk, met = first_walk(path, e), NO_ANGLES
             while walk.theta < walk.end:
-                piece, walk, met = next_piece(path, e, walk, met, met)
-                _add_piece(table, j, path, heavy.limit_slope, height, piece, cut == 1, sums)
+                piece, walk, met = next_piece(path, e, walk, met, met, ANGLE_OF_WORK)
+                _add_piece(table, j, path, heavy.limit_slope, heights[ball], piece, number, cut, sums)
+
+
+class StopBalls(NamedTuple):
+    """Balls whose asperities have a stop each, of two tables; see `two_levels`."""
+
+    coarse: Table
+    fine: Table
+    waves: np.ndarray  # (n, 3): as in `memory_cycle.path_of`
+    heights: np.ndarray  # (2, n): mean approaches by the coarse and by the fine table, m
+    heavy: Heavy
+    sums: np.ndarray  # (4,) for the integrals
+    net_force: Callable
+
+
+@compiled
+def _left(balls, way, v, panels):
+    """Return the mean forces left along the motion at a speed v >= 0 in the direction `way`.
+
+    By the fine table and so many panels in a cycle, and by the coarse one and half of them.
+    """
+    heavy, sums = balls.heavy, balls.sums
+    held = heavy.load + heavy.damping * v
+    _add_stops(balls.fine, balls.waves, heavy, balls.heights[1], way, v, panels, False, sums)
+    fine = sums[0]
+    _add_stops(balls.coarse, balls.waves, heavy, balls.heights[0], way, v, panels // 2, False, sums)
+    unit = heavy.friction / (2.0 * math.pi)
+    return unit * fine - held, unit * sums[0] - held
+
+
+@native("t t t t i1 f2 t i f2 f1 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "sums": "4", "out": "3"})
+def stops_motion(coarse_force, fine_force, coarse, fine, which, waves, heavy, panels, heights, sums, out):
+    """Write the mean approaches of balls and the slider's velocity, by coarse and fine tables, as `memory_motion` does.
+
+    `which` are the balls' contacts in the tables of forces; ``panels`` of a cycle for the fine tables. Mean approaches
+    take four steps of phase for each.
+    """
+    balls, top = StopBalls(coarse, fine, waves, heights, heavy, sums, _left), 0.0
+    for ball in range(which.size):
+        k, A = which[ball], waves[ball, 0]
+        near = rest_approach(coarse_force, k, heavy.share)
+        heights[0, ball] = near = mean_height(coarse_force, k, A, heavy.share, 2 * panels, near)
+        heights[1, ball] = mean_height(fine_force, k, A, heavy.share, 4 * panels, near)
+        along = math.hypot(waves[ball, 1], waves[ball, 2])
+        # at this speed every asperity slips backwards all the time
+        top = max(top, heavy.omega * (along + heavy.limit_slope * A))
+    return balanced_speeds(balls, panels, top, out)
+
+
+@native("t f2 t f1 f f i f1", {"waves": "n 3", "heights": "n", "sums": "4"})
+def asperity_powers(table, waves, heavy, heights, way, v, cut, sums):
+    """Write the mean of sum Q/mu along the motion, N, and over mu the powers of the surface, slip and leak, W.
+
+    ``waves``: as in `memory_cycle.path_of`; ``v``: speed in the direction ``way``; ``cut``: 1 for integrals to
+    rounding, 0 for those to 1e-7.
+    """
+    _add_stops(table, waves, heavy, heights, way, v, PANELS_OF_WORK, cut == 1, sums)
     for k in range(4):
         sums[k] /= 2.0 * math.pi
     for k in range(1, 4):
         sums[k] *= heavy.omega
-    sums[0] *= np.sign(v)
     return 0

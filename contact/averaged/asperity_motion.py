@@ -16,7 +16,7 @@ a ball. The tangential law of the slider says how they slip:
                 asperities touch, and is far too slow: with an rms of 3 nm at a wave of 3 nm 8 % of the smooth ball's
                 velocity, where the memory gives 86 % (`tests/contact/test_memory_motion.py`).
 
-The error is estimated by half as many steps of phase or cells of depth, and half as many rows of the tables of P.
+The error is estimated by half as many panels of a cycle or cells of depth, and half as many rows of the tables of P.
 """
 
 import math
@@ -28,7 +28,7 @@ from contact import parameter_check
 from contact.averaged.asperity_stops import Balanced, Powers, Stops, TangentialModel
 from contact.averaged.memory_motion import Memory
 from contact.choice import Answer
-from contact.error_estimate import reference_speed
+from contact.error_estimate import speed_scale
 from contact.exceptions import InputError
 from contact.law.asperities import Asperities
 from contact.law.rough import MeanField
@@ -111,13 +111,13 @@ class RoughBalls:
         parameter_check.positive("tolerance", tolerance, "")
         waves = self._of_each(orbits)
         balls = self._reach(max(abs(each.normal) for each in waves))
-        reference = max(reference_speed(0.0, (each,)) for each in waves)
-        solved = balls.solve(waves, 0)
-        for doubling in range(1, DOUBLINGS + 1):
-            before, solved = solved, balls.solve(waves, doubling, solved)
-            velocity, error = balls.refined(before.velocity, solved.velocity)
-            if error <= tolerance * max(abs(velocity), reference):
-                break
+        reference = speed_scale(0.0, max(each.omega * abs(each.tangential) for each in waves))
+        doubling, (before, solved) = 1, balls.solve_two(waves, 1, None)
+        velocity, error = balls.refined(before, solved.velocity)
+        while error > tolerance * max(abs(velocity), reference) and doubling < DOUBLINGS:
+            doubling += 1
+            before, solved = balls.solve_two(waves, doubling, solved)
+            velocity, error = balls.refined(before, solved.velocity)
         answer = Answer(value=velocity, error=error, reasons=(balls.said,))
         each_ball = zip(solved.heights, waves, self._parting, strict=True)
         hops = all(height - abs(wave.normal) <= part for height, wave, part in each_ball)

@@ -14,10 +14,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from contact.averaged.adhesive_motion import AdhesiveBalls
-from contact.averaged.asperity_cycle import mean_normal, mean_pull
+from contact.averaged.asperity_cycle import asperity_powers
 from contact.averaged.asperity_motion import RoughBalls
-from contact.averaged.asperity_stops import REPEATS, Stops, heavy_slider, motion_of
-from contact.averaged.memory_cycle import mean_memory, path_of
+from contact.averaged.asperity_stops import Stops, heavy_slider, motion_of
+from contact.averaged.memory_cycle import Balls, mean_memory, net_force, path_of
 from contact.averaged.riding import quadrature
 from contact.jit.compiled import native
 from contact.law.force_table import force_at
@@ -27,15 +27,12 @@ from contact.roots import bracketed
 CELLS = 32  # of depth, and twice as many: their extrapolation has 3e-5 of mu P
 NODES = 64  # of a mean normal force
 STEPS = 512  # of phase, of balls that hold on
-STOP_STEPS = 256  # of phase, of asperities with a stop each
 EVENED, EVEN, SLOPE = (
     6,
     1e-6,
     1e-4,
 )  # steps of Newton's method to equal loads, their difference, and its steps of approach
 DOUBLING = 1  # of the rows of the tables of forces
-TINY = 1e-9  # velocity over that of the surface which stands for the limit at rest, of asperities with a stop each
-TURN = 2.0 * np.pi * np.arange(STOP_STEPS) / STOP_STEPS
 AT_REST = Orbit(frequency=1.0, normal=0.0, tangential=0.0)
 
 
@@ -73,15 +70,20 @@ def mean_force(table, k, height, normal, node, weight, out):
     return 0
 
 
-@native("t i1 f2 t i f1 f1 f1", {"which": "n", "waves": "n 3", "heights": "n", "velocities": "m", "out": "m"})
+@native("t i1 f2 t i f2 f1 f2", {"which": "n", "waves": "n 3", "heights": "2 n", "velocities": "m", "out": "2 m"})
 def memory_tractions(table, which, waves, heavy, cells, heights, velocities, out):
-    """Write the mean tangential forces of balls along +x over mu at signed velocities."""
+    """Write the mean tangential forces of balls along +x over mu at signed velocities, by cells and by half of them.
+
+    ``heights``: mean approaches of the balls, twice.
+    """
+    balls = Balls(table, table, which, waves, heights, heavy, net_force)
     for j in range(velocities.size):
-        way, total = math.copysign(1.0, velocities[j]), 0.0
+        way = math.copysign(1.0, velocities[j])
+        out[0, j] = out[1, j] = 0.0
         for ball in range(which.size):
-            path = path_of(waves[ball], heavy, way, abs(velocities[j]))
-            total += way * mean_memory(table, which[ball], heights[ball], path, cells)
-        out[j] = total
+            fine, coarse = mean_memory(balls, ball, path_of(waves[ball], heavy, way, abs(velocities[j])), cells)
+            out[0, j] += way * fine
+            out[1, j] += way * coarse
     return 0
 
 
@@ -125,34 +127,24 @@ class RoughMeans:
     def tractions(self, height, waves, velocities):
         """As in `HeldMeans`."""
         velocities, (heights, _) = np.asarray(velocities, float), self._heights(height, waves)
-        if isinstance(self.model, Stops):
-            return np.array([self._stop_traction(heights, waves, float(v)) for v in velocities])
         heavy, motions = heavy_slider(self.slider, waves), np.array([motion_of(self.slider, each) for each in waves])
-        coarse, fine = np.empty(velocities.size), np.empty(velocities.size)
-        for cells, out in ((CELLS, coarse), (2 * CELLS, fine)):
-            memory_tractions(*self.model.forces(DOUBLING), motions, heavy, cells, heights, velocities, out)
+        if isinstance(self.model, Stops):
+            table, sums, found = self.model.table(DOUBLING), np.empty(4), []
+            for v in velocities.tolist():
+                way = math.copysign(1.0, v)
+                asperity_powers(table, motions, heavy, heights, way, abs(v), 0, sums)
+                found.append(way * float(sums[0]))
+            return self.slider.friction_coefficient * np.array(found)
+        out, twice = np.empty((2, velocities.size)), np.array([heights, heights])
+        memory_tractions(*self.model.forces(DOUBLING), motions, heavy, 2 * CELLS, twice, velocities, out)
+        fine, coarse = out
         return self.slider.friction_coefficient * (fine + (fine - coarse) / 3.0)
 
     def _load(self, ball: int, z: float, wave: Orbit) -> float:
         """Return the mean normal force of one ball in N."""
-        size, out = abs(wave.normal), np.zeros(1)
-        if isinstance(self.model, Stops):
-            mean_normal(self.model.tables(DOUBLING)[ball], z + size * np.cos(TURN), out)
-            return float(out[0])
-        table, which = self.model.forces(DOUBLING)
-        mean_force(table, which[ball], z, size, *quadrature(NODES), out)
+        out, (table, which) = np.zeros(1), self.model.forces(DOUBLING)
+        mean_force(table, which[ball], z, abs(wave.normal), *quadrature(NODES), out)
         return float(out[0])
-
-    def _stop_traction(self, heights: np.ndarray, waves: tuple[Orbit, ...], v: float) -> float:
-        c, out, total = self.slider.limit_slope, np.zeros(1), 0.0
-        v = v or math.copysign(TINY * waves[0].omega * abs(waves[0].tangential), v)
-        travel = v * 2.0 * np.pi / (STOP_STEPS * waves[0].omega)
-        for table, height, wave in zip(self.model.tables(DOUBLING), heights, waves, strict=True):
-            z, along = (wave.normal * np.exp(1j * TURN)).real, (wave.tangential * np.exp(1j * TURN)).real
-            repeats = REPEATS * (abs(wave.tangential) + c * abs(wave.normal))
-            mean_pull(table, height + z, along - np.roll(along, 1) - travel, c, repeats, out)
-            total += float(out[0])
-        return self.slider.friction_coefficient * total
 
 
 class AdhesiveMeans:

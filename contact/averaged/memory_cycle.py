@@ -30,32 +30,21 @@ touch before that. So the mean needs the angles at which a wall meets the anchor
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from contact.averaged.two_levels import Heavy, balanced_speeds
 from contact.jit.compiled import compiled, formula, native
-from contact.law.force_table import force_at
-from contact.roots import narrowed, trial
+from contact.law.force_table import ForceTable, force_and_rate_at, force_at
 
 NEWTON = 50  # steps at most of the search for an angle, most of which take 3 or 4
-ANGLE = 1e-6  # rad: last step of that search, whose error is about its square
+# rad: last step of that search, whose error is about its square. Energies err by that, a mean force by its square
+ANGLE, ANGLE_OF_WORK = 1e-4, 1e-9
 HEIGHT = 1e-10  # of a mean approach over its range
-VELOCITY = 1e-6  # of a velocity over that at which all slips backwards
-NOTHING = 1e-9  # force over the friction of a ball that is no drive
 FAR_AWAY = 10.0 * math.pi, 10.0 * math.pi  # angles that a search for a meeting does not start from
 APART, SECANTS, EVEN = 1e-6, 12, 1e-14  # relative step, steps, and force over the friction of a ball of a last search
-
-
-class Heavy(NamedTuple):
-    """Numbers of a slider that moves at one velocity, and of its waves."""
-
-    friction: float  # mu
-    limit_slope: float  # c
-    load: float  # N, against the motion
-    damping: float  # R_t, N s/m
-    share: float  # of the preload for each ball, N
-    omega: float  # rad/s
 
 
 class Path(NamedTuple):
@@ -84,10 +73,10 @@ def _sum_of_displacements(path, low, high):
 
 
 @compiled
-def _meeting(path, e, wall, y, low, high, near):
+def _meeting(path, e, wall, y, low, high, near, close):
     """Return the angle between two at which a wall meets the anchor; `high` + 1 if it does not.
 
-    Newton's method starts from `near` if that is between them.
+    Newton's method starts from `near` if that is between them, and ends with a step of `close`.
     """
     sign = 1.0 - 2.0 * wall
     if e + np.cos(high) - sign * (_displacement(path, high) - y) >= 0.0:
@@ -103,7 +92,7 @@ def _meeting(path, e, wall, y, low, high, near):
             b = theta
         closing = sine + sign * (-path.along * sine - path.behind * cosine - path.drift)
         new = theta + gap / closing if closing > 0.0 else a
-        if abs(new - theta) <= ANGLE:
+        if abs(new - theta) <= close:
             return min(max(new, a), b)
         if not a < new < b:
             new = 0.5 * (a + b)
@@ -120,7 +109,7 @@ def _slipping(path, wall, theta):
 
 
 @compiled
-def _next_slip(path, e, y, theta, end, near):
+def _next_slip(path, e, y, theta, end, near, close):
     """Return (wall, start, stop) of the next slip of an anchor that sticks at an angle; wall -1 if there is none."""
     mover, first, last = -1, end, end
     for wall in range(2):
@@ -128,7 +117,7 @@ def _next_slip(path, e, y, theta, end, near):
             low, high = _slipping(path, wall, theta)
             while low < first:
                 stop = min(high, end)
-                at = _meeting(path, e, wall, y, max(low, theta), stop, near[wall])
+                at = _meeting(path, e, wall, y, max(low, theta), stop, near[wall], close)
                 if at <= stop:
                     if at < first:
                         mover, first, last = wall, at, stop
@@ -175,11 +164,11 @@ def first_walk(path, e):
 
 
 @compiled
-def next_piece(path, e, walk, near, met):
+def next_piece(path, e, walk, near, met, close):
     """Return the piece of the cycle that begins where a walk has come to, where it then is, and the angles `met`."""
     theta, end, mover, stop, y = walk
     if mover < 0:
-        mover, start, stop = _next_slip(path, e, y, theta, end, near)
+        mover, start, stop = _next_slip(path, e, y, theta, end, near, close)
         if mover == 0:
             met = start, met[1]
         elif mover == 1:
@@ -198,7 +187,7 @@ def mean_deformation(path, e, near):
     """
     walk, total, met = first_walk(path, e), 0.0, near
     while walk.theta < walk.end:
-        piece, walk, met = next_piece(path, e, walk, near, met)
+        piece, walk, met = next_piece(path, e, walk, near, met, ANGLE)
         start, stop, sign, y = piece
         if sign == 0.0:
             total += _sum_of_displacements(path, start, stop) - y * (stop - start)
@@ -215,7 +204,7 @@ def mean_works(path, e, near):
     """
     walk, work, slip, met = first_walk(path, e), 0.0, 0.0, near
     while walk.theta < walk.end:
-        piece, walk, met = next_piece(path, e, walk, near, met)
+        piece, walk, met = next_piece(path, e, walk, near, met, ANGLE_OF_WORK)
         start, stop, sign, y = piece
         before, after = _displacement(path, start), _displacement(path, stop)
         first, last = before + path.drift * start, after + path.drift * stop  # u
@@ -264,21 +253,45 @@ def _depth(last, cell, cells):
     return (last + 1.0) * (cell / cells) ** 1.5 - 1.0
 
 
+class Balls(NamedTuple):
+    """Balls of two tables of forces, at mean approaches of each, and their waves."""
+
+    coarse: ForceTable
+    fine: ForceTable
+    which: np.ndarray  # (n,) int: the balls' contacts in the tables
+    waves: np.ndarray  # (n, 3): as in `path_of`
+    heights: np.ndarray  # (2, n): mean approaches by the coarse and by the fine table, m
+    heavy: Heavy
+    net_force: Callable  # of `two_levels`
+
+
 @compiled
-def mean_memory(table, k, height, path, cells):
-    """Return <Q>/mu of ball k at a mean approach, by so many cells of depth over which x - y is a straight line."""
-    A, deepest = path.normal, (height - table.start[k]) / path.normal
-    last = _last_depth(path, deepest)
-    total, above, before, shallow = 0.0, force_at(table, k, height + A), 0.0, -1.0
-    near = FAR_AWAY
+def mean_memory(balls, ball, path, cells):
+    """Return <Q>/mu of a ball by the fine table and by the coarse one.
+
+    x - y is a straight line over each of so many cells of depth; of the coarse table over every two of them.
+    """
+    k, A, low, high = balls.which[ball], path.normal, balls.heights[0, ball], balls.heights[1, ball]
+    last = _last_depth(path, max(low - balls.coarse.start[k], high - balls.fine.start[k]) / A)
+    total, above, before, shallow = 0.0, force_at(balls.fine, k, high + A), 0.0, -1.0
+    total_2, above_2, before_2, shallow_2 = 0.0, force_at(balls.coarse, k, low + A), 0.0, -1.0
+    near = met = FAR_AWAY
     if last > -1.0:
         for cell in range(1, cells + 1):
             e = _depth(last, cell, cells)
-            deformation, near = mean_deformation(path, e, near)
-            below = force_at(table, k, height - A * e)
+            deformation, new = mean_deformation(path, e, near)
+            # the angles of the next depth, on a straight line
+            on = (_depth(last, cell + 1, cells) - e) / (e - shallow)
+            near = new[0] + on * (new[0] - met[0]), new[1] + on * (new[1] - met[1])
+            met = new
+            below = force_at(balls.fine, k, high - A * e)
             total += (above - below) * (deformation - before) / (e - shallow)
             above, before, shallow = below, deformation, e
-    return total - above  # what is deeper is moved by the upper wall alone, once in a cycle
+            if cell % 2 == 0:
+                below = force_at(balls.coarse, k, low - A * e)
+                total_2 += (above_2 - below) * (deformation - before_2) / (e - shallow_2)
+                above_2, before_2, shallow_2 = below, deformation, e
+    return total - above, total_2 - above_2  # what is deeper is moved by the upper wall alone, once in a cycle
 
 
 @compiled
@@ -317,33 +330,38 @@ def path_of(motion, heavy, way, v):
 
 
 @compiled
-def _left(table, which, waves, heights, heavy, way, v, cells):
-    """Return the mean force that is left along the motion at a speed v >= 0 in the direction `way`."""
-    total = 0.0
-    for ball in range(which.size):
-        path = path_of(waves[ball], heavy, way, v)
-        total += mean_memory(table, which[ball], heights[ball], path, cells)
-    return heavy.friction * total - heavy.load - heavy.damping * v
+def net_force(balls, way, v, cells):
+    """Return the mean forces left along the motion at a speed v >= 0 in the direction `way`, see `mean_memory`."""
+    heavy, fine, coarse = balls.heavy, 0.0, 0.0
+    for ball in range(balls.which.size):
+        path = path_of(balls.waves[ball], heavy, way, v)
+        of_fine, of_coarse = mean_memory(balls, ball, path, cells)
+        fine += of_fine
+        coarse += of_coarse
+    held = heavy.load + heavy.damping * v
+    return heavy.friction * fine - held, heavy.friction * coarse - held
 
 
-@native("t i1 f2 t i f1 f1", {"which": "n", "waves": "n 3", "heights": "n", "out": "3"})
+@native("t i1 f2 t i f2 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "out": "3"})
 def memory_powers(table, which, waves, heavy, cells, heights, out):
     """Write the velocity to rounding, the power of the surface's motion along x and that of slip, W; return nothing.
 
-    ``out[0]`` holds the velocity of `memory_motion` with as many cells, which is not 0, and its mean approaches.
+    ``out[0]`` holds the velocity of `memory_motion` with as many cells, which is not 0, and `heights` its mean
+    approaches, twice.
     """
     way, v = np.sign(out[0]), abs(out[0])
-    left = _left(table, which, waves, heights, heavy, way, v, cells)
+    balls = Balls(table, table, which, waves, heights, heavy, net_force)
+    left = net_force(balls, way, v, cells)[0]
     a, fa, b = v, left, v * (1.0 + APART)
     for _ in range(SECANTS):
-        fb = _left(table, which, waves, heights, heavy, way, b, cells)
+        fb = net_force(balls, way, b, cells)[0]
         if abs(fb) <= EVEN * heavy.friction * heavy.share or fa == fb:
             break
         a, fa, b = b, fb, b - fb * (b - a) / (fb - fa)
     work = slip = 0.0
     for ball in range(which.size):
         path = path_of(waves[ball], heavy, way, b)
-        worked, slipped = memory_works(table, which[ball], heights[ball], path, cells)
+        worked, slipped = memory_works(table, which[ball], heights[1, ball], path, cells)
         unit = heavy.friction * heavy.limit_slope * heavy.omega * path.normal
         work += unit * worked
         slip += unit * slipped
@@ -352,85 +370,69 @@ def memory_powers(table, which, waves, heavy, cells, heights, out):
 
 
 @compiled
-def _mean_left(table, k, height, normal, share, steps):
-    """Return the mean normal force of ball k less its share of the preload, by the trapezoidal rule."""
-    total = 0.5 * (force_at(table, k, height + normal) + force_at(table, k, height - normal))
-    for step in range(1, steps):
-        total += force_at(table, k, height + normal * math.cos(math.pi * step / steps))
-    return total / steps - share
+def _mean_force(table, k, height, normal, steps):
+    """Return the mean normal force of ball k and its derivative in the height, by the trapezoidal rule."""
+    force, rate = 0.0, 0.0
+    turn, sine = math.cos(math.pi / steps), math.sin(math.pi / steps)
+    c, s = 1.0, 0.0
+    for step in range(steps + 1):
+        weight = 0.5 if step == 0 or step == steps else 1.0
+        of_force, of_rate = force_and_rate_at(table, k, height + normal * c)
+        force += weight * of_force
+        rate += weight * of_rate
+        c, s = c * turn - s * sine, s * turn + c * sine
+    return force / steps, rate / steps
 
 
 @compiled
-def _mean_height(table, k, normal, share, steps):
-    """Return the mean approach at which the mean force of ball k is its share of the preload."""
-    rows = table.force.shape[1] - 1
-    a, b = table.start[k] - normal, table.start[k] + rows * table.spacing[k] - normal
-    tolerance = HEIGHT * (b - a)
-    fa, fb = _mean_left(table, k, a, normal, share, steps), _mean_left(table, k, b, normal, share, steps)
-    for count in range(200):
-        if fb == 0.0 or abs(b - a) <= tolerance:
+def mean_height(table, k, normal, share, steps, near):
+    """Return the mean approach at which the mean force of ball k is its share of the preload; Newton from `near`."""
+    a, b = table.start[k] - normal, table.start[k] + (table.force.shape[1] - 1) * table.spacing[k] - normal
+    tolerance, height = HEIGHT * (b - a), min(max(near, a), b)
+    for _ in range(100):
+        force, rate = _mean_force(table, k, height, normal, steps)
+        if force > share:
+            b = height
+        else:
+            a = height
+        new = height - (force - share) / rate if rate > 0.0 else b
+        if not a <= new <= b:
+            new = 0.5 * (a + b)
+        step, height = new - height, new
+        if abs(step) <= tolerance:
             break
-        x = trial(a, fa, b, fb, count)
-        if abs(x - b) <= tolerance:
-            return x
-        a, fa, b, fb = narrowed(a, fa, b, fb, x, _mean_left(table, k, x, normal, share, steps))
-    return b
+    return height
 
 
-@native("t i1 f2 t i f1 f1", {"which": "n", "waves": "n 3", "heights": "n", "out": "2"})
-def memory_motion(table, which, waves, heavy, cells, heights, out):
-    """Write the mean approaches of balls and the slider's velocity, from which the search starts; return nothing.
+@compiled
+def rest_approach(table, k, share):
+    """Return the approach of the first row at which ball k carries a force."""
+    low, high = 0, table.force.shape[1] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table.force[k, middle] < share:
+            low = middle
+        else:
+            high = middle
+    return table.start[k] + high * table.spacing[k]
 
-    `which` are the balls' contacts in the table, `waves` their motions as in `path_of`.
+
+@native("t t i1 f2 t i f2 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "out": "3"})
+def memory_motion(coarse, fine, which, waves, heavy, cells, heights, out):
+    """Write the mean approaches of balls and the slider's velocity by two tables of forces; return nothing.
+
+    `which` are the balls' contacts in the tables, `waves` their motions as in `path_of`, and ``cells`` an even number
+    of cells of depth for the fine table; the coarse one has half of them, and half of the steps of phase for heights.
+    ``out`` are the velocities by the fine and the coarse table and the slope of the force that is left. At first it
+    holds a velocity from which the search starts, and the slope there, or zeros.
     """
-    top = 0.0
+    balls, top = Balls(coarse, fine, which, waves, heights, heavy, net_force), 0.0
     for ball in range(which.size):
-        heights[ball] = _mean_height(table, which[ball], waves[ball, 0], heavy.share, 2 * cells)
+        k, A = which[ball], waves[ball, 0]
+        near = rest_approach(coarse, k, heavy.share)
+        heights[0, ball] = near = mean_height(coarse, k, A, heavy.share, cells, near)
+        heights[1, ball] = mean_height(fine, k, A, heavy.share, 2 * cells, near)
         along = math.hypot(waves[ball, 1], waves[ball, 2])
         # from this speed on every layer slips backwards all the time
-        top = max(top, heavy.omega * (along + heavy.limit_slope * waves[ball, 0]))
-    way, a, fa = 0.0, 0.0, 0.0
-    for sign in (1.0, -1.0):
-        fa = _left(table, which, waves, heights, heavy, sign, 0.0, cells)
-        if fa > NOTHING * heavy.friction * heavy.share:
-            way = sign
-            break
-    start, rate = out[0] * way, out[1]
-    out[0] = out[1] = 0.0
-    if way == 0.0:
-        return 0
-    b, fb, tolerance = top, -1.0, VELOCITY * top
-    if 0.0 < start < top and rate < 0.0:
-        # two points about the start, as far from each other as its force suggests
-        f = _left(table, which, waves, heights, heavy, way, start, cells)
-        if f > 0.0:
-            a, fa = start, f
-            b = min(start - 1.2 * f / rate + 2.0 * tolerance, top)
-            fb = _left(table, which, waves, heights, heavy, way, b, cells)
-            if fb > 0.0:
-                a, fa, b = b, fb, top
-                fb = _left(table, which, waves, heights, heavy, way, b, cells)
-        else:
-            b, fb = start, f
-            low = max(start - 1.2 * f / rate - 2.0 * tolerance, 0.0)
-            f = _left(table, which, waves, heights, heavy, way, low, cells)
-            if f > 0.0:
-                a, fa = low, f
-            else:
-                b, fb = low, f
-    else:
-        fb = _left(table, which, waves, heights, heavy, way, b, cells)
-    slope = (fb - fa) / (b - a) if b > a else 0.0
-    for count in range(200):
-        if fb == 0.0 or abs(b - a) <= tolerance:
-            break
-        x = trial(a, fa, b, fb, count)
-        close = abs(x - b) <= tolerance
-        old, fold = b, fb
-        a, fa, b, fb = narrowed(a, fa, b, fb, x, _left(table, which, waves, heights, heavy, way, x, cells))
-        if b != old:
-            slope = (fb - fold) / (b - old)
-        if close:
-            break
-    out[0], out[1] = way * b, slope
-    return 0
+        top = max(top, heavy.omega * (along + heavy.limit_slope * A))
+    return balanced_speeds(balls, cells, top, out)

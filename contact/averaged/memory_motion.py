@@ -12,7 +12,7 @@ Errors on the ball of Feenstra and Breedveld with 3 nm, at waves of 1.5 to 8 nm 
 import numpy as np
 
 from contact.averaged.asperity_stops import Balanced, Powers, heavy_slider, motion_of
-from contact.averaged.memory_cycle import memory_motion, memory_powers
+from contact.averaged.memory_cycle import Heavy, memory_motion, memory_powers
 from contact.law.force_table import ForceTable, joined
 from contact.orbit import Orbit
 from contact.slider import Slider
@@ -29,24 +29,33 @@ class Memory:
         distinct = self._distinct = list(dict.fromkeys(balls))
         self._which = np.array([distinct.index(each) for each in balls])
         self._tables: dict[int, ForceTable] = {}
+        self._heavy: dict[float, Heavy] = {}
 
-    def solve(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None = None, /) -> Balanced:
-        """Return the steady motion with so many doublings of cells and rows; the search starts from another one."""
-        heavy, motions = heavy_slider(self.slider, waves), np.array([motion_of(self.slider, each) for each in waves])
-        heights, found = np.empty(len(waves)), np.array([near.velocity, near.rate] if near else [0.0, 0.0])
+    def solve(self, waves: tuple[Orbit, ...], doubling: int) -> Balanced:
+        """Return the steady motion with so many doublings of cells and rows."""
+        return self._solve(waves, doubling, doubling, None)[1]
+
+    def solve_two(self, waves: tuple[Orbit, ...], doubling: int, near: Balanced | None) -> tuple[float, Balanced]:
+        """As in `TangentialModel`: every second depth of the finer cells is one of the coarser ones."""
+        return self._solve(waves, doubling - 1, doubling, near)
+
+    def _solve(self, waves, coarse: int, fine: int, near: Balanced | None) -> tuple[float, Balanced]:
+        motions = np.array([motion_of(self.slider, each) for each in waves])
+        heights, found = np.empty((2, len(waves))), np.array([near.velocity, 0.0, near.rate] if near else [0.0] * 3)
         if np.any(motions[:, 0] > 0.0):
-            memory_motion(self._at(doubling), self._which, motions, heavy, CELLS * 2**doubling, heights, found)
+            numbers = self._at(coarse), self._at(fine), self._which, motions, self._numbers(waves)
+            memory_motion(*numbers, CELLS * 2**fine, heights, found)
             if not any(wave.normal for wave in waves):
-                found[0] = 0.0  # a friction limit that stays as it is holds as much forwards as backwards
-        return Balanced(float(found[0]), tuple(map(float, heights)), float(found[1]))
+                found[:2] = 0.0  # a friction limit that stays as it is holds as much forwards as backwards
+        velocity, before, rate = found.tolist()
+        return before, Balanced(velocity, tuple(heights[1].tolist()), rate)
 
     def powers(self, waves: tuple[Orbit, ...], doubling: int, solved: Balanced, /) -> Powers:
-        """Return the powers of a motion that `solve` has found with as many doublings, and that is not at rest."""
-        heavy, motions = heavy_slider(self.slider, waves), np.array([motion_of(self.slider, each) for each in waves])
-        found = np.array([solved.velocity, 0.0, 0.0])
-        memory_powers(
-            self._at(doubling), self._which, motions, heavy, CELLS * 2**doubling, np.array(solved.heights), found
-        )
+        """Return the powers of a motion that `solve_two` has found with as many doublings, and that is not at rest."""
+        motions = np.array([motion_of(self.slider, each) for each in waves])
+        found, heights = np.array([solved.velocity, 0.0, 0.0]), np.array([solved.heights] * 2)
+        numbers = self._at(doubling), self._which, motions, self._numbers(waves)
+        memory_powers(*numbers, CELLS * 2**doubling, heights, found)
         return Powers(*map(float, found))
 
     @property
@@ -63,6 +72,13 @@ class Memory:
     def forces(self, doubling: int) -> tuple[ForceTable, np.ndarray]:
         """Return the forces of the distinct balls, with so many doublings of their rows, and the row of each ball."""
         return self._at(doubling), self._which
+
+    def _numbers(self, waves: tuple[Orbit, ...]) -> Heavy:
+        """Return the numbers of the slider and its waves, one object for each frequency: kernels know it again."""
+        omega = waves[0].omega
+        if omega not in self._heavy:
+            self._heavy[omega] = heavy_slider(self.slider, waves)
+        return self._heavy[omega]
 
     def _at(self, doubling: int) -> ForceTable:
         if doubling not in self._tables:

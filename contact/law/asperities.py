@@ -49,6 +49,14 @@ class State(NamedTuple):
     rates: np.ndarray  # du_j/dz
 
 
+class Rows(NamedTuple):
+    """Asperities at equally spaced approaches of the sphere."""
+
+    z: np.ndarray  # approaches of the sphere, m, shape (rows,)
+    approaches: np.ndarray  # u_j, m, shape (rows, n)
+    rates: np.ndarray  # du_j/dz, shape (rows, n)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Asperities:
     """A sample of asperities.
@@ -176,6 +184,11 @@ class RoughBall:
         """Approach in m at which the first asperity touches."""
         return -float(np.max(self.free))
 
+    def rows(self, deepest: float, doubling: int) -> Rows:
+        """Return the asperities at equally spaced approaches up to one in m, `ROWS` doubled so many times."""
+        number = ROWS * 2**doubling
+        return Rows(np.linspace(self.lowest, deepest, number + 1), *self._rows(deepest, number))
+
     def force_table(self, deepest: float, doubling: int) -> ForceTable:
         """Return the force of all up to an approach in m, from `ROWS` solutions doubled so many times.
 
@@ -209,10 +222,17 @@ class RoughBall:
 
     def _rows(self, deepest: float, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the approaches and rates at so many rows behind `lowest`; every second one may be known already."""
+        if (deepest, rows) in self._known:
+            return self._known[deepest, rows]
         z = np.linspace(self.lowest, deepest, rows + 1)
         known = self._known.get((deepest, rows / 2))
         if known is None:
-            found = solved(self, z)
+            states, near = [], None
+            for each in z:
+                states.append(self.at(float(each), near))
+                near = states[-1].approaches + (z[1] - z[0]) * states[-1].rates
+            approaches, rates = (np.array(each) for each in zip(*states, strict=True))
+            found = approaches, rates
         else:
             found = np.repeat(known[0], 2, axis=0)[:-1], np.repeat(known[1], 2, axis=0)[:-1]
             between = 0.5 * (known[0][1:] + known[0][:-1]) + 0.25 * (z[1] - z[0]) * (known[1][:-1] - known[1][1:])
@@ -266,16 +286,6 @@ class RoughBall:
         solution = right - columns @ forces
         solution[touching] = forces / rates
         return solution
-
-
-def solved(ball, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the approaches of the asperities of a ball and their derivatives in z at equally spaced z, (rows, n)."""
-    states, near = [], None
-    for each in z:
-        states.append(ball.at(float(each), near))
-        near = states[-1].approaches + (z[1] - z[0]) * states[-1].rates
-    approaches, rates = (np.array(each) for each in zip(*states, strict=True))
-    return approaches, rates
 
 
 def sample_force(

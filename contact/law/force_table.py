@@ -24,10 +24,18 @@ def joined(tables) -> ForceTable:
 @compiled
 def force_at(table, k, z):
     """Return the force of contact k at an approach z."""
+    return force_and_rate_at(table, k, z)[0]
+
+
+@compiled
+def force_and_rate_at(table, k, z):
+    """Return the force of contact k at an approach z, and its derivative."""
     at = (z - table.start[k]) / table.spacing[k]
     if at <= 0.0:
-        return 0.0
+        return 0.0, 0.0
     row = min(int(at), table.force.shape[1] - 2)
     t = at - row
     low, high, rise, fall = table.force[k, row], table.force[k, row + 1], table.rate[k, row], table.rate[k, row + 1]
-    return low + t * (rise + t * (3.0 * (high - low) - 2.0 * rise - fall + t * (2.0 * (low - high) + rise + fall)))
+    cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
+    force = low + t * (rise + t * (square + t * cubic))
+    return force, (rise + t * (2.0 * square + 3.0 * t * cubic)) / table.spacing[k]

@@ -32,7 +32,7 @@ import numpy as np
 
 from contact import parameter_check
 from contact.exceptions import ConvergenceError, InputError
-from contact.law.asperities import FINE, Asperities, State
+from contact.law.asperities import FINE, Asperities, Rows
 from contact.law.force_table import ForceTable
 from contact.law.normal import SPHERE, approach, stiffness
 from contact.law.table import TabulatedForce
@@ -44,6 +44,7 @@ FEWEST = 10.0  # asperities in contact below which the mean field is not that of
 COVERED = 0.4  # random places one after another fill 0.547 of a plane with discs
 FIRST = 4.5  # standard deviations between the mean planes from which on asperities are counted to carry: 1e-5 of a load
 START, GRADED = 6.0, 3.0  # standard deviations: where a table starts, and from where on its steps grow
+STOP_ROWS = 256  # rows of the first table of one stop
 STEP_OF_ROWS, FINEST = 0.2, 64  # of asinh of the approach in a first table, and its smallest part
 TABLE, DEEPEST = 1e-5, 25.0  # relative error of the force as a normal law, and its end in standard deviations
 RINGS = 160  # rings of pressure; 320 change the approach by 2e-5
@@ -325,29 +326,37 @@ class MeanField:
         return FieldBall(self)
 
     def force_table(self, deepest: float, doubling: int) -> ForceTable:
-        """Return the force up to an approach in m.
+        """Return the force up to an approach in m, see `forces`."""
+        if (deepest, doubling) in self._tables:
+            return self._tables[deepest, doubling]
+        z, spacing = np.linspace(self._nodes(deepest, doubling)[0].approach, deepest, FINE + 1, retstep=True)
+        force, slope = self.forces(z, deepest, doubling)
+        table = ForceTable(force[None], spacing * slope[None], z[:1], np.array([spacing]))
+        return _kept(self._tables, (deepest, doubling), table)
+
+    def forces(self, z: np.ndarray, deepest: float, doubling: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the force in N and its derivative at approaches in m, up to a `deepest` one.
 
         log P is a cubic between approaches s sinh(k step), s = `GRADED` standard deviations: about equally spaced near
         the mean plane, and growing beyond as the force becomes a power of z. Each doubling halves the step, and keeps
         the fields that are solved.
         """
-        if (deepest, doubling) in self._tables:
-            return self._tables[deepest, doubling]
-        scale, step = GRADED * self.roughness.rms, STEP_OF_ROWS / 2**doubling
-        first = math.floor(math.asinh(-START / GRADED) / step)
-        last = math.ceil(math.asinh(max(deepest, 0.0) / scale) / step)
-        fields = [self._field(k * FINEST // 2**doubling) for k in range(first, last + 1)]
+        fields, scale, step = self._nodes(deepest, doubling), GRADED * self.roughness.rms, STEP_OF_ROWS / 2**doubling
         logs = np.log([each.force for each in fields])
         slopes = step * np.array([each.stiffness / each.force * math.hypot(each.approach, scale) for each in fields])
-        z, spacing = np.linspace(fields[0].approach, deepest, FINE + 1, retstep=True)
-        at = np.arcsinh(z / scale) / step - first
-        row = np.clip(at.astype(int), 0, last - first - 1)
+        at = np.arcsinh(z / scale) / step - round(math.asinh(fields[0].approach / scale) / step)
+        row = np.clip(at.astype(int), 0, len(fields) - 2)
         t, low, high, rise, fall = at - row, logs[row], logs[row + 1], slopes[row], slopes[row + 1]
         cubic, square = 2.0 * (low - high) + rise + fall, 3.0 * (high - low) - 2.0 * rise - fall
         force = np.exp(low + t * (rise + t * (square + t * cubic)))
-        slope = force * (rise + t * (2.0 * square + 3.0 * t * cubic)) / (step * np.hypot(z, scale))
-        table = ForceTable(force[None], spacing * slope[None], z[:1], np.array([spacing]))
-        return _kept(self._tables, (deepest, doubling), table)
+        return force, force * (rise + t * (2.0 * square + 3.0 * t * cubic)) / (step * np.hypot(z, scale))
+
+    def _nodes(self, deepest: float, doubling: int) -> list[Field]:
+        """Return the fields between which the force is interpolated."""
+        scale, step = GRADED * self.roughness.rms, STEP_OF_ROWS / 2**doubling
+        first = math.floor(math.asinh(-START / GRADED) / step)
+        last = math.ceil(math.asinh(max(deepest, 0.0) / scale) / step)
+        return [self._field(k * FINEST // 2**doubling) for k in range(first, last + 1)]
 
     def tabulated(self) -> TabulatedForce:
         """Return the force as a normal law of one stop, measured from `lowest`.
@@ -429,17 +438,26 @@ class FieldBall:
         self.field, self.force_table = field, field.force_table
         self.stiffness = np.array([float(stiffness(field.radius, field.modulus, SPHERE.shape))])
         self.merged = np.array([math.inf])
-        self._last: Field | None = None
 
     def carries(self, force: float, z: float) -> bool:
         """Return whether the force at an approach z in m is at least one in N."""
         return z >= self.field.approach(force)
 
-    def at(self, z: float, near: np.ndarray | None = None) -> State:
-        """Return the approach at which a smooth ball has the force, and its derivative."""
-        self._last = field = self.field.at(z, self._last if near is not None else None)
-        u = float(approach(field.force / self.stiffness[0], SPHERE))
-        return State(np.array([u]), np.array([2.0 / 3.0 * u * field.stiffness / field.force]))
+    def rows(self, deepest: float, doubling: int) -> Rows:
+        """Return the approaches at which the smooth ball has the force, at equally spaced ones up to one in m.
+
+        They begin with `MeanField.lowest`, as `MeanField.tabulated` does.
+        """
+        field = self.field
+        z = np.linspace(field.lowest(field.radius), deepest, STOP_ROWS * 2**doubling + 1)
+        force, slope = field.forces(z, deepest, doubling)
+        ratio = 3.0 * (z - z[0]) / field.roughness.rms
+        begins, rises = -np.expm1(-(ratio**1.5)), 4.5 / field.roughness.rms * np.sqrt(ratio) * np.exp(-(ratio**1.5))
+        u = (force * begins / self.stiffness[0]) ** (2.0 / 3.0)
+        rate = np.empty_like(u)
+        rate[1:] = u[1:] / 1.5 * (slope / force + rises / np.maximum(begins, 1e-300))[1:]
+        rate[0] = (force[0] / self.stiffness[0]) ** (2.0 / 3.0) * 3.0 / field.roughness.rms
+        return Rows(z, u[:, None], rate[:, None])
 
 
 def johnson_number(rms: float, approach: float) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 from scipy.stats import norm
 
@@ -269,10 +270,14 @@ def test_dense_asperities_find_random_places():
 
 def test_a_field_as_one_ball():
     """The approach of a smooth ball with its force, and the rate against a difference."""
-    field, deepest, z, step = MeanField(R, E, Roughness(rms=3e-9)), 20e-9, 4.213e-9, 1e-12
+    field, deepest, z = MeanField(R, E, Roughness(rms=3e-9)), 20e-9, 4.213e-9
     ball = field.ball(R, E, deepest)
-    (u,), (rate,) = ball.at(z)
-    assert 4 / 3 * E * np.sqrt(R) * u**1.5 == pytest.approx(PRELOAD, rel=1e-4)
     assert ball.carries(0.999 * PRELOAD, z)
     assert not ball.carries(1.001 * PRELOAD, z)
-    assert rate == pytest.approx((ball.at(z + step).approaches[0] - ball.at(z - step).approaches[0]) / 2e-12, rel=1e-3)
+    rows = ball.rows(deepest, 1)
+    u = rows.approaches[:, 0]
+    assert 4 / 3 * E * np.sqrt(R) * np.interp(z, rows.z, u) ** 1.5 == pytest.approx(PRELOAD, rel=1e-4)
+    assert (rows.z[0], u[0]) == (field.lowest(R), 0.0)
+    # the rates against the spline through the approaches, from the first row on
+    expected = make_interp_spline(rows.z, u, k=5).derivative()(rows.z)
+    assert rows.rates[:, 0] == pytest.approx(expected, rel=1e-3)
