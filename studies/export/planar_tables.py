@@ -1,29 +1,24 @@
-"""Tables of the mean forces of an averaged motor in the plane, and the flat arrays that `reduced_plane` reads.
+"""Tables of the mean torque of an averaged rotor, and the flat arrays that `reduced_plane` reads.
 
 A row of the tables belongs to tau and phi, the sizes of the waves. There the contacts' forces are those of
-`contact.plane.contact_forces`; a rotor's torque is the mean over a turn.
+`contact.plane.contact_forces`; the torque is the mean over a turn.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-import contact
 from contact import plane
 from studies.export.force_grid import as_written
 from studies.export.planar_body import Body, common_parameters
 from studies.export.reduced_plane import plane_index as index
 from studies.export.reduced_plane.plane_force_tables import BELOW, CLOSER, CLOSER_ABOVE, CLOSER_BELOW, KNEE, MIDDLE
 
-# Nodes of tau, phi, speed and angle with one drive and with two; of an axle, whose rates
-# have two signs. With one drive of
-# 10 nm 95 % of random points are within 2e-3 of mu P and the steady velocity within 1.6e-3; with 21 speeds 5e-2
-NODES = {1: (31, 1, 25, 48), 2: (15, 7, 17, 32)}
-AXLE_NODES = {1: (31, 1, 33, 2), 2: (17, 7, 17, 2)}
+# Nodes of tau, phi, speed and angle, of which there are two, with one drive and with two
+NODES = {1: (31, 1, 33, 2), 2: (17, 7, 17, 2)}
 BEYOND = 1.5  # of the scene's largest levels: up to there the tables reach
 SMALL = 1e-3  # of tau's first step: waves at which the shares without a wave are taken
 SAME = 1e-5  # of g: elements whose tables differ by less share one; a mean errs by 1e-7 to 1e-6
-SAME_MOTION = 1e-9  # relative: contacts that move alike have one table
 
 
 class Forces:
@@ -38,37 +33,6 @@ class Forces:
             for each, amplitude in zip(waves, self.amplitudes, strict=True)
         ]
         self.speed = max(speeds)  # v_1, 1/s
-        self.alike = len(self.turned) == 1 and self._alike()
-
-    def _alike(self) -> bool:
-        """Return whether all contacts have one load, and on one wave the same motion but for its phase."""
-        ((slider, waves),) = self.turned
-        if len(waves) > 1 or waves[0].frequencies.size > 1 or slider.count == 1:
-            return False
-        motion = waves[0].amplitudes[0]
-        motion = motion * np.exp(-1j * np.angle(motion[:, 2:]))
-        if np.abs(motion - motion[0]).max() > SAME_MOTION * np.abs(motion).max():
-            return False
-        loads = plane.contact_forces(slider, self.waves_at(waves, 0.1, 0.0), np.zeros((1, 2)), np.ones((1, 2))).loads
-        return bool(np.ptp(loads) < SAME_MOTION * loads.max())
-
-    def one_of(self, slider: contact.Slider, waves: plane.SurfaceWaves) -> tuple[contact.Slider, plane.SurfaceWaves]:
-        """Return the first of contacts that are alike with its part of the load, and its motion."""
-        values = {each.name: getattr(slider, each.name) for each in fields(slider) if each.init}
-        # one value for each contact; stiffnesses of the moduli are derived anew
-        own = {name: [each[0]] for name, each in values.items() if type(each) is np.ndarray}
-        alone = replace(slider, **own, preload=slider.preload / slider.count, mass=slider.mass / slider.count,
-                        freedom="xy", tilt="held")  # fmt: skip
-        return alone, replace(waves, amplitudes=waves.amplitudes[:, :1])
-
-    @property
-    def axis(self) -> float:
-        """Direction of the first drive's motion along the surface, rad: the principal axis under all contacts."""
-        _, waves = self.turned[0]
-        u = waves[0].amplitudes[..., :2].reshape(-1, 2)
-        real = np.concatenate([u.real, u.imag])
-        x, y = np.linalg.eigh(real.T @ real)[1][:, -1]
-        return float(np.arctan2(y, x))
 
     def size(self, tau: float) -> float:
         """Return s in m at a ratio tau, under the slider's preload."""
@@ -91,24 +55,17 @@ class Forces:
         body, s = self.body, self.size(tau)
         direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         v = (q * self.speed * s)[:, None] * direction
-        totals, shares, axle = np.zeros(1), np.zeros(1), body.freedom == "axle"
+        totals, shares = np.zeros(1), np.zeros(1)
         for slider, waves in self.turned:
             n, preload = slider.count, slider.preload
             x, y = (np.broadcast_to(each, n) for each in (slider.x, slider.y))
             arms = np.stack([-(y - slider.axis[1]), x - slider.axis[0]], axis=1) / body.arm
-            velocities, along = ((each[:, :1, None] * arms if axle else each) for each in (v, direction))
-            body_waves = self.waves_at(waves, tau, phi)
-            one = self.one_of(slider, body_waves) if self.alike else (slider, body_waves)
-            found = plane.contact_forces(*one, velocities, along)
+            velocities, along = (each[:, :1, None] * arms for each in (v, direction))
+            found = plane.contact_forces(slider, self.waves_at(waves, tau, phi), velocities, along)
             g, load = found.forces / (slider.friction_coefficient * preload), found.loads / preload
-            if self.alike:
-                g, load = np.repeat(g, n, axis=1), np.repeat(load, n)
-            if body.freedom == "xy":
-                g, load = g.sum(axis=1, keepdims=True), np.array([load.sum()])
-            elif axle:
-                torque = (g * arms).sum(axis=(1, 2))
-                g = np.stack([torque, np.zeros_like(torque)], axis=1)[:, None]
-                load = np.array([(load * np.linalg.norm(arms, axis=1)).sum()])
+            torque = (g * arms).sum(axis=(1, 2))
+            g = np.stack([torque, np.zeros_like(torque)], axis=1)[:, None]
+            load = np.array([(load * np.linalg.norm(arms, axis=1)).sum()])
             totals, shares = totals + g / len(self.turned), shares + load / len(self.turned)
         return totals, shares
 
@@ -127,9 +84,9 @@ class Grid:
     @classmethod
     def of(cls, forces: Forces, max_tau: float, nodes: tuple | None = None) -> "Grid":
         """Return the nodes of a body with one or two drives."""
-        body, axle = forces.body, forces.body.freedom == "axle"
-        taus, phis, nus, angles = nodes or (AXLE_NODES if axle else NODES)[len(body.surfaces)]
-        axes, axis = 2 * len(body.surfaces), 0.0 if axle else forces.axis
+        body = forces.body
+        taus, phis, nus, angles = nodes or NODES[len(body.surfaces)]
+        axes, axis = 2 * len(body.surfaces), 0.0
         part = np.arange(angles) / angles * axes
         sector = np.floor(part + 0.5)
         t = 2.0 * (part - sector)

@@ -7,11 +7,12 @@ The mean forces of one period of the waves move the slider, first-order averagin
     m V' = sum Q_e - F - R V,      J omega' = sum (X_e Q_y,e - Y_e Q_x,e) - M - R_yaw omega
     Q_e  = mu P g_e(tau, phi, v_e),      v_e = V + omega e_z x r_e
 
-e counts the elements: contacts of a slider that turns freely, or one element for the whole body, where all its contacts
-have one velocity (without yaw) or one motion (on an axle, at the end of an arm). The heights follow the waves at once:
-they are those at which the mean normal forces carry the preload P.
+e counts the elements: the contacts, or one element for a rotor, at the end of an arm. The heights follow the waves at
+once: they are those at which the mean normal forces carry the preload P. The mean force of a contact is computed over
+the common period of the waves (`plane_cycle`), a rotor's torque, the mean over a turn, is read from a table.
 
-With one or two drives of different frequencies, whose largest normal amplitudes under the contacts are s_1 and s_2,
+The table is that of one or two drives of different frequencies, whose largest normal amplitudes under the contacts are
+s_1 and s_2,
 
     s = s_1 + s_2,   phi = s_2/s,   tau = sqrt(s)/(sqrt(s) + sqrt(h)),   h = (P/K)^(1/e): the approach at rest.
 
