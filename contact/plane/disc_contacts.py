@@ -25,22 +25,40 @@ from contact.codes import Regime
 from contact.jit.compiled import compiled, native
 from contact.law.elastic import back_load, spring_force
 from contact.law.normal import load
+from contact.plane.last_period import (
+    LastPeriod,
+    Place,
+    expected_event,
+    expected_phase,
+    keep_event,
+    keep_step,
+    last_period_of,
+    regimes_of,
+)
 from contact.plane.plane_equations import Body, PlaneProblem, Surface, fill_surface, turned_by
 from contact.plane.radau import Map, Nodes, radau
 
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
-CLOSE = 1e-9  # of an event, in phase: forces are continuous there, their integrals err by its square
+# Of an event, in phase: forces are continuous there, their integrals err by its square; over the tolerance, and at most
+CLOSE, CLOSE_SHARE, FAR = 1e-9, 1e-4, 1e-6
+ANGLE_SHARE = 1e-3  # the same of lambda, known no better than the angle at the nodes
+BEYOND = 0.25  # of that: how far behind an event a segment is to end
+BEND = 1e-4  # the same of a least |e|, where the force bends
 ENDS = 1e-8  # approach below which a contact that opens has opened where slip and stick alternate; its force is 1e-12
 NEGATIVE = 1e-12  # of a guard beyond zero; phases of 300 cycles are rounded to 2e-13
 NEARLY = 0.98  # of a segment: a shorter one that ends at a guard's least value must end before this
 PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
+MAX_FLIGHT = 0.25  # the same for each node, while all contacts are open: z is looked at in the nodes
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
 MAX_TURN = 3.0  # rad of angle per rad of phase, of the guess at the start of a segment
 MAX_TRIES = 60  # trials of the length of one segment
 PICARD = 1e-13  # change of the body's rates by one more iteration of its motion, below which it ends
 MAX_LAG = 1e-9  # of the last change, by which the forces lag behind the motion
+LAG_SHARE = 1e-5  # of the tolerance, by which the forces of the first iteration may lag behind it
+CARELESS = 1e-2  # rad: a segment after which regimes no longer alternate, see `Work.careful`
+LATE = 0.25  # of a segment, beyond which an event that was expected at its end is no longer looked for
 MAX_NEWTON = 4  # of them by Newton's method towards an event
 MAX_SEGMENTS = 200_000  # of one call
 MAX_IDLE = 20  # events of a contact at one instant
@@ -145,6 +163,9 @@ class Work(NamedTuple):
     point: np.ndarray  # (n, len(Stage)): contacts there
     matrix: np.ndarray  # (s, s + 1)
     slope_matrix: np.ndarray  # (s, s + 3), see `cycle_slopes`
+    trend: np.ndarray  # (4,): rate of the accelerations at the end of the last segment
+    careful: np.ndarray  # (1,), integer: 1 where events are located to rounding, without what the last period tells
+    kept: LastPeriod
 
 
 def state_of(n: int) -> State:
@@ -157,13 +178,15 @@ def state_of(n: int) -> State:
     )  # fmt: skip
 
 
-def work_of(n: int, nodes: int, tolerance: float) -> Work:
-    """Return work arrays for n contacts."""
+def work_of(n: int, nodes: int, tolerance: float, period: float = 0.0) -> Work:
+    """Return work arrays for n contacts; `period` of the waves, from one to the next of which events are kept."""
     s = nodes
     return Work(
         radau(nodes), tolerance, np.empty(s), np.empty(s), np.empty((s, 4)), np.empty((s, 4)), np.zeros((s, 4)),
         np.zeros((s, n, len(Stage))), np.empty((s, n, 6)), np.empty((n, 6)), np.zeros((n, len(Stage))),
         np.empty((n, 6)), np.zeros((n, len(Stage))), np.empty((s, s + 1)), np.empty((s, s + 3)),
+        np.zeros(4), np.array([int(period == 0.0)]),
+        last_period_of(n, period),
     )  # fmt: skip
 
 
@@ -407,6 +430,9 @@ def solve_segment(problem, first, last, length, kind, known, state, work):
                 change = max(change, abs(new - work.a[j, k]) * (1.0 if k < 3 else _reach(problem)))
                 work.a[j, k] = new
         left = change * length
+        if count == 0 and work.careful[0] == 0 and left * length < LAG_SHARE * work.tolerance:
+            _integrate(length, kind, moves, state, work)
+            return True
         if left < PICARD or (count > 0 and left < MAX_LAG and left * min(change / last_change, 1.0) < PICARD):
             _integrate(length, kind, moves, state, work)
             return True
@@ -610,7 +636,7 @@ def finish_segment(problem, first, last, state, work):
             lost = problem.damping[k] * work.p[j, k] ** 2
             which = Total.LOST_NORMAL if k == 0 else Total.LOST_TANGENTIAL
             state.total[which] += nodes.weight[j] * work.rate[j] * lost
-            work.a[j, k] = work.a[n - 1, k]
+        work.trend[k] = (work.a[n - 1, k] - work.a[n - 2, k]) / (work.phase[n - 1] - work.phase[n - 2])
     state.total[Total.PHASE] = work.phase[n - 1]
     state.total[Total.STEPS] += 1.0
 
@@ -699,31 +725,80 @@ def _narrowed(bracket, length, crossing, value):
 
 
 @compiled
+def _closeness(guard, work):
+    """Return how near an event a segment has to end, in phase; beyond an opening eq. (1) has no meaning."""
+    if guard == RegimeEnd.OPEN or work.careful[0] == 1:
+        return CLOSE
+    return max(CLOSE, min(CLOSE_SHARE * work.tolerance, FAR))
+
+
+@compiled
+def _map_to(guard, work):
+    """Return the map of a segment that ends at an event: the force has a square root where a contact opens or slips."""
+    ends = guard == RegimeEnd.OPEN or guard == RegimeEnd.SLIP or work.careful[0] == 1
+    return Map.END if ends else Map.LINEAR
+
+
+@compiled
+def _guess_accelerations(length, kind, state, work):
+    """Fill the accelerations of the body at the nodes of a segment by those of the last one."""
+    n = work.phase.size
+    for k in range(4):
+        end = work.a[n - 1, k]
+        for j in range(n):
+            work.a[j, k] = end + (1 - work.careful[0]) * work.trend[k] * length * work.nodes.phase[kind, j]
+
+
+@compiled
 def _solve_next(problem, first, last, left, state, work):
     """Solve the next segment of at most a length, up to the first event in it.
 
-    Return (its length, the contact of the event, its guard, error). The length is 0 where the event lies at the start
-    and negative where no segment is solved; the contact is -1 without an event.
+    The events of the last period tell the length of its first trial. Return (its length, the contact of the event, its
+    guard, error). The length is 0 where the event lies at the start and negative where no segment is solved; the
+    contact is -1 without an event.
     """
-    length, n = min(max(state.total[Total.STEP], LEAST_STEP), MAX_STEP), work.phase.size
-    if length > 0.8 * left:
-        length = left
-    begun = Map.LINEAR
+    n, begun, flies = work.phase.size, Map.LINEAR, True
     for i in range(first, last):
         if state.begins[i] == 1:
             begun = Map.BEGIN
+        flies = flies and state.regime[i] == Regime.SEPARATED
+    most = max(MAX_STEP, MAX_FLIGHT * n) if flies and work.careful[0] == 0 else MAX_STEP
+    length = min(max(state.total[Total.STEP], LEAST_STEP), most)
     everything = 0.0, 0.0, np.inf, 0.0
     kind, target, guard, tries, bracket = begun, -1, 0, 0, everything
+    phase, kept = state.total[Total.PHASE], work.kept
+    next_event = expected_event(kept, regimes_of(state, first, last), phase)
+    ahead = np.inf
+    if next_event >= 0 and work.careful[0] == 0:
+        ahead = expected_phase(kept, next_event) - phase
+    if ahead < left:
+        parts = max(np.ceil(ahead / length - 0.1), 2.0 if begun == Map.BEGIN else 1.0)
+        length = ahead / parts
+        if parts == 1.0:
+            row = 1 - kept.place[Place.PRESENT]
+            target, guard = kept.contact[row, next_event], kept.guard[row, next_event]
+            kind, length = _map_to(guard, work), length + BEYOND * _closeness(guard, work)
+    elif length > 0.8 * left:
+        length = left
+    foretold = target >= 0
+    _guess_accelerations(length, kind, state, work)
     for _ in range(MAX_TRIES):
         if not solve_segment(problem, first, last, length, kind, False, state, work):
             length, kind, target = 0.4 * length, begun, -1
             continue
         i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
+        if i < 0 and foretold:
+            value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
+            rate = guard_rate(problem, target, guard, length, kind, work)
+            if not (rate < 0.0 and -NEGATIVE <= value < -LATE * length * rate):
+                target = -1
+        foretold = False
         if i < 0 and target < 0:
             error = segment_error(problem, first, last, state, work)
             if error <= work.tolerance or length < 1e-7:
                 return length, -1, 0, error
             length = length * shorter(error, work)
+            kind = begun
             continue
         if i >= 0 and which == RegimeEnd.NONE:  # a gap that closes between two nodes
             length, kind, target = at, begun, -1
@@ -744,16 +819,20 @@ def _solve_next(problem, first, last, left, state, work):
         step = -value / rate if rate < 0.0 else 0.0
         bracket = _narrowed(bracket, length, crossing, value)
         parted = bracket[2] - bracket[0] >= CLOSE
-        # lambda is known no better than the angle at the nodes
-        least = -max(CLOSE, 1e-3 * work.tolerance) if guard == RegimeEnd.STICK else -CLOSE
-        ends = crossing != 1 and value > least and (abs(step) < CLOSE or abs(value) < 1e-15 or not parted)
+        # an event is passed on its far side, else what it ends would begin again
+        close = _closeness(guard, work)
+        near = abs(step) < close
+        if work.careful[0] == 0:
+            near = rate < 0.0 and abs(step) < (NEGATIVE if value > 0.0 else close)
+        least = -max(close, ANGLE_SHARE * work.tolerance) if guard == RegimeEnd.STICK else -close
+        ends = crossing != 1 and value > least and (near or abs(value) < 1e-15 or not parted)
         if guard == RegimeEnd.PASS:  # a bend of the force, not an event: near is enough
-            ends = ends or (crossing != 1 and tries > 4)
+            ends = ends or (crossing != 1 and (tries > 4 or (abs(step) < BEND and work.careful[0] == 0)))
         elif not parted and abs(value) > 1e3 * CLOSE and length > 1e3 * CLOSE:
             # the guard falls between two nodes alone, in a segment that is too long for it
             length, kind, target = 0.5 * length, begun, -1
             continue
-        if ends or (crossing != 1 and tries == 1 and kind == Map.END):
+        if ends or (crossing != 1 and tries == 1 and kind == _map_to(guard, work)):
             error = segment_error(problem, first, last, state, work)
             if error > work.tolerance and length > 1e-7:
                 length, kind, target = length * shorter(error, work), begun, -1
@@ -762,8 +841,10 @@ def _solve_next(problem, first, last, left, state, work):
                 return length, target, guard, error
         if i >= 0 and (at < 1e-11 or (not parted and length < 1e3 * CLOSE)):
             return 0.0, target, guard, 0.0
-        new = _next_length(length, at, crossing, step, rate < 0.0, tries, bracket)
-        length, kind = min(new, left), Map.END
+        new = _next_length(
+            length, at, crossing, step + BEYOND * close * (1 - work.careful[0]), rate < 0.0, tries, bracket
+        )
+        length, kind = min(new, left), _map_to(guard, work)
     return -1.0, -1, 0, 0.0
 
 
@@ -772,25 +853,38 @@ def advance(problem, first, last, until, state, work):
     """Move body and contacts `first` to `last` up to a phase; return True where all segments converge."""
     n, total = work.phase.size, state.total
     begin(problem, first, last, state, work)
-    idle = 0  # events since the last segment
+    idle, fresh = 0, False  # events since the last segment; True behind an event
     for _ in range(MAX_SEGMENTS):
         left = until - total[Total.PHASE]
         if left <= 1e-12:
             return True
         length, target, guard, error = _solve_next(problem, first, last, left, state, work)
         if length < 0.0 or idle > MAX_IDLE * (last - first):
-            return False
+            if work.careful[0] == 1:
+                return False
+            work.careful[0], idle = 1, 0
+            continue
         if length < 1e-11 and target >= 0:
             pass_event(problem, target, guard, state, work.start[target])
             idle += 1
             continue
         idle = 0
+        if length > CARELESS and work.kept.period > 0.0:
+            work.careful[0] = 0
+        regimes = regimes_of(state, first, last)
         finish_segment(problem, first, last, state, work)
         grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / n)
         proposed = length * max(0.3, min(2.5, grow))
+        if error == 0.0 and work.careful[0] == 0:
+            proposed = MAX_FLIGHT * n
+        if fresh:
+            keep_step(work.kept, proposed if target < 0 else max(proposed, total[Total.STEP]))
+        fresh = target >= 0
         # a segment that an event has cut says little about the next one
         total[Total.STEP] = max(proposed, 0.5 * total[Total.STEP] if target >= 0 else LEAST_STEP)
         if target >= 0:
+            step = keep_event(work.kept, regimes, target, guard, total[Total.PHASE])
+            total[Total.STEP] = step if step > 0.0 else total[Total.STEP]
             pass_event(problem, target, guard, state, work.start[target])
             for i in range(first, last):  # events of equal contacts
                 if i != target:
@@ -810,7 +904,7 @@ def _pass_simultaneous(problem, i, state, work):
         which = RegimeEnd.SLIP
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         rising = along > problem.limit_slope[i] * row[Stage.Z_RATE]
-    if rising and abs(_guard(problem, i, regime, which, row)) < CLOSE:
+    if rising and abs(_guard(problem, i, regime, which, row)) < _closeness(which, work):
         pass_event(problem, i, which, state, row)
 
 

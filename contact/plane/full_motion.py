@@ -92,11 +92,14 @@ class FullMotion:
     place_before: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     @classmethod
-    def at_rest(cls, units: Scaled, how: tuple[int, float]) -> "FullMotion":
-        """Return the motion of a slider that stands on the surface when the waves begin."""
+    def at_rest(cls, units: Scaled, how: tuple[int, float], *, warm: bool = False) -> "FullMotion":
+        """Return the motion of a slider that stands on the surface when the waves begin.
+
+        ``warm``: True where the events of one period of the waves tell those of the next (`last_period`).
+        """
         problem = units.problem
         n = problem.x.size
-        state, work = state_of(n), work_of(n, *how)
+        state, work = state_of(n), work_of(n, *how, units.period if warm else 0.0)
         state.q[Body.HEIGHT] = rest_position(problem)
         surface = np.zeros((n, 6))
         fill_surface(problem, 0, n, 0.0, surface)
@@ -192,10 +195,12 @@ class FullMotion:
         return Ledger(**{name: float(unit * value) for name, value in parts.items()})
 
 
-def motion_at_rest(slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float) -> FullMotion:
+def motion_at_rest(
+    slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float, warm: bool = False
+) -> FullMotion:
     """Return the full motion of a slider at rest on waves that begin at time 0; rise time and stop in s.
 
     Without a rise time the waves go on: `FullMotion.silenced` ends them.
     """
     units = scaled(slider, waves, heavy=False, rise=rise, stop=stop if rise > 0.0 else math.inf, commensurable=False)
-    return FullMotion.at_rest(with_heights(slider, waves, units), how)
+    return FullMotion.at_rest(with_heights(slider, waves, units), how, warm=warm)

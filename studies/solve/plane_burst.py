@@ -72,10 +72,11 @@ def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, 
     method = method_of(scene, "a burst", METHODS)
     after = _after(slider, speed, scene.burst)
     surface = plane.from_upward_zero(slider, travelled(driven, level))
-    fastest = max(surface.at(*plane.places(slider, (0.0, 0.0, 0.0))).frequencies)
+    waves = surface.at(*plane.places(slider, (0.0, 0.0, 0.0)))
+    fastest = max(waves.frequencies)
     duration = max(1, round(scene.burst * fastest)) / fastest
     cycles = (duration + after) * fastest * slider.count
-    slow = plane.beats_slowly(slider, surface.at(*plane.places(slider, (0.0, 0.0, 0.0))))
+    slow = plane.beats_slowly(slider, waves)
     if method == "averaged" or (method == "auto" and cycles > EVENTS and not slow):
         after = math.inf
     motion = plane.burst(
