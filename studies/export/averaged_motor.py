@@ -125,7 +125,7 @@ def averaged_motor(
     motor = AveragedMotor(
         scene=driven.scene, slider=slider, share=share, drives=tuple(drives), levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
-        velocity_error=0.0, left_out=(),
+        velocity_error=0.0, left_out=(), law=law,
     )  # fmt: skip
     ring = f"a slider that has stopped rings in its contacts at up to {motor.ring_speed:.2g} m/s"
     left_out.append(

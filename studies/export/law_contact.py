@@ -12,14 +12,13 @@ from studies.model.balls import slider_of
 from studies.model.roughness_of_balls import contact_body, largest_amplitude, realised_rms, rough_balls
 from studies.model.scene_errors import slider_keys
 from studies.model.wave_to_contact import Contact
+from studies.solve.heavy_limits import heavy_limits
 
 TOLERANCE = 1e-4  # of the steady velocities with which tables are compared
-REACH = (
-    4.0  # standard deviations of the heights that the approach of rough balls exceeds that of smooth ones by, at most
-)
+REACH = 4.0  # standard deviations by which the approach of rough balls exceeds that of smooth ones, at most
 ROUGH = Nodes(depths=17, closed=41, open=25, columns=61)
 STOPS = Nodes(depths=13, closed=15, open=15, columns=25)  # of asperities with a stop each, 1.6 ms a force
-HOLDING = Nodes(depths=15, closed=25, open=25, columns=61, fastest=2.0)
+HOLDING = Nodes(depths=15, closed=61, open=25, columns=101, fastest=1.05)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +30,7 @@ class LawContact:
     means: Any = field(repr=False)  # contact.HeldMeans
     balls: Any = field(repr=False)  # contact.RoughBalls or contact.AdhesiveBalls
     nodes: Nodes
+    driven: Contact = field(repr=False)
     each: int  # orbits of the scene repeat so often, one for each ball
 
     @classmethod
@@ -49,12 +49,12 @@ class LawContact:
             sampled = block.roughness.sampled
             nodes = STOPS if sampled and block.law == "elastic" else ROUGH
             share, each = (1, block.share) if sampled else (block.share, 1)
-            return cls(slider=own.slider, share=share, means=means, balls=own, nodes=nodes, each=each)
+            return cls(slider=own.slider, share=share, means=means, balls=own, nodes=nodes, each=each, driven=driven)
         with slider_keys():
             balls = contact.holding_balls(slider_of(block))
         return cls(
             slider=balls.slider, share=block.share, means=contact.AdhesiveMeans(balls), balls=balls, nodes=HOLDING,
-            each=1,
+            each=1, driven=driven,
         )  # fmt: skip
 
     def grid(self, count: int, amplitude: float) -> LawGrid:
@@ -63,6 +63,11 @@ class LawContact:
             self.means, self.nodes, count=count, preload=self.slider.preload, amplitude=amplitude,
             holds=isinstance(self.balls, contact.AdhesiveBalls),
         )  # fmt: skip
+
+    @property
+    def threshold(self) -> float:
+        """Level at which the slider starts to move, that of a run."""
+        return float(heavy_limits(self.driven)[0])
 
     def velocity(self, orbits: tuple) -> float:
         """Return the steady velocity in m/s that a run has."""

@@ -1,6 +1,7 @@
 """The averaged motor: a slider moved by the cycle means of the contact forces, and its state over time."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +78,7 @@ class AveragedMotor(OfScene):
     averaging_error: float
     velocity_error: float
     left_out: tuple[str, ...]  # neglected effects, with their size if it is known
+    law: Any = field(default=None, repr=False)  # `law_contact.LawContact` of tables with depths
 
     @property
     def preload(self) -> float:

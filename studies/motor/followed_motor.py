@@ -5,7 +5,16 @@ Model: the equations that `contact` solves, without averaging,
     m z_s'' = sum P_i - preload - d_n z_s',   z_i = u_z,i - z_s,   P_i = K z_i^e (1 + chi z_i') where z_i > 0
     m V'    = sum Q_i - d_t V + F,            x_i' = u_x,i' - V,    |x_i| <= c z_i,   Q_i of Cattaneo and Mindlin
 
-(signs as in `studies.export.reduced_motor`).  u_i = Re(sum_d e_d(t) U_i,d exp(i omega t)): each drive's envelope e_d
+(signs as in `studies.export.reduced_motor`).  P and Q of other balls have the table of the repulsion at rest that the
+averaged motor has, P(z):
+
+    DMT, meniscus   a constant attraction while z > 0; friction feels the repulsion alone
+    JKR, Maugis     closed from z = `MAKES` until z falls through `START`; the limit is c d and Q that of Hertz with the
+                    depth d of the same circle in the place of z; what the spring holds at the end is lost
+    rough           layers that touch one after the other, at eta: Q = mu/c sum dP'(eta) (x - y), |x - y| <= c (z - eta)
+                    (Jaeger and Ciavarella; the memory of Mindlin and Deresiewicz), or one stop with slider.law elastic
+
+u_i = Re(sum_d e_d(t) U_i,d exp(i omega t)): each drive's envelope e_d
 follows from the step response of the surface under the slider, so that waves grow, fade and overlap.  At time 0 the
 first drive's u_z of the first contact passes zero upwards.
 
@@ -18,11 +27,13 @@ import numpy as np
 
 from contact.jit.compiled import compiled
 from studies.export import reduced_motor as model
+from studies.export.law_grid import places
 from studies.export.motor_model import AveragedMotor
 from studies.export.reduced_motor import index
 
 # steps per cycle of the wave; error over 10 um of twente and back: 0.006 nm, with 800 steps 0.02, with 400 0.3 nm
 STEPS = 1600
+LAYERS = 257  # of a rough ball: P between them is a straight line
 REST_STEPS = 1000  # steps per period of the ring; differs by 1e-3 nm from 4000 steps
 NODES = 8  # nodes of the envelopes per cycle, with linear interpolation
 # indices of z_s, z_s', V, position along x, and of the first contact deformation
@@ -46,7 +57,22 @@ class FollowedMotor:
         self.levels = [0.0] * len(drives)
         at_rest = motor.start(force=force, preload=preload)
         strain = np.full(contacts, at_rest.deformation)
+        self.layers = self._layers(contacts)
+        rooms = slider.limit_slope * np.maximum(at_rest.numbers[index.APPROACH] - self.layers[0], 0.0)
+        self.anchors = np.tile(np.clip(0.0, at_rest.deformation - rooms, at_rest.deformation + rooms), (contacts, 1))
+        # displacement of the surface past the slider, number of layers that touch, and whether a contact is closed
+        self.touching = np.tile([at_rest.deformation, float(np.count_nonzero(rooms)), 1.0], (contacts, 1))
         self.state = np.concatenate([[-at_rest.numbers[index.APPROACH], 0.0, 0.0, 0.0], strain])
+
+    def _layers(self, contacts: int) -> np.ndarray:
+        """Return eta in m and mu/c dP' in N/m of the layers of each contact, shape (2, k); none of one stop."""
+        p, tables, slider = self.motor.parameters, self.motor.tables, self.motor.slider
+        if p[index.SPRING] < 0.5 or slider.law != "hysteretic":
+            return np.zeros((2, 0))
+        z = places(LAYERS, float(p[index.DEEPEST]), float(p[index.FORCE_SCALE]))
+        force = np.array([0.0, *(model.contact_force(p, tables, float(each)) for each in z[1:])]) / contacts
+        weights = slider.friction_coefficient / slider.limit_slope * np.diff(np.diff(force) / np.diff(z), prepend=0.0)
+        return np.ascontiguousarray([z[:-1] + p[index.START], weights])
 
     position = property(lambda self: float(self.state[POSITION]))
     velocity = property(lambda self: float(self.state[VELOCITY]))
@@ -71,7 +97,8 @@ class FollowedMotor:
         preload = motor.preload if preload is None else preload
         # the integrated slider is `motor.slider`; forces on the real one are `motor.share` times as large
         follow(
-            p, self.state, self.normal[waves], self.tangential[waves], envelopes[waves], self.omega, self.time,
+            p, motor.tables, self.state, (self.layers, self.anchors, self.touching), self.normal[waves],
+            self.tangential[waves], envelopes[waves], self.omega, self.time,
             np.array([duration, longest, force / motor.share, preload / motor.share]),
         )  # fmt: skip
         self.time += duration
@@ -95,16 +122,54 @@ class FollowedMotor:
 
 
 @compiled
-def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
+def closed_stop(p, i, x, moved, before, depth, rate_x, rate, h):
+    """Return the deformation of contact i after a step, cut to its limit of c times a depth; see `follow`."""
+    c, old = p[index.LIMIT_SLOPE], before[0, i]
+    if old <= 0.0:  # contact begins within the step
+        x += moved * max(depth, 0.0) / (depth - old) if depth > old else 0.0
+    elif abs(x) < c * old:
+        x += moved
+    # it slips, until the slip velocity changes its sign within the step
+    else:
+        side = 1.0 if x > 0.0 else -1.0
+        first, last = side * before[3, i] - c * before[2, i], side * rate_x - c * rate
+        x += moved
+        if first > 0.0 > last:
+            x -= side * 0.5 * h * first * first / (first - last)
+    return min(max(x, -c * depth), c * depth) if depth > 0.0 else 0.0
+
+
+@compiled
+def layered_force(p, layers, anchors, touching, i, z, displacement):
+    """Return Q in N of the layers of contact i at an approach z, whose surface has moved past the slider.
+
+    ``touching``: displacement and number of layers in contact before the step.
+    """
+    c, q, k, before = p[index.LIMIT_SLOPE], 0.0, 0, int(touching[i, 1])
+    while k < layers.shape[1] and z > layers[0, k]:
+        room = c * (z - layers[0, k])
+        y = anchors[i, k] if k < before else displacement
+        y = min(max(y, displacement - room), displacement + room)
+        anchors[i, k] = y
+        q += layers[1, k] * (displacement - y)
+        k += 1
+    touching[i, 0], touching[i, 1] = displacement, k
+    return q
+
+
+@compiled
+def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, inputs):
     """Integrate a state; ``inputs`` are duration and longest step in s, force along +x and preload in N."""
     duration, longest, force, preload = inputs
     steps = int(np.ceil(duration / longest * (1.0 - 1e-12)))
     h = duration / steps
     drives, contacts = normal.shape
     nodes = envelopes.shape[1]
+    layers, anchors, touching = rough
     stiffness, exponent = p[index.STIFFNESS] / contacts, p[index.EXPONENT]
-    mass, friction, c = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE]
-    # values of the previous step: approach, u_x, rates of approach and deformation
+    mass, friction, c, pull = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE], p[index.PULL]
+    tabulated, pulls = p[index.FORCE_NODES] > 0.5, int(p[index.FIRST_DRIVE + index.PULLS])
+    # values of the previous step: approach, or the depth of one stop, u_x, rates of both
     before = np.zeros((4, contacts))
     normal_acceleration, acceleration = 0.0, 0.0
     phase, rotation = np.exp(1j * omega * time), np.exp(1j * omega * h)
@@ -127,29 +192,47 @@ def follow(p, state, normal, tangential, envelopes, omega, time, inputs):
                 u_x += x_part.real
                 rate_z -= omega * z_part.imag
                 rate_x -= omega * x_part.imag
-            z, z_old = u_z - state[HEIGHT], before[0, i]
-            x = state[DEFORMATION + i]
-            if k > 0:
-                moved = u_x - before[1, i] - h * state[VELOCITY]
-                if z_old <= 0.0:  # contact begins within the step
-                    x += moved * max(z, 0.0) / (z - z_old) if z > z_old else 0.0
-                elif abs(x) < c * z_old:
-                    x += moved
-                # it slips, until the slip velocity changes its sign within the step
-                else:
-                    side = 1.0 if x > 0.0 else -1.0
-                    first, last = side * before[3, i] - c * before[2, i], side * rate_x - c * rate_z
-                    x += moved
-                    if first > 0.0 > last:
-                        x -= side * 0.5 * h * first * first / (first - last)
-            x = min(max(x, -c * z), c * z) if z > 0.0 else 0.0
-            if z > 0.0:
-                load = stiffness * model.power(z, exponent)
+            z, x = u_z - state[HEIGHT], state[DEFORMATION + i]
+            moved = u_x - before[1, i] - h * state[VELOCITY] if k > 0 else 0.0
+            if not tabulated:
+                if k > 0:
+                    x = closed_stop(p, i, x, moved, before, z, rate_x, rate_z, h)
+                x = min(max(x, -c * z), c * z) if z > 0.0 else 0.0
+                if z > 0.0:
+                    load = stiffness * model.power(z, exponent)
+                    total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z) - pull
+                    if x != 0.0:
+                        drag += friction * load * model.power_share(x / (c * z), exponent)
+                before[0, i], before[2, i] = z, rate_z
+            elif layers.shape[1] > 0:
+                q = layered_force(p, layers, anchors, touching, i, z, touching[i, 0] + moved)
+                load = model.contact_force(p, tables, max(z - p[index.START], 0.0)) / contacts
                 total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z)
-                if x != 0.0:
-                    drag += friction * load * model.spring_share(x / (c * z), exponent)
+                drag += q
+                if k == steps:
+                    x = model.spring_deformation(p, tables, contacts * load, contacts * q)
+            else:
+                deep = z - p[index.START]
+                if deep <= 0.0:
+                    touching[i, 2] = 0.0
+                elif z >= p[index.MAKES]:
+                    touching[i, 2] = 1.0
+                depth, load = 0.0, 0.0
+                if touching[i, 2] > 0.5:
+                    load = model.contact_force(p, tables, deep)
+                    depth = deep if p[index.SPRING] > 0.5 else model.rest_approach(p, tables, load)
+                rate = (depth - before[0, i]) / h if k > 0 else rate_z
+                if k > 0:
+                    x = closed_stop(p, i, x, moved, before, depth, rate_x, rate, h)
+                x = min(max(x, -c * depth), c * depth) if depth > 0.0 else 0.0
+                if depth > 0.0:
+                    total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z) / contacts
+                    if pulls >= 0:
+                        total -= load * model.share_at(p, tables, pulls, deep, 0.0) / contacts
+                    drag += friction * load / contacts * model.spring_share(p, tables, x / (c * depth), depth)
+                before[0, i], before[2, i] = depth, rate
             state[DEFORMATION + i] = x
-            before[0, i], before[1, i], before[2, i], before[3, i] = z, u_x, rate_z, rate_x
+            before[1, i], before[3, i] = u_x, rate_x
         normal_acceleration = (total - preload - p[index.NORMAL_DAMPING] * state[NORMAL_VELOCITY]) / mass
         acceleration = (drag + force - p[index.TANGENTIAL_DAMPING] * state[VELOCITY]) / mass
         if k > 0:

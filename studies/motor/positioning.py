@@ -32,8 +32,10 @@ import numpy as np
 import contact
 from fem.parameters import refuses
 from studies.export.averaged_motor import averaged_motor, first_drive, other_drives
+from studies.export.law_contact import LawContact
 from studies.export.motor_model import AveragedMotor, push
 from studies.model.resolve import build
+from studies.model.wave_to_contact import Contact
 from studies.motor.controllers import MotorNumbers, controller
 from studies.motor.followed_motor import STEPS, FollowedMotor
 from studies.motor.position_loop import Drives, Loop, Move, moved, replayed
@@ -91,12 +93,11 @@ def run(
                 raise SceneError(option, "must be absent with a slider in the plane, whose steps are without a sensor")
         return _in_plane(scene, target, tolerance)
     distance = None if target is None else _read_target(target, scene)
-    for key in ("roughness", "adhesion"):
-        if scene.slider is not None and getattr(scene.slider, key):
-            scene.refuse(f"slider.{key}", "must be absent here: the steps of positioning are those of smooth dry balls")
     first = first_drive(scene, tolerance=tolerance)
+    if first.heavy:
+        first.slider  # noqa: B018  refused here: samples with stops, and adhesion that is not followed in time
     one_way = scene.wave is None and not other_drives(scene)
-    direction = math.copysign(1.0, push(first.slider, first.at(max(first.levels))))
+    direction = math.copysign(1.0, _push(first))
     if distance is None:
         distance = DEFAULT_TARGET * direction
         refuse_beyond(scene, distance)
@@ -210,16 +211,24 @@ def refuse_beyond(scene: Scene, distance: float) -> Iterator[Any]:
         yield "--target", f"{rule}, got {distance * 1e3:.4g} mm"
 
 
+def _push(first: Contact) -> float:
+    """Return the mean force in N of the largest wave along +x on a slider at rest, or a number of its sign."""
+    law = LawContact.of(first)
+    if law is None:
+        return push(first.slider, first.at(max(first.levels)))
+    return law.velocity(tuple(first.at(max(first.levels))) * law.each)
+
+
 def motor_numbers(motor: AveragedMotor) -> MotorNumbers:
     """Return the motor parameters of a controller."""
-    slider, drive, level = motor.slider, motor.drives[0], motor.levels[-1]
+    slider, drive, level, law = motor.slider, motor.drives[0], motor.levels[-1], motor.law
     orbits = motor.orbits_at(level)
-    force = push(slider, orbits)
-    dead_zone_level = float(contact.threshold_factor(slider, drive.orbits))
+    force = motor.direction
+    dead_zone_level = float(contact.threshold_factor(slider, drive.orbits)) if law is None else law.threshold
     if force == 0.0 or dead_zone_level >= level:
         threshold, got = (motor.scene.named(each) for each in (dead_zone_level, level))
         motor.scene.refuse(motor.scene.level_key, f"must reach above the threshold, {threshold}, got {got}")
-    steady = abs(float(contact.mean_motion(slider, orbits).velocity))
+    steady = abs(float(contact.mean_motion(slider, orbits).velocity) if law is None else law.velocity(orbits))
     return MotorNumbers(
         level=level, dead_zone=dead_zone_level, acceleration=abs(force) / slider.mass,
         braking=slider.friction_coefficient * slider.preload / slider.mass, delay=drive.settling,

@@ -18,6 +18,7 @@ from studies.export.c_source import description, header, source
 from studies.export.fmu import compiler, fmu
 from studies.export.law_grid import Nodes
 from studies.export.reduced_motor import index
+from studies.motor.followed_motor import HEIGHT, VELOCITY, FollowedMotor
 from studies.scene import Scene
 
 LEVELS = (2e-9, 4e-9, 12e-9)
@@ -128,6 +129,19 @@ def test_c_and_python_take_the_same_steps_on_a_mean_field(tmp_path):
     same_in_c(coarse(), tmp_path, 6e-9)
 
 
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_fmpy_runs_the_fmu_of_a_mean_field(version, tmp_path):
+    fmpy, validate_fmu = pytest.importorskip("fmpy"), pytest.importorskip("fmpy.validation").validate_fmu
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(fmu(coarse(), version)[0])
+    assert not validate_fmu(str(path))
+    result = fmpy.simulate_fmu(
+        str(path), stop_time=2.0, step_size=1e-2, output_interval=1e-2, start_values={"drive": 6e-9},
+        output=["velocity"],
+    )  # fmt: skip
+    assert float(result["velocity"][-1]) == pytest.approx(settled(coarse(), 6e-9).velocity, rel=1e-6)
+
+
 def adhesive_from(smooth, adhesion):
     """The motor on balls with a constant attraction; its tables are those of the smooth balls, `smooth`."""
     rows = int(smooth.parameters[index.TAU_NODES])
@@ -180,13 +194,13 @@ def test_without_contacts_that_open_attraction_is_a_preload():
 @pytest.mark.slow
 @pytest.mark.parametrize("slider", [MEAN_FIELD, SAMPLE, STOPS, JKR])
 def test_stated_errors_hold_and_fmpy_runs_the_fmu(slider, tmp_path):
-    fmpy = pytest.importorskip("fmpy")
+    fmpy, validate_fmu = pytest.importorskip("fmpy"), pytest.importorskip("fmpy.validation").validate_fmu
     motor = averaged_motor(scene(slider))
     assert motor.velocity_error < 5e-3
     content, _ = fmu(motor)
     path = tmp_path / "motor.fmu"
     path.write_bytes(content)
-    assert not fmpy.validation.validate_fmu(str(path))
+    assert not validate_fmu(str(path))
     for level in OFF_THE_GRID:
         truth = run_velocity(motor, slider, level)
         result = fmpy.simulate_fmu(
@@ -196,3 +210,42 @@ def test_stated_errors_hold_and_fmpy_runs_the_fmu(slider, tmp_path):
         scale = contact.reference_speed(truth, motor.orbits_at(level))
         assert abs(float(result["velocity"][-1]) - truth) < 2.0 * motor.velocity_error * scale
     same_in_c(motor, tmp_path, 6e-9)
+
+
+@cache
+def holding():
+    """The motor on balls of JKR with few nodes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(law_contact, "HOLDING", Nodes(depths=7, closed=9, open=9, columns=11))
+        return averaged_motor(scene(JKR))
+
+
+def followed_mean(motor, level, height, velocity):
+    """The mean tangential force in N of one cycle of a slider that is too heavy to change its motion within it."""
+    parameters, frequency = motor.parameters.copy(), motor.drives[0].orbits[0].frequency
+    parameters[index.MASS], parameters[index.NORMAL_DAMPING], parameters[index.TANGENTIAL_DAMPING] = 10.0, 0.0, 0.0
+    state = FollowedMotor(replace(motor, parameters=parameters))
+    state.state[HEIGHT], state.state[VELOCITY] = -height, velocity
+    state.advance(6.0 / frequency, level)
+    before = state.velocity
+    state.advance(1.0 / frequency, level)
+    return (state.velocity - before) * 10.0 * frequency
+
+
+@pytest.mark.parametrize(
+    ("make", "level", "height", "close"),
+    [
+        (coarse, 6e-9, 3e-9, 1e-3),
+        (coarse, 12e-9, 0.5e-9, 1e-3),
+        (holding, 4e-9, 4.8e-9, 1e-3),
+        (holding, 10e-9, 1.3e-9, 8e-3),
+    ],
+)
+def test_the_followed_motor_has_the_mean_force_of_a_run(make, level, height, close):
+    """Against `contact.HeldMeans`, which integrate a cycle in closed form or by Gauss's rule, without steps of time."""
+    motor = make()
+    limit = motor.slider.friction_coefficient * motor.slider.preload
+    for velocity in (0.3, 0.7):
+        v = velocity * motor.drives[0].saturation(motor.slider) * level
+        (truth,) = motor.law.means.tractions(height, motor.orbits_at(level), [v])
+        assert followed_mean(motor, level, height, v) == pytest.approx(truth, abs=close * limit)

@@ -28,11 +28,19 @@ interpolation over four neighbours; on a steady wave (`glide`, `hold`) constant 
 """
 
 from studies.export.reduced_motor.bounce import steady_approach
-from studies.export.reduced_motor.contact_spring import power, rest_approach, spring_share
+from studies.export.reduced_motor.contact_spring import (
+    contact_force,
+    power,
+    power_share,
+    rest_approach,
+    spring_deformation,
+    spring_share,
+)
 from studies.export.reduced_motor.force_tables import (
     friction_force,
     mean_load,
     normal_force,
+    share_at,
     slip_force,
     steady_load,
     traction_share,
@@ -43,13 +51,17 @@ from studies.export.reduced_motor.time_steps import advance, begin
 __all__ = [
     "advance",
     "begin",
+    "contact_force",
     "deformation",
     "friction_force",
     "mean_load",
     "normal_force",
     "power",
+    "power_share",
     "rest_approach",
+    "share_at",
     "slip_force",
+    "spring_deformation",
     "spring_share",
     "steady_approach",
     "steady_load",

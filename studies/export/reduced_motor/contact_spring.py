@@ -119,13 +119,19 @@ def carrying_approach(p: Array, tables: Array, load: float) -> float:
 
 
 @compiled
+def power_share(u: float, exponent: float) -> float:
+    """Return what `spring_share` does of a force that is a power."""
+    share = 1.0 - power(max(1.0 - abs(u), 0.0), exponent)
+    return share if u > 0.0 else -share
+
+
+@compiled
 def spring_share(p: Array, tables: Array, u: float, depth: float) -> float:
     """Return Q over its limit of contacts that stick, deformed by u times the deformation at which they slip."""
     if p[index.SPRING] > 0.5:
         left = contact_force(p, tables, depth * max(1.0 - abs(u), 0.0)) / contact_force(p, tables, depth)
         return 1.0 - left if u > 0.0 else left - 1.0
-    share = 1.0 - power(max(1.0 - abs(u), 0.0), p[index.EXPONENT])
-    return share if u > 0.0 else -share
+    return power_share(u, p[index.EXPONENT])
 
 
 @compiled
