@@ -18,9 +18,7 @@ at the distance d = `Roughness.spacing` or farther: the disc of this radius abou
 w_own = 2 p d/E. So samples carry more than the field at the same approach: 8 to 14 % in the mean of 24, with an rms of
 1, 3 and 5 nm on the ball of Feenstra and Breedveld at its load and at 2.5 times that. Without w_own the field carries
 what they do to 0.3 to 5 %, about one standard deviation of their mean (`tests/contact/test_own_dent.py`). It stays as
-Greenwood and Tripp have it: by an estimate that was not tried, w - w_own on rings has no unique pressure any more where
-contacts grow to a = 1/(4 eta d), 0.3 um with 3 nm. A run has the difference as the line "single asperities instead of
-their mean field".
+Greenwood and Tripp have it; a run has the difference as the line "single asperities instead of their mean field".
 """
 
 import math
