@@ -34,16 +34,16 @@ MAX_SEGMENTS = 1e8
 # are polynomials (a punch).
 ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
 
-# A burst of at least SPOT_CYCLES cycles is computed once at the first level and again at the second of a row of
-# SPOT_LEVELS, which differs in all three, over PARTS of it (start and end over its length), from states of the answer.
-# The last entry of a row is the smallest tolerance for which it is tried; tolerances below SPOT_TOLERANCE take two
-# whole runs. The wave's limit of a segment is then LONG times the usual one. SPOT_FACTOR: stated error over that of the
-# parts, which see neither all cycles nor how a motion of little damping enlarges an error. In 314 draws the true error
-# was up to 1.7 times that without the factor (`tests/benchmarks/spot_checks.py`). The coarser row leaves a residual of
-# the energy balance of up to 7e-6 (seed's slider, mu of 0.3, 0.75 nm, which sticks), the finer one of 1e-8.
-SPOT_LEVELS = ((8, 1e-4, 1.0), (10, 1e-6, 0.8), 1e-4), ((10, 1e-6, 1.0), (12, 1e-7, 0.8), 1e-8)
+# A burst of at least SPOT_CYCLES cycles is computed once at the level ANSWER and again at the level CHECK, which
+# differs in all three, over PARTS of it (start and end over its length), the later ones from states of the answer.
+# Tolerances below SPOT_TOLERANCE take two whole runs. The wave's limit of a segment is then LONG times the usual one.
+# SPOT_FACTOR: stated error over that of the parts, which see neither all cycles nor how a motion of little damping
+# enlarges an error. In 314 draws the true error was up to 1.7 times that without the factor
+# (`tests/benchmarks/spot_checks.py`). A coarser level, (8, 1e-4, 1.0), would take 0.8 of the time, but its energy
+# balance has a residual of up to 7e-6 (seed's slider, mu of 0.3, 0.75 nm, which sticks); this one has 1e-8.
+ANSWER, CHECK = (10, 1e-6, 1.0), (12, 1e-7, 0.8)
 LONG = 2.0
-SPOT_CYCLES, SPOT_TOLERANCE, SPOT_FACTOR = 64, SPOT_LEVELS[-1][-1], 3.0
+SPOT_CYCLES, SPOT_TOLERANCE, SPOT_FACTOR = 64, 1e-8, 3.0
 PARTS = (0.0, 1 / 10), (1 / 2, 21 / 40), (39 / 40, 1.0)
 
 
@@ -89,29 +89,27 @@ def exact_refusals(burst):
 def spot_checked(burst: Burst) -> Result | None:
     """Return the result of one event-driven run that is checked over a part of its cycles (`PARTS`).
 
-    None if it misses the tolerance at each of `SPOT_LEVELS`, or if the burst is not one for it.
+    None if it misses the tolerance, or if the burst is not one for it.
     """
     remembers = burst.slider.law == "hysteretic"  # its memory is laid out for the nodes of one level
     if burst.cycles < SPOT_CYCLES or burst.tolerance < SPOT_TOLERANCE or remembers:
         return None
     long = burst._replace(problem=with_longer_segments(burst.problem, LONG))
-    for answer, check, finest in SPOT_LEVELS:
-        try:
-            result = _checked_in_parts(long, answer, check) if burst.tolerance >= finest else None
-        except ConvergenceError:
-            result = None
-        if result is not None:
-            result.run[0].problem = burst.problem
-            return result
-    return None
+    try:
+        result = _checked_in_parts(long)
+    except ConvergenceError:
+        return None
+    if result is not None:
+        result.run[0].problem = burst.problem
+    return result
 
 
-def _checked_in_parts(burst, answer, check):
-    """Return the result of a run at a level, checked at another over `PARTS`; None if it misses the tolerance.
+def _checked_in_parts(burst):
+    """Return the result of a run at `ANSWER`, checked at `CHECK` over `PARTS`; None if it misses the tolerance.
 
     The errors of single cycles are added. The run ends with the first part that shows that it will miss.
     """
-    motion, record, errors, done = _at_rest(burst, answer), [], [], 0
+    motion, record, errors, done = _at_rest(burst, ANSWER), [], [], 0
     parts = [[round(share * burst.cycles) for share in part] for part in PARTS]
     growth = SPOT_FACTOR * burst.cycles / sum(stop - start for start, stop in parts)
     fastest = burst.orbits.peak_speed / burst.problem.speed
@@ -123,7 +121,7 @@ def _checked_in_parts(burst, answer, check):
 
     for start, stop in parts:
         done = turned(start)
-        other = _continued(burst, motion, check) if start > 0 else _at_rest(burst, check)
+        other = _continued(burst, motion, CHECK) if start > 0 else _at_rest(burst, CHECK)
         done = turned(stop)
         if stop > start:
             errors.append(_apart(burst, other, motion, stop - start))
@@ -131,7 +129,7 @@ def _checked_in_parts(burst, answer, check):
             return None
     every, velocity = np.concatenate(record), float(motion.state[At.VELOCITY])
     error = event_driven_error(
-        growth * sum(errors), truncation=answer[1], reference=burst.reference(velocity), cycles=burst.cycles,
+        growth * sum(errors), truncation=ANSWER[1], reference=burst.reference(velocity), cycles=burst.cycles,
         segments=burst.problem.segments, moves=bool(np.any(every[:, Recorded.VELOCITY])),
     )  # fmt: skip
     if error > burst.allowed(velocity):

@@ -22,7 +22,7 @@ import time
 import numpy as np
 
 import contact
-from contact.answers.event_driven_burst import LONG, SPOT_LEVELS
+from contact.answers.event_driven_burst import ANSWER, LONG
 from contact.answers.rest_motion import rest, rest_problem
 from contact.problem import with_longer_segments
 from tests import seed_motor
@@ -80,7 +80,7 @@ def ways():
             cells.append(f"{error:.1e} ({found.relative_error:.0e}) {spent * 1e3:.2f} ms")
             if method == "exact":
                 problem = with_longer_segments(rest_problem(SLIDER, (orbit(A),)), LONG)
-                nodes, truncation, _ = SPOT_LEVELS[-1][0]
+                nodes, truncation, _ = ANSWER
                 begin = rest(SLIDER, (orbit(A),), problem, nodes=nodes, truncation=truncation)
                 _, alone = timed(lambda m=begin: m.copy().turn(2200))
                 cells[-1] += f" = {spent / 2200e-6:.1f} us/cycle, one run alone {alone / 2200e-6:.1f}"
