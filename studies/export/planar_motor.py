@@ -75,6 +75,8 @@ class PlanarMotor(OfScene):
             before = state.rates
             state.advance(STEADY_STEP, *levels, load=self.load)
             state.numbers[index.POSE : index.POSE + 3] = 0.0
+            if state.rests:
+                break  # friction holds it: the creep is no motion
             if np.abs((state.rates - before) * arms).max() <= ENOUGH * np.abs(state.rates * arms).max():
                 break
         return state.rates

@@ -19,7 +19,8 @@ from studies.export.reduced_plane.plane_index import Array
 from studies.export.reduced_plane.plane_matrix import solve_matrix
 
 FULL_TURN = 6.283185307179586
-MAX_PASSES = 30
+MAX_PASSES = 30  # of a period
+MAX_CYCLES = 60.0  # of the fastest wave in these passes: one wave needs 3 to 24, most next to its threshold
 MAX_TURNS = 60  # of Newton's method for the approaches
 LEVELLED = 1e-12  # of the approach at rest
 REPEATS = 1e-8  # change of the deformation over its limit in a period, below which a contact repeats
@@ -241,7 +242,7 @@ def friction_means(
     s_yx = 0.0
     s_yy = 0.0
     passes: int = 0
-    while passes < MAX_PASSES:
+    while passes < MAX_PASSES and passes * state[index.CYCLES] < MAX_CYCLES:
         from_x = e_x
         from_y = e_y
         q_x = 0.0
