@@ -222,7 +222,7 @@ class Fit:
             yield "also possible", f"{', '.join(at)}: another minimum that these data do not rule out"
         for measurement in self.problem.measurements:
             data = measurement.network or measurement.scan
-            for remark in () if data is None else data.remarks:
+            for remark in measurement.remarks if data is None else data.remarks:
                 yield "remark", f"{measurement.name}: {remark}"
         for each in self.problem.parameters:
             for remark in each.end_in_words(self.values[each.key], AT_END):

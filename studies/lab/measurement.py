@@ -24,6 +24,7 @@ class Measurement:
     values: tuple[float, ...] = ()  # empty for a measurement that is only planned
     deviations: tuple[float, ...] | Any = None  # standard deviations; None if they are unknown
     systematic: float = 0.0  # relative standard deviation of a factor common to all values
+    remarks: tuple[str, ...] = ()  # on the reading of the file, for the user; a scan or a network has its own
     settings: dict = field(default_factory=dict)  # keys of the scene, and their values for this measurement alone
     # of a vibrometer or a network analyser; the values are then its real parts, followed by the imaginary ones
     scan: Scan | None = field(default=None, repr=False)

@@ -11,7 +11,8 @@ The columns of the file (`csv_columns`) have the names of run.json and determine
 
 ``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and ``normal_amplitude_standard_deviation_m`` are
 standard deviations.  The units ``_mm_per_s``, ``_nm`` and ``_ms`` are also accepted.  Other columns are ignored, so
-that the velocity.csv of one run can be compared with another run.  Files of vibrometers and network analysers are
+that the velocity.csv of one run can be compared with another run; a remark names further velocities in the plane, since
+a measurement has one quantity.  Files of vibrometers and network analysers are
 recognised here and read by `scan`, `scan_uff` and `network`.
 """
 
@@ -92,8 +93,20 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     deviations = table.deviation(*nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES)))
     return Measurement(
         name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
-        values=values, deviations=deviations,
+        values=values, deviations=deviations, remarks=_left_out(table, quantity),
     )  # fmt: skip
+
+
+def _left_out(table: CsvColumns, quantity: str) -> tuple[str, ...]:
+    """Return the remark on the columns of further velocities in the plane beside the one that is read."""
+    nouns = {"lateral_velocity": VELOCITIES, "yaw_rate": YAW_RATES}
+    further = [
+        f"{noun}_{unit}" for noun, units in nouns.items() for unit in units
+        if f"{noun}_{unit}" in table.names and noun != quantity.replace(" ", "_")
+    ]  # fmt: skip
+    if not further:
+        return ()
+    return (f"{', '.join(further)} left out: the {quantity} is read; give each other quantity a file of its own",)
 
 
 def measured_network(data: NetworkData) -> Measurement:

@@ -342,6 +342,7 @@ def comparison(block: dict):
         yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"
     if block["sign_of_prediction_given"]:
         yield "", "measured without a sign: the predicted direction is assumed"
+    yield from (("", each) for each in block.get("remarks", ()))
 
 
 def _stated(block: Mapping, key: str) -> str:

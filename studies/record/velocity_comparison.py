@@ -95,7 +95,7 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         if answered[k]:
             point["predicted_m_per_s"] = float(expected[k])
         points.append(point)
-    block = {
+    block: dict = {
         "file": measured.name,
         "points": points,
         "compared": int(answered.sum()),
@@ -107,4 +107,6 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
         ratios = (velocity - expected)[answered] / np.array(measured.deviations)[answered]
         block["within_one_error"] = int(np.sum(abs(ratios) <= 1))
         block["chi_square_per_point"] = float(np.mean(ratios**2))
+    if measured.remarks:
+        block["remarks"] = list(measured.remarks)
     return block

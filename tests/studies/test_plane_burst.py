@@ -17,8 +17,8 @@ from studies.model.resolve import build
 from studies.motor import plane_positioning, positioning
 from studies.record import Record
 from studies.record.run_pictures import pictures
-from studies.record.text import points_table
-from studies.record.velocity_comparison import refuse_incomparable
+from studies.record.text import comparison, points_table
+from studies.record.velocity_comparison import compared, refuse_incomparable
 from studies.solve import plane_burst
 from studies.solve.contact_at_level import point_answer
 from studies.solve.plane_burst import Rise
@@ -305,6 +305,17 @@ def test_measured_motions_in_the_plane_are_predicted(tmp_path):
     one_volt = MeasurementPredictor(pushed, tolerance=1e-3).contact({"amplitude_factor": 1.2})
     at_ten = point_answer(one_volt, 10e-9, 1e-3).point
     assert at_ten.velocity_m_per_s == pytest.approx(larger.velocity_m_per_s, rel=1e-6)
+
+
+def test_columns_of_further_velocities_are_named(tmp_path):
+    """A measurement has one quantity; run and fit print which columns are left out."""
+    both = data_file(tmp_path, "normal_amplitude_nm,velocity_mm_per_s,lateral_velocity_mm_per_s\n10,2,-0.1\n")
+    remark = "lateral_velocity_mm_per_s left out: the velocity is read; give each other quantity a file of its own"
+    assert (both.quantity, both.values, both.remarks) == ("velocity", (2e-3,), (remark,))
+    assert ("", remark) in list(comparison(compared(both, [1.9e-3])))
+    all_three = data_file(tmp_path, "voltage_V,yaw_rate_rad_per_s,lateral_velocity_m_per_s\n10,1,-0.1\n")
+    assert [each.partition(" left")[0] for each in all_three.remarks] == ["yaw_rate_rad_per_s"]
+    assert data_file(tmp_path, "voltage_V,lateral_velocity_m_per_s\n10,-0.1\n").remarks == ()
 
 
 def test_measurements_that_a_slider_does_not_make_are_refused(tmp_path):
