@@ -4,6 +4,7 @@ import codecs
 import csv
 import io
 import json
+import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
@@ -16,6 +17,7 @@ from studies.scene.roughness_keys import STARTS
 
 if TYPE_CHECKING:
     from studies.record import Record
+    from studies.record.point import Point
 
 COLUMNS = (
     "voltage_V", "available_power_W", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s",
@@ -28,6 +30,10 @@ COLUMNS = (
     "model_relative_error", "status",
 )  # fmt: skip  # of a point, as it is printed
 OF_CENTRE, OF_AXLE = ("velocity_m_per_s", "lateral_velocity_m_per_s"), ("path_length_m",)  # the first an axle holds
+# In the plane a velocity below this times the surface's speed is printed as 0: symmetry makes it 0 but for rounding.
+# The least error that is stated, 1e-9 of the speed, is 1000 times larger.
+ROUNDING = 1e-12
+PER_RPM = math.pi / 30.0  # rad/s
 SHARES = {
     "delivered": "W_per_V2",
     "network": "network_W_per_V2",
@@ -126,10 +132,26 @@ def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[
     shown = [quantity(key) for key in COLUMNS if key not in left_out and any(key in point for point in record.points)]
     keys = [each.column for each in shown]
     rows = [
-        [each.text(point[key]) if key in point else missing for each, key in zip(shown, keys, strict=True)]
+        [each.text(_printed(record, point, key)) if key in point else missing
+         for each, key in zip(shown, keys, strict=True)]
         for point in record.points
-    ]
+    ]  # fmt: skip
     return [each.heading for each in shown], rows
+
+
+def _printed(record: "Record", point: "Point", key: str):
+    """Return a value of a point as it is printed: a velocity in the plane that is rounding is 0."""
+    value = point[key]
+    unit = quantity(key).unit
+    if not record.scene.planar or unit not in ("m/s", "rad/s", "1/min"):
+        return value
+    amplitude = max(point.normal_amplitude_m or 0.0, point.tangential_amplitude_m or 0.0)
+    speed = 2.0 * math.pi * record.scene.frequency * amplitude
+    if unit == "m/s":
+        return 0.0 if abs(value) < ROUNDING * speed else value
+    arm = max(math.hypot(*each) for each in record.scene.slider.offsets)
+    rate = value * PER_RPM if unit == "1/min" else value
+    return 0.0 if abs(rate) * arm < ROUNDING * speed else value
 
 
 def notebook_table(record: "Record", caption: str) -> str:

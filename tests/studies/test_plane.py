@@ -19,6 +19,8 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.model.resolve import build
 from studies.motor import load_line, trajectory
 from studies.record import Record
+from studies.record.point import Point
+from studies.record.text import points_table
 from studies.scene.stator_keys import Cooling
 from studies.solve import heat
 from studies.solve.electrical import electrical_block
@@ -485,3 +487,18 @@ def test_the_table_of_an_axle_has_no_velocity_of_its_centre():
     head = str(record).splitlines()[2]
     assert "rotation (1/min)" in head
     assert "velocity" not in head
+
+
+def test_velocities_that_are_rounding_are_printed_as_0():
+    """At 10 nm and 2.2 MHz the surface moves at 0.14 m/s: 1.4e-13 m/s, and 2.3e-11 rad/s of arms of 6 mm, are 0."""
+    keys = {"contacts": THREE, "freedom": "xy yaw", "mass": "0.267 g", "preload": "2.61927 mN", "inertia": "5 g mm^2"}
+    points = [
+        Point(normal_amplitude_m=10e-9, velocity_m_per_s=0.05, lateral_velocity_m_per_s=v, yaw_rate_rad_per_s=rate,
+              rotation_rpm=rate * 30.0 / np.pi)
+        for v, rate in ((-1.3e-13, 2.2e-11), (-1.5e-13, -2.4e-11))
+    ]  # fmt: skip
+    record = Record(scene=scene({}, wavelength="1 mm", **keys), tolerance=1e-2, points=tuple(points))
+    _, (rounding, motion) = points_table(record)
+    assert rounding == ["10", "50", "0", "0", "0"]
+    assert motion[2:] == ["-1.5e-10", "-2.4e-11", "-2.2918e-10"]
+    assert record.points[0].lateral_velocity_m_per_s == -1.3e-13
