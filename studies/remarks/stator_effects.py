@@ -1,7 +1,8 @@
 """Estimates of the effects on u_z and on the power that the model of a driven stator neglects.
 
-Each function takes the record of a run and yields the fields of an `Effect`.  The size of the finite aperture is that
-of a ripple; its sign may be wrong in cuts in which a beam hardly spreads.
+Each function takes the record of a run and yields the fields of an `Effect`, with the largest size over the drive's
+frequencies.  The size of the finite aperture is that of a ripple; its sign may be wrong in cuts in which a beam hardly
+spreads.
 
 Sources:
 
@@ -172,26 +173,31 @@ def _finger_ends(record: Record, left_out) -> Effects:
     """Yield the effect of the charge distribution along the fingers.
 
     The section, and a beam at a covered point, take the charge as uniform. Other beams represent it by steps or by the
-    static charge at the finger ends; the remaining error is yielded. The beam that a plane section leaves out, with its
-    steps, is the line on the finite aperture, beside which the same error remains.
+    static charge at the finger ends; the remaining error is yielded, the largest over contacts and frequencies. The
+    beam that a plane section leaves out, with its steps, is the line on the finite aperture, beside which the same
+    error remains.
     """
-    motion, positions = record.surface_motion, record.scene.contact_positions
-    beam, effect, ceramic = motion.beam or left_out, "charge at the finger ends", "in lead zirconate titanate"
-    covered, at = any(map(motion.covered, positions)), tuple(zip(*positions, strict=True))
-    whole = record.scene.crossed or record.scene.in_strips
-    charge_error = None if beam is None or covered else beam.charge_error(*at)
-    if charge_error is not None:
-        how = "change by fewer steps of the charge along the fingers"
-        how = "share of what the ends and tips of the fingers change" if record.scene.in_strips else how
-        yield effect, AMPLITUDE, float(charge_error.max()), how
-        return
-    if motion.beam is None or covered or whole:
+    positions, effect = record.scene.contact_positions, "charge at the finger ends"
+    ceramic = "in lead zirconate titanate"
+    motion, motions, at = record.surface_motion, record.surface_motions, tuple(zip(*positions, strict=True))
+    covered = any(map(motion.covered, positions))
+    beams = [each.beam or left_out for each in motions]
+    if not covered and None not in beams:
+        errors = [each.charge_error(*at) for each in beams]
+        if all(each is not None for each in errors):
+            of_strips = "share of what the ends and tips of the fingers change"
+            how = of_strips if record.scene.in_strips else "change by fewer steps of the charge along the fingers"
+            yield effect, AMPLITUDE, float(np.max(errors)), how
+            return
+    if motion.beam is None or covered or record.scene.crossed or record.scene.in_strips:
         yield effect, AMPLITUDE, UNIFORM_CHARGE, f"fingers whose charge varies along them, {ceramic}"
         return
     stator = model_of(record.scene).plain
-    longer = beam.with_longer_fingers(fem.end_excess(stator.solid, stator.bare_surface))
-    changes = abs(longer.motion(*at)[2]) / abs(motion.at(positions)[2]) - 1
-    yield effect, AMPLITUDE, float(max(changes, key=abs)), "static charge at the ends of fingers in a long row"
+    excess = fem.end_excess(stator.solid, stator.bare_surface)
+    longer = [each.with_longer_fingers(excess).motion(*at)[2] for each in beams]
+    changes = [abs(ends) / abs(each.at(positions)[2]) - 1 for ends, each in zip(longer, motions, strict=True)]
+    worst = float(max(np.concatenate(changes), key=abs))
+    yield effect, AMPLITUDE, worst, "static charge at the ends of fingers in a long row"
     most = max(each.finger_pairs for each in record.scene.driven_transducers)
     remainder = max(UNEVEN_CHARGE, UNEVEN_PER_PAIR * most)
     how = f"error that remains with static charge at the ends, {ceramic}"
@@ -204,15 +210,20 @@ def vacuum_effect(record: Record) -> Effects:
     The charges grow by the share eps_0 / eps_p, and the potential of the wave, to which they couple, falls by as much.
     """
     if record.scene.stator.above == "none":
-        stator, frequency = model_of(record.scene).stator, record.scene.frequency
+        stator, frequencies = model_of(record.scene).stator, record.scene.drive.frequencies
         share = fem.VACUUM_PERMITTIVITY / stator.solids[-1].sagittal_permittivity
         try:
-            bare, metal = (fem.bound_wave(stator, frequency, each).velocity for each in ("open", "metallised"))
-            size = VACUUM_FACTOR * share * 2 * (bare - metal) / bare
+            size = VACUUM_FACTOR * share * max(_bound_coupling(stator, each) for each in frequencies)
             how = "eps_0 over the permittivity of the solid, times the coupling K2 of the surface wave"
         except fem.ConvergenceError:
             size, how = share, "eps_0 over the permittivity of the solid: K2 of a leaky wave is not known"
         yield "vacuum above the surface", AMPLITUDE, size, how
+
+
+def _bound_coupling(stator, frequency: float) -> float:
+    """Return the coupling K2 of the bound wave of a stator at a frequency in Hz."""
+    bare, metal = (fem.bound_wave(stator, frequency, each).velocity for each in ("open", "metallised"))
+    return 2 * (bare - metal) / bare
 
 
 def amplitude_per_power(record: Record) -> float | None:
@@ -239,10 +250,13 @@ def amplitude_per_power(record: Record) -> float | None:
 
 def _electrodes(record: Record) -> Effects:
     """Yield the effect of the electrodes' mass and stiffness, and of a hard coating where no layer is given."""
-    stator, frequency = model_of(record.scene).stator, record.wave.frequency_Hz
+    stator = model_of(record.scene).stator
     try:
-        metal = fem.film_shift(stator, fem.material("aluminium"), FILM, frequency)
-        coating = fem.film_shift(stator, fem.material(COATING), FILM, frequency)
+        shifts = [
+            [fem.film_shift(stator, fem.material(name), FILM, each) for each in record.scene.drive.frequencies]
+            for name in ("aluminium", COATING)
+        ]
+        metal, coating = (max(each, key=abs) for each in shifts)
     except fem.ConvergenceError:  # no wave is bound, so that none is known to be perturbed
         return
     driven = record.scene.driven_transducer

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import fem
 from studies import Scene, run
 from studies.model import resolve
 from studies.model.model import Model
@@ -87,6 +88,13 @@ def test_side_faces_are_those_along_the_beams_of_every_frequency(chip):
     behind, aside = further[0].beam.rows[0].local(x, -width - y)  # the image of "front" in the face behind it
     assert abs(front.motion(np.maximum(behind, 0.0), aside)[2]).max() > 0.3 * direct.max()
     assert sizes["metal of the transducers in the way of crossing beams"] > 0
+    charge = [float(each.charge_error(x, y).max()) for each in (motion.beam, further[0].beam)]
+    other = replace(record, surface_motion=further[0], further_motions=(motion,))  # with the smaller one as the first
+    swapped = {effect: size for effect, _, size, *_ in stator_effects(other)}
+    assert sizes["charge at the finger ends"] == swapped["charge at the finger ends"] == charge[0] > charge[1]
+    stator = model.stator
+    coated = [fem.film_shift(stator, fem.material("AlN"), 100e-9, each) for each in (2.2e6, 2.3e6)]
+    assert sizes["coating of 100 nm AlN, if there is one"] == coated[1] > 1.04 * coated[0] > 0.0
 
 
 def test_the_map_shows_turned_frames(crossing):

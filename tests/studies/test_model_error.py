@@ -93,7 +93,7 @@ def test_the_aperture_of_a_partly_standing_wave_spreads_its_echoes_too(mirrored)
     motion = solved_motion(Model(scene), scene.contact_positions, tolerance=1e-2)
     wave = motion.wave
     assert wave.standing_wave_ratio(0.02) > 1.3
-    record = SimpleNamespace(scene=scene, surface_motion=motion, surface_wave=wave)
+    record = SimpleNamespace(scene=scene, surface_motion=motion, surface_motions=(motion,), surface_wave=wave)
     aperture, charge = itertools.islice(stator_effects(record), 2)
     spread = solved_motion(Model(scene.replace(stator={"diffraction": True})), scene.contact_positions, tolerance=1e-2)
     expected = abs(spread.at(scene.contact_positions)[2, 0] / wave.motion(0.02)[1]) - 1
