@@ -23,7 +23,7 @@ from contact import parameter_check
 from contact.exceptions import InputError
 from contact.law.holding import Hold, jkr
 from contact.law.maugis import MaugisSphere
-from contact.law.sphere_limits import DISTANCE, first_release, tabor_number
+from contact.law.sphere_limits import DISTANCE, check_carried, first_release, tabor_number
 from contact.roots import bracketed
 from contact.rules import AdhesionRules
 
@@ -230,8 +230,7 @@ class AdhesiveSphere:
 
     def radius_under(self, force: float) -> float:
         """Return the radius of a contact that carries a normal force in N, at least minus the `pull_off`, m."""
-        if force < -self.pull_off:
-            raise InputError("force", "must be at least minus the pull-off force", force, "N")
+        check_carried(force, self.pull_off)
         K = 4.0 / 3.0 * self.modulus
         total = force + self.pull_off
         if self.model == "DMT":

@@ -29,10 +29,9 @@ from functools import cached_property
 import numpy as np
 
 from contact import parameter_check
-from contact.exceptions import InputError
 from contact.jit.compiled import native
 from contact.law import holding
-from contact.law.sphere_limits import DISTANCE, first_release, tabor_number
+from contact.law.sphere_limits import DISTANCE, check_carried, first_release, tabor_number
 from contact.roots import bracketed
 
 LARGEST = 16.0 / (9.0 * math.sqrt(3.0))  # traction of a Lennard-Jones potential over w/e
@@ -160,8 +159,7 @@ class MaugisSphere:
         return math.sqrt(self.radius * self._depth_under(force))
 
     def _depth_under(self, force: float) -> float:
-        if force < -self.pull_off:
-            raise InputError("force", "must be at least minus the pull-off force", force, "N")
+        check_carried(force, self.pull_off)
         return float(holding.depth_under(force / self._stiffness, self.hold))
 
     @property

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from contact.exceptions import InputError
 from contact.roots import bracketed
 
 DISTANCE = 0.3e-9  # m, between the surfaces in contact, of Tabor's number
@@ -21,6 +22,12 @@ def tabor_number(radius: float, modulus: float, work: float, separation: float =
     2.83
     """
     return (radius * work**2 / (modulus**2 * separation**3)) ** (1.0 / 3.0)
+
+
+def check_carried(force: float, pull_off: float) -> None:
+    """Refuse a force in N below minus the pull-off force in N, which no contact carries."""
+    if force < -pull_off:
+        raise InputError("force", "must be at least minus the pull-off force", force, "N")
 
 
 def first_release(ball, preload: float) -> float:

@@ -123,7 +123,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
     table = []
     for row in rows:
         unit, scale = row["unit"], row["scale"]
-        values = [f"{row[key] * scale:.3g}" for key in ("predicted", "low", "high")]
+        values = [_digits(row[key] * scale) for key in ("predicted", "low", "high")]
         texts = [_stated(row), values[0], f"{values[1]} to {values[2]}"]
         cells = [row["motor"], row["quantity"], *(f"{text} {unit}".rstrip() for text in texts)]
         table.append([*cells, row["swept"], row["most"], row["verdict"]])
@@ -166,8 +166,13 @@ def compared(comparison: Comparison, model: Callable[[dict], float]) -> dict:
 
 def _stated(row: dict) -> str:
     """Return the published value, or range, in the row's unit."""
-    ends = [f"{row[key] * row['scale']:.3g}" for key in ("published_low", "published_high")]
+    ends = [_digits(row[key] * row["scale"]) for key in ("published_low", "published_high")]
     return " to ".join(dict.fromkeys(ends))
+
+
+def _digits(value: float) -> str:
+    """Return three digits without an exponent: 9000, not 9e+03."""
+    return f"{float(f'{value:.3g}'):g}"
 
 
 def _apart(ratio: float) -> str:
@@ -176,7 +181,7 @@ def _apart(ratio: float) -> str:
 
 def finding_of(row: dict) -> Finding:
     """Return a row of the table as a finding, confirmed if the band includes or overlaps the published value."""
-    band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
+    band = f"{_digits(row['low'] * row['scale'])} to {_digits(row['high'] * row['scale'])} {row['unit']}".strip()
     return Finding(
         statement=f"{row['motor']}: {row['quantity']}, published {_stated(row)} {row['unit']}",
         quantity=f"predicted ({row['unit']})" if row["unit"] else "predicted",

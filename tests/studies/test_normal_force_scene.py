@@ -57,13 +57,18 @@ def test_a_file_is_read_from_the_folder_and_kept_in_the_resolved_scene(tmp_path,
     assert capsys.readouterr().err == ""
 
 
+def test_the_tables_of_an_averaged_motor_do_not_take_a_law_of_ones_own(tmp_path, monkeypatch):
+    (tmp_path / "my_law.py").write_text(STIFF)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SceneError, match=r"slider\.normal_law must be absent: the tables of the averaged motor"):
+        first_drive(changed("twente-contact", "slider.normal_law=my_law.py"))
+
+
 @pytest.mark.parametrize("key", ["adhesion", "normal_law"])
-def test_what_scales_with_the_wave_does_not_take_them(tmp_path, monkeypatch, key):
+def test_a_map_of_the_regimes_does_not_take_them(tmp_path, monkeypatch, key):
     (tmp_path / "my_law.py").write_text(STIFF)
     monkeypatch.chdir(tmp_path)
     scene = changed("twente-contact", {"adhesion": DMT, "normal_law": "slider.normal_law=my_law.py"}[key])
-    with pytest.raises(SceneError, match=rf"slider\.{key} must be absent: the tables of the averaged motor"):
-        first_drive(scene)
     with pytest.raises(SceneError, match="slider must stand on smooth dry balls"):
         regime_map.run(scene, amplitudes=2, preloads=2, checked=0, tolerance=1e-3)
 

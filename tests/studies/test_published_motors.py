@@ -166,6 +166,7 @@ def test_the_study_says_what_agrees_and_what_does_not():
     assert not any("run-up" in quantity for motor, quantity in verdicts if "Shilton" in motor)
     assert verdicts["Cheng 2003", "speed"].endswith("says little")
     written = study.tables(record)
+    assert "| 9000 1/min |" in written["published_motors.md"]  # not 9e+03
     rows = list(csv.DictReader(io.StringIO(written["published_motors.csv"])))
     assert [float(each["predicted"]) for each in rows] == data["predicted"]
     assert written["published_motors.md"].count("\n| ") == len(rows)

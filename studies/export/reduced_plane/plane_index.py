@@ -86,7 +86,7 @@ LOWEST = 1  # phase of the least one, rad of the fastest wave
 # of an element whose forces are computed, in place of its tables
 STIFFNESS_SHARE = 0
 LIMIT_SLOPE = 1  # c
-ARM_X = 2  # place over `ARM`, of the loads by statics
+ARM_X = 2  # place in m, of the loads by statics
 ARM_Y = 3
 ORBIT = 4  # cosine and sine of u_x, u_y, u_z of the first wave and of the second for a level of 1, m
 ORBIT_SIZE = 12
