@@ -1,6 +1,6 @@
 """Contacts of a scene whose mean forces the exports take from `contact.HeldMeans`: rough balls, adhesion that holds on.
 
-Their steady velocities are those of a run.
+Their steady velocities are those of a slider that is heavy on the time scale of the wave.
 """
 
 from dataclasses import dataclass, field
