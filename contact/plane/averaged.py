@@ -38,6 +38,7 @@ COARSE_ANSWER, COARSE_CHECK, COARSE = SEARCH, (5, 1e-4), 1e-5
 # of twice the stated one in the draws 0 to 59 of `tests/contact/test_plane_drawn.py`, and 0.12 (fine) in 1000 to 1059
 LEAST = (1e-9, 2e-8)
 WIDE = 2  # nodes of a segment of stick over those of slip
+FARTHEST_POINTS = 1000  # of the friction forces that are compared with a load before it counts as carried
 LEFT_START = 1e-9  # rad from the start of a period
 
 
@@ -231,6 +232,7 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         held = at_rest(averaged)
         if held.held or found == Found.AT_REST:
             return held
+        _refuse_beyond_friction(averaged, held.means.contacts[:, Sum.NORMAL])
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
     if not search.done[1]:
         raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
@@ -258,6 +260,31 @@ def _refuse_runaway(averaged):
         raise ConvergenceError("runaway", "the load exceeds the friction of all contacts and no damper balances it")
     if abs(load[2]) >= most * arms.max() and load[2] != 0.0 and averaged.damping[2] == 0.0:
         raise ConvergenceError("runaway", "the torque exceeds the friction of all contacts and no damper balances it")
+
+
+def _refuse_beyond_friction(averaged: Averaged, loads: np.ndarray) -> None:
+    """Raise where load and torque together exceed what friction carries at contacts with these mean loads (n,).
+
+    The friction forces on the body, each contact's within a disc of radius mu P, are a convex set. Its point nearest to
+    the load is approached by the method of Frank and Wolfe; if the farthest point in the direction of what is left
+    falls short of the load, no motion balances it. Damped motions balance any load.
+    """
+    free = averaged.basis[:, averaged.damping @ averaged.basis**2 == 0.0]
+    if not free.size:
+        return
+    load, point = free.T @ averaged.load, np.zeros(free.shape[1])
+    for _ in range(FARTHEST_POINTS):
+        left = load - point
+        velocities = averaged.rigid @ (free @ left)
+        speed = np.linalg.norm(velocities, axis=1)
+        unit = np.divide(velocities, speed[:, None], out=np.zeros_like(velocities), where=speed[:, None] > 0.0)
+        farthest = free.T @ np.einsum("i,ic,ick->k", averaged.problem.friction * loads, unit, averaged.rigid)
+        if farthest @ left < load @ left:
+            raise ConvergenceError(
+                "runaway", "load and torque together exceed the friction of all contacts and no damper balances them"
+            )
+        step = farthest - point
+        point = point + step * min(1.0, float(left @ step / (step @ step)))
 
 
 def rest_force(averaged: Averaged, towards: np.ndarray, how=ANSWER) -> Means:

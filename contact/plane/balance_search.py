@@ -25,6 +25,7 @@ ROUNDING = 1e-9  # of that speed: a step below which only the rounding of the me
 # What a step leaves, over that speed, at which the search goes over from its first means, and to those of the answer
 ROUGH, MIDDLE = 1e-3, 1e-5
 HELD = 1e-9  # of that speed, below which a slider is taken as held
+FLAT = 1.0 + 1e-6  # times a residual that has not grown but for the rounding of the means
 SHORT = 1e-3  # of the friction limit: forces of rest that fall short of the load by more do not hold it
 
 
@@ -240,6 +241,15 @@ def _norm(vector):
 
 
 @compiled
+def _along_step(search, residual):
+    """Return the component of a residual along the step, times its length."""
+    total = 0.0
+    for m in range(residual.size):
+        total += residual[m] * search.step[m]
+    return total
+
+
+@compiled
 def _seek(problem, body, tools, search, close, answers):
     """Move `search.unknown` until what the next step leaves is below `close` times the top speed (`Search.left`).
 
@@ -249,6 +259,7 @@ def _seek(problem, body, tools, search, close, answers):
     for k in range(3):
         search.trial[k] = search.unknown[k]
     top, derive = body.top_speed, 0 if answers else 1
+    reach = 0.7 * top  # of a step; farther while steps go on as far
     _evaluate(problem, body, tools, derive, search, search.residual)
     for _ in range(MAX_NEWTON):
         if derive == 1:
@@ -261,16 +272,22 @@ def _seek(problem, body, tools, search, close, answers):
         if not largest < np.inf:
             return Found.NOTHING
         derive = 0 if answers and largest < 0.1 * last else 1
-        old, factor = _norm(search.residual), min(1.0, 0.7 * top / largest)
+        old, factor = _norm(search.residual), min(1.0, reach / largest)
+        rate = _along_step(search, search.residual)
+        reach *= 2.0 if factor < 1.0 else 1.0
         for _ in range(8):
             for k in range(3):
                 search.trial[k] = search.unknown[k]
                 for m in range(search.residual.size):
                     search.trial[k] += factor * body.basis[k, m] * search.step[m]
             _evaluate(problem, body, tools, derive, search, search.new_residual)
-            if _norm(search.new_residual) < 0.9 * old or largest < LINEAR * top:
+            new = _norm(search.new_residual)
+            if new < 0.9 * old or largest < LINEAR * top:
                 break
-            factor *= 0.4
+            # dry friction hardly changes beyond the surface's speed: there a step ends where the force left turns
+            if new < FLAT * old and rate > 0.0 and _along_step(search, search.new_residual) > 0.0:
+                break
+            factor, reach = 0.4 * factor, 0.7 * top
         speed = 0.0
         for k in range(3):
             search.unknown[k] = search.trial[k]

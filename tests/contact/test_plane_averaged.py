@@ -27,6 +27,7 @@ from contact.plane import (
 from contact.plane.averaged import ANSWER, Averaged
 from contact.plane.disc_contacts import Sum
 from tests.contact.plane_motors import MU, R_X, F, ball, beams
+from tests.oracles.contact_plane import PlaneContact, cycle_means
 from tests.oracles.line_cycle import velocity_error
 
 X, Y = np.array([6e-3, -3e-3, -3e-3]), np.array([0.0, 5.19615e-3, -5.19615e-3])
@@ -254,6 +255,44 @@ def test_a_load_beyond_friction_runs_away_and_the_scalar_questions_refuse_the_pl
         steady(ball(load=(0.0, 1.1 * MU * F)), beams(10, 0), tolerance=1e-3)
     with pytest.raises(InputError, match=r"slider.freedom must be \"x\""):
         mean_along_x(ball(), Orbit(frequency=2.2e6, normal=1e-8, tangential=-6.7e-9j))
+
+
+@pytest.mark.parametrize("share", [0.45, 0.55, 0.8])
+def test_load_and_torque_together_run_away_where_one_of_two_balls_would_carry_more_than_its_friction(share):
+    """Balls at (+-b, 0): a load F across them and a torque b F are the load F on one ball alone, half the limit."""
+    b = 5e-3
+    slider = ball(x=[b, -b], y=[0.0, 0.0], freedom="xy yaw", load=(0.0, share * MU * F), torque=share * MU * F * b)
+    waves = beams(10, 0, contacts=2)
+    if share < 0.5:
+        state = steady(slider, waves, tolerance=1e-6)
+        assert state.velocity[1] == pytest.approx(b * state.yaw_rate, rel=1e-6)  # the other ball runs along its wave
+        assert state.velocity[1] < 0.0
+        return
+    with pytest.raises(ConvergenceError, match="runaway: load and torque together"):
+        steady(slider, waves, tolerance=1e-6)
+
+
+def test_a_damper_alone_limits_the_speed_under_a_load_beyond_friction():
+    """Faster than the surface ever is, friction is mu N against the motion: V = -(F - mu N)/R."""
+    waves = beams(10, 0)
+    speed = 100.0 * waves.peak_speed
+    slider = ball(load=(1.5 * MU * F, 0.0), tangential_damping=0.5 * MU * F / speed)
+    state = steady(slider, waves, tolerance=1e-8)
+    assert state.velocity == pytest.approx([-speed, 0.0], abs=1e-8 * speed)
+
+
+@pytest.mark.parametrize(("share", "angle"), [(0.3, 3.0), (0.9, 2.0)])
+def test_a_ball_that_flies_for_most_of_the_time_balances_a_pushing_load(share, angle):
+    """Its friction hardly changes with velocity until it runs as fast as the surface at the touch."""
+    slider = ball(load=share * MU * F * np.array([math.cos(angle), math.sin(angle)]))
+    waves = beams(100, 0)
+    state = steady(slider, waves, tolerance=1e-8)
+    contact = PlaneContact(
+        float(slider.normal_stiffness), MU, float(slider.limit_slope), (2.2e6,), waves.amplitudes[:, 0],
+        float(state.heights[0]), tuple(state.velocity),
+    )  # fmt: skip
+    _, q_x, q_y, _ = cycle_means(contact, 1.0 / 2.2e6, 1e-9)
+    assert [q_x, q_y] == pytest.approx(slider.load, abs=3e-7 * MU * F)
 
 
 def test_the_spin_left_out_is_small():
