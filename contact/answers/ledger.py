@@ -120,6 +120,6 @@ def rough_ledger(balls: RoughBalls, orbits: Orbit | Sequence[Orbit], motion: Rou
     return Ledger(
         wave_normal=0.0, wave_tangential=period * powers.work, slip=period * powers.slip, contact_damper=0.0,
         normal_damper=0.0, tangential_damper=period * slider.tangential_damping * speed**2,
-        load=period * slider.load * speed, leak=period * powers.leak, adhesion=0.0, stored=0.0, lifted=0.0,
+        load=period * motion.solved.load * speed, leak=period * powers.leak, adhesion=0.0, stored=0.0, lifted=0.0,
         slider=0.0,
     )  # fmt: skip

@@ -199,12 +199,12 @@ class StopBalls(NamedTuple):
 
 @compiled
 def _left(balls, way, v, panels):
-    """Return the mean forces left along the motion at a speed v >= 0 in the direction `way`.
+    """Return the mean forces of friction and damper along the motion at a speed v >= 0 in the direction `way`.
 
     By the fine table and so many panels in a cycle, and by the coarse one and half of them.
     """
     heavy, sums = balls.heavy, balls.sums
-    held = heavy.load + heavy.damping * v
+    held = heavy.damping * v
     _add_stops(balls.fine, balls.waves, heavy, balls.heights[1], way, v, panels, False, sums)
     fine = sums[0]
     _add_stops(balls.coarse, balls.waves, heavy, balls.heights[0], way, v, panels // 2, False, sums)
@@ -212,7 +212,7 @@ def _left(balls, way, v, panels):
     return unit * fine - held, unit * sums[0] - held
 
 
-@native("t t t t i1 f2 t i f2 f1 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "sums": "4", "out": "3"})
+@native("t t t t i1 f2 t i f2 f1 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "sums": "4", "out": "4"})
 def stops_motion(coarse_force, fine_force, coarse, fine, which, waves, heavy, panels, heights, sums, out):
     """Write the mean approaches of balls and the slider's velocity, by coarse and fine tables, as `memory_motion` does.
 

@@ -26,16 +26,18 @@ from typing import Any, NamedTuple
 
 from contact import parameter_check
 from contact.averaged.asperity_stops import Balanced, Powers, Stops, TangentialModel
+from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.memory_motion import Memory
 from contact.choice import Answer
 from contact.error_estimate import speed_scale
-from contact.exceptions import InputError
+from contact.exceptions import ConvergenceError, InputError
 from contact.law.asperities import Asperities
 from contact.law.rough import MeanField
 from contact.orbit import Orbit
 from contact.roots import bracketed
 from contact.slider import Slider
 
+DRIVEN_BACK = "it moves in the direction of the load, which opposes the unloaded motion"
 DOUBLINGS = 4  # at most, of rows and of steps or cells
 DEEPER = 1.25  # growth of a range of approaches in which the preload is not reached
 MODELS: dict[str, Callable[[Slider, Any, float, float], TangentialModel]] = {"hysteretic": Memory, "elastic": Stops}
@@ -59,7 +61,7 @@ class RoughBalls:
     slider : Slider
         Radius, moduli, friction coefficient, preload, tangential damping, load and law are used: "hysteretic", which is
         that of coupled asperities, or "elastic" (see the module's text). The load opposes the motion of the unloaded
-        slider.
+        slider, and drives it back where friction does not hold it.
     samples : sequence of Asperities or MeanField
         One for each ball.
     amplitude : float
@@ -107,9 +109,16 @@ class RoughBalls:
         """Return the steady motion on a wave, given as the orbit of each ball or one of all.
 
         Averaging of first order is not part of its error.
+
+        Raises
+        ------
+        ConvergenceError
+            With status "runaway" if friction cannot balance the load and there is no tangential damping.
         """
         parameter_check.positive("tolerance", tolerance, "")
-        waves = self._of_each(orbits)
+        waves, slider = self._of_each(orbits), self.slider
+        if slider.tangential_damping == 0.0 and slider.load > 0.0 and self._overloaded:
+            raise ConvergenceError("runaway", RUNAWAY)
         balls = self._reach(max(abs(each.normal) for each in waves))
         reference = speed_scale(0.0, max(each.omega * abs(each.tangential) for each in waves))
         doubling, (before, solved) = 1, balls.solve_two(waves, 1, None)
@@ -118,7 +127,8 @@ class RoughBalls:
             doubling += 1
             before, solved = balls.solve_two(waves, doubling, solved)
             velocity, error = balls.refined(before, solved.velocity)
-        answer = Answer(value=velocity, error=error, reasons=(balls.said,))
+        said = (balls.said, DRIVEN_BACK) if solved.load < 0.0 else (balls.said,)
+        answer = Answer(value=velocity, error=error, reasons=said)
         each_ball = zip(solved.heights, waves, self._parting, strict=True)
         hops = all(height - abs(wave.normal) <= part for height, wave, part in each_ball)
         regime = "stick" if answer.value == 0.0 else "intermittent" if hops else "slip"
@@ -142,8 +152,13 @@ class RoughBalls:
         return self._reach(max(abs(each.normal) for each in waves)).solve(waves, 0).velocity
 
     def threshold(self, orbits: Orbit | Sequence[Orbit], speed: float, *, tolerance: float) -> float:
-        """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand."""
+        """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand.
+
+        It is zero if friction cannot hold the load.
+        """
         waves = self._of_each(orbits)
+        if self._overloaded:
+            return 0.0
 
         def left(factor):
             scaled = tuple(each.scaled(factor) for each in waves)
@@ -165,6 +180,11 @@ class RoughBalls:
             return max(part - trough for part, trough in zip(self._parting, troughs, strict=True))
 
         return _passing(left)
+
+    @property
+    def _overloaded(self) -> bool:
+        """Whether friction cannot hold the load."""
+        return self.slider.static_friction(len(self.samples)) <= self.slider.load
 
     @cached_property
     def _parting(self) -> tuple[float, ...]:

@@ -30,6 +30,7 @@ class Balanced(NamedTuple):
     velocity: float  # m/s
     heights: tuple[float, ...]  # mean approach of each ball, m
     rate: float = 0.0  # of the force that is left over the speed, N s/m; 0: unknown
+    load: float = 0.0  # against the motion, N; negative where it drives the slider
 
 
 class Powers(NamedTuple):
@@ -104,15 +105,16 @@ class Stops:
 
     def _solve(self, waves, coarse: int, fine: int, near: Balanced | None) -> tuple[float, Balanced]:
         motions = np.array([motion_of(self.slider, each) for each in waves])
-        heights, found = np.empty((2, len(waves))), np.array([near.velocity, 0.0, near.rate] if near else [0.0] * 3)
+        heights = np.empty((2, len(waves)))
+        found = np.array([near.velocity, 0.0, near.rate, 0.0] if near else [0.0] * 4)
         (coarse_force, coarse_table), (fine_force, fine_table) = self._at(coarse), self._at(fine)
         if np.any(motions[:, 0] > 0.0):
             stops_motion(
                 coarse_force, fine_force, coarse_table, fine_table, self._which, motions,
                 heavy_slider(self.slider, waves), PANELS * 2**fine, heights, np.empty(4), found,
             )  # fmt: skip
-        velocity, before, rate = found.tolist()
-        return before, Balanced(velocity, tuple(heights[1].tolist()), rate)
+        velocity, before, rate, load = found.tolist()
+        return before, Balanced(velocity, tuple(heights[1].tolist()), rate, load)
 
     def powers(self, waves: tuple[Orbit, ...], doubling: int, solved: Balanced, /) -> Powers:
         """As in `TangentialModel`; the integrals are exact between the events of each asperity.
@@ -125,7 +127,7 @@ class Stops:
 
         def left(v, cut):
             asperity_powers(table, motions, heavy, heights, way, v, cut, sums)
-            return slider.friction_coefficient * float(sums[0]) - slider.load - slider.tangential_damping * v
+            return slider.friction_coefficient * float(sums[0]) - solved.load - slider.tangential_damping * v
 
         least = EVEN * slider.friction_coefficient * heavy.share
         speed = abs(solved.velocity)

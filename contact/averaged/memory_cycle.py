@@ -331,14 +331,14 @@ def path_of(motion, heavy, way, v):
 
 @compiled
 def net_force(balls, way, v, cells):
-    """Return the mean forces left along the motion at a speed v >= 0 in the direction `way`, see `mean_memory`."""
+    """Return the mean forces of friction and damper along the motion at a speed v >= 0 in the direction `way`."""
     heavy, fine, coarse = balls.heavy, 0.0, 0.0
     for ball in range(balls.which.size):
         path = path_of(balls.waves[ball], heavy, way, v)
         of_fine, of_coarse = mean_memory(balls, ball, path, cells)
         fine += of_fine
         coarse += of_coarse
-    held = heavy.load + heavy.damping * v
+    held = heavy.damping * v
     return heavy.friction * fine - held, heavy.friction * coarse - held
 
 
@@ -346,15 +346,15 @@ def net_force(balls, way, v, cells):
 def memory_powers(table, which, waves, heavy, cells, heights, out):
     """Write the velocity to rounding, the power of the surface's motion along x and that of slip, W; return nothing.
 
-    ``out[0]`` holds the velocity of `memory_motion` with as many cells, which is not 0, and `heights` its mean
-    approaches, twice.
+    ``out[0]`` holds the velocity of `memory_motion` with as many cells, which is not 0, `heights` its mean approaches,
+    twice, and `heavy` the load against this motion.
     """
-    way, v = np.sign(out[0]), abs(out[0])
+    way, v, load = np.sign(out[0]), abs(out[0]), heavy.load
     balls = Balls(table, table, which, waves, heights, heavy, net_force)
-    left = net_force(balls, way, v, cells)[0]
+    left = net_force(balls, way, v, cells)[0] - load
     a, fa, b = v, left, v * (1.0 + APART)
     for _ in range(SECANTS):
-        fb = net_force(balls, way, b, cells)[0]
+        fb = net_force(balls, way, b, cells)[0] - load
         if abs(fb) <= EVEN * heavy.friction * heavy.share or fa == fb:
             break
         a, fa, b = b, fb, b - fb * (b - a) / (fb - fa)
@@ -417,14 +417,14 @@ def rest_approach(table, k, share):
     return table.start[k] + high * table.spacing[k]
 
 
-@native("t t i1 f2 t i f2 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "out": "3"})
+@native("t t i1 f2 t i f2 f1", {"which": "n", "waves": "n 3", "heights": "2 n", "out": "4"})
 def memory_motion(coarse, fine, which, waves, heavy, cells, heights, out):
     """Write the mean approaches of balls and the slider's velocity by two tables of forces; return nothing.
 
     `which` are the balls' contacts in the tables, `waves` their motions as in `path_of`, and ``cells`` an even number
     of cells of depth for the fine table; the coarse one has half of them, and half of the steps of phase for heights.
-    ``out`` are the velocities by the fine and the coarse table and the slope of the force that is left. At first it
-    holds a velocity from which the search starts, and the slope there, or zeros.
+    ``out`` are the velocities by the fine and the coarse table, the slope of the force that is left, and the load
+    against the motion. At first it holds a velocity from which the search starts, and the slope there, or zeros.
     """
     balls, top = Balls(coarse, fine, which, waves, heights, heavy, net_force), 0.0
     for ball in range(which.size):

@@ -41,20 +41,21 @@ class Memory:
 
     def _solve(self, waves, coarse: int, fine: int, near: Balanced | None) -> tuple[float, Balanced]:
         motions = np.array([motion_of(self.slider, each) for each in waves])
-        heights, found = np.empty((2, len(waves))), np.array([near.velocity, 0.0, near.rate] if near else [0.0] * 3)
+        heights = np.empty((2, len(waves)))
+        found = np.array([near.velocity, 0.0, near.rate, 0.0] if near else [0.0] * 4)
         if np.any(motions[:, 0] > 0.0):
             numbers = self._at(coarse), self._at(fine), self._which, motions, self._numbers(waves)
             memory_motion(*numbers, CELLS * 2**fine, heights, found)
             if not any(wave.normal for wave in waves):
                 found[:2] = 0.0  # a friction limit that stays as it is holds as much forwards as backwards
-        velocity, before, rate = found.tolist()
-        return before, Balanced(velocity, tuple(heights[1].tolist()), rate)
+        velocity, before, rate, load = found.tolist()
+        return before, Balanced(velocity, tuple(heights[1].tolist()), rate, load)
 
     def powers(self, waves: tuple[Orbit, ...], doubling: int, solved: Balanced, /) -> Powers:
         """Return the powers of a motion that `solve_two` has found with as many doublings, and that is not at rest."""
         motions = np.array([motion_of(self.slider, each) for each in waves])
         found, heights = np.array([solved.velocity, 0.0, 0.0]), np.array([solved.heights] * 2)
-        numbers = self._at(doubling), self._which, motions, self._numbers(waves)
+        numbers = self._at(doubling), self._which, motions, self._numbers(waves)._replace(load=solved.load)
         memory_powers(*numbers, CELLS * 2**doubling, heights, found)
         return Powers(*map(float, found))
 

@@ -44,7 +44,10 @@ FIRST = 4.5  # standard deviations between the mean planes from which on asperit
 START, GRADED = 6.0, 3.0  # standard deviations: where a table starts, and from where on its steps grow
 STOP_ROWS = 256  # rows of the first table of one stop
 STEP_OF_ROWS, FINEST = 0.2, 64  # of asinh of the approach in a first table, and its smallest part
-TABLE, DEEPEST = 1e-5, 25.0  # relative error of the force as a normal law, and its end in standard deviations
+TABLE = 1e-5  # relative error of the force as a normal law
+# Its end: this share of the ball's radius, where that of the contact is a seventieth of it, within these numbers of
+# standard deviations. With 0.3 nm an end at 25 of them changed forces at 10 nm by 5e-4.
+SHALLOW, DEEPEST, DEEPEST_OF_FINE = 2e-4, 25.0, 2000.0
 RINGS = 160  # rings of pressure; 320 change the approach by 2e-5
 REACH = 7.0  # standard deviations above the mean plane beyond which asperities carry nothing
 FAR = -12.0  # t below which the series of a tail has rounding errors only
@@ -360,15 +363,16 @@ class MeanField:
         """Return the force as a normal law of one stop, measured from `lowest`.
 
         ln P is a spline of degree 5 between the fields of `force_table`. Over the first third of a standard deviation,
-        where 1e-5 of a load is carried, the force begins as that of a sphere; beyond `DEEPEST` standard deviations
-        P^(2/3) goes on as a straight line.
+        where 1e-5 of a load is carried, the force begins as that of a sphere; beyond the end (`SHALLOW`) P^(2/3)
+        goes on as a straight line.
         """
         from scipy.interpolate import make_interp_spline
 
         sigma, lowest = self.roughness.rms, self.lowest(self.radius)
         scale, step = GRADED * sigma, 0.5 * STEP_OF_ROWS
         first = math.floor(math.asinh(lowest / scale) / step)
-        last = max(math.ceil(math.asinh(DEEPEST * sigma / scale) / step), first + 6)
+        end = min(max(SHALLOW * self.radius, DEEPEST * sigma), DEEPEST_OF_FINE * sigma)
+        last = max(math.ceil(math.asinh(end / scale) / step), first + 6)
         fields = [self._field(k * FINEST // 2) for k in range(first, last + 1)]
         nodes = [step * k for k in range(first, last + 1)]
         spline = make_interp_spline(nodes, [math.log(each.force) for each in fields], k=5)
@@ -377,7 +381,7 @@ class MeanField:
             begins = -math.expm1(-((3.0 * z / sigma) ** 1.5))
             return begins * math.exp(float(spline(math.asinh((z + lowest) / scale))))
 
-        return TabulatedForce.of(force, scale=0.05 * sigma, end=DEEPEST * sigma, tolerance=TABLE)
+        return TabulatedForce.of(force, scale=0.05 * sigma, end=end, tolerance=TABLE)
 
     def _field(self, number: int) -> Field:
         """Return the field at one of the approaches of the finest table, solved once."""

@@ -251,6 +251,9 @@ class TabulatedForce:
         while True:
             knots = np.linspace(0.0, 1.0, number + 1)
             values, middles = at(knots.tolist()), at((0.5 * (knots[1:] + knots[:-1])).tolist())
+            if number < MOST and np.all(np.diff(values) > 0.0) and not _rises(_polynomials(values)):
+                number *= 2  # too few pieces for a spline of a force that rises
+                continue
             found = cls(scale, end, values, shape, 0.0)
             least = NEGLIGIBLE ** (1.0 / m) * values[-1]
             error = m * float(np.max(np.abs(found.middles - middles) / np.maximum(middles, least)))
@@ -263,23 +266,12 @@ class TabulatedForce:
 
     def __post_init__(self):
         """Make the pieces; raise unless the force rises throughout."""
-        from scipy.interpolate import PPoly, make_interp_spline  # of tables alone: scipy may be absent elsewhere
-
         values = np.ascontiguousarray(self.values, float)
         if np.any(np.diff(values) <= 0.0):
             raise InputError("slider.normal_law", "must give a force that rises with the approach")
-        number = values.size - 1
-        spline = PPoly.from_spline(make_interp_spline(np.arange(number + 1.0), values, k=5))
-        # the spline has no knots of its own next to its ends: there several pieces are one polynomial
-        pieces = np.empty((number, 6))
-        for power in range(6):
-            factor = 1.0 / np.prod(np.arange(1.0, power + 1.0))
-            pieces[:, power] = spline(np.arange(float(number)), nu=power) * factor
-        pieces[0, 0] = 0.0
+        pieces = _polynomials(values)
         object.__setattr__(self, "_pieces", pieces)
-        t = np.linspace(0.0, 1.0, 9)
-        rates = sum(k * pieces[:, k, None] * t ** (k - 1) for k in range(1, 6))
-        if np.any(rates <= 0.0):
+        if not _rises(pieces):
             raise InputError("slider.normal_law", "must give a force that rises with the approach, without steps")
         values.flags.writeable = False
         object.__setattr__(self, "values", values)
@@ -317,6 +309,27 @@ class TabulatedForce:
         )  # fmt: skip
         work = np.cumsum(_work_within(np.arange(number), 1.0, law)) - _work_within(np.arange(number), 1.0, law)
         return law._replace(table=empty._replace(work=np.ascontiguousarray(work)))
+
+
+def _polynomials(values):
+    """Return the coefficients of the spline between values, of rising powers in each piece, shape (n, 6)."""
+    from scipy.interpolate import PPoly, make_interp_spline  # of tables alone: scipy may be absent elsewhere
+
+    number = values.size - 1
+    spline = PPoly.from_spline(make_interp_spline(np.arange(number + 1.0), values, k=5))
+    # the spline has no knots of its own next to its ends: there several pieces are one polynomial
+    pieces = np.empty((number, 6))
+    for power in range(6):
+        factor = 1.0 / np.prod(np.arange(1.0, power + 1.0))
+        pieces[:, power] = spline(np.arange(float(number)), nu=power) * factor
+    pieces[0, 0] = 0.0
+    return pieces
+
+
+def _rises(pieces):
+    """Return whether polynomials rise throughout their pieces."""
+    t = np.linspace(0.0, 1.0, 9)
+    return bool(np.all(sum(k * pieces[:, k, None] * t ** (k - 1) for k in range(1, 6)) > 0.0))
 
 
 def _last_step(scale, end):

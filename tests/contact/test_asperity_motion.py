@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from contact import Asperities, InputError, Orbit, RoughBalls, Roughness, asperity_motion, mean_motion
+from contact import (
+    Asperities,
+    ConvergenceError,
+    InputError,
+    Orbit,
+    RoughBalls,
+    Roughness,
+    asperity_motion,
+    mean_motion,
+    steady,
+)
 from tests.contact.motors import slider
 
 FREQUENCY, RATIO = 2.2e6, 0.67
@@ -63,7 +73,7 @@ def test_samples_of_three_nanometres_as_in_the_table_of_an_independent_program()
     assert 0.82 < min(ratios) < max(ratios) < 1.05
 
 
-def test_load_slows_and_too_much_of_it_is_refused():
+def test_load_slows_and_too_much_of_it_needs_a_damper():
     sample = apart(HEIGHTS)
     free, loaded = (asperity_motion(body(load=each), sample, orbit(8e-9)).value for each in (0.0, 2e-5))
     assert 0.0 < loaded < free
@@ -76,7 +86,29 @@ def test_load_slows_and_too_much_of_it_is_refused():
     # the load opposes the motion: also that of a wave from the other side
     other = asperity_motion(body(load=2e-5), sample, orbit(8e-9).mirrored()).value
     assert other == pytest.approx(-loaded, rel=1e-9)
-    assert asperity_motion(body(load=1e-3), sample, orbit(8e-9)).value == 0.0
+    heavy = body(load=1e-3)
+    with pytest.raises(ConvergenceError, match="friction cannot balance the load"):
+        asperity_motion(heavy, sample, orbit(8e-9))
+    damped = body(load=1e-3, tangential_damping=1e-3)  # full friction and the damper hold it
+    assert asperity_motion(damped, sample, orbit(8e-9)).value == pytest.approx(
+        (0.08 * 0.87309e-3 - 1e-3) / 1e-3, rel=1e-6
+    )
+    assert RoughBalls(body(load=1e-3), [sample]).threshold(orbit(8e-9), 1e-4, tolerance=1e-2) == 0.0
+
+
+@pytest.mark.parametrize("law", ["elastic", "hysteretic"])
+@pytest.mark.parametrize("amplitude", [1e-9, -3e-9])
+def test_a_load_beyond_the_drive_moves_it_back(law, amplitude):
+    """As the smooth balls of the asperities' radius do: forwards or at rest under a small load, back under 30 uN."""
+    wave, found = Orbit(frequency=FREQUENCY, normal=abs(amplitude), tangential=-1j * RATIO * amplitude), []
+    for load in (1e-6, 1e-5, 3e-5):
+        balls = body(radius=10e-6, heights=tuple(HEIGHTS), load=load, law=law)
+        expected = float(steady(balls, (wave,) * 6, tolerance=1e-5).velocity)
+        motion = RoughBalls(body(load=load, law=law), [apart(HEIGHTS)]).motion(wave, tolerance=1e-4)
+        found.append(np.sign(amplitude) * motion.answer.value)
+        assert motion.answer.value == pytest.approx(expected, rel=1e-3, abs=1e-12)
+        assert (motion.regime == "stick") == (expected == 0.0)
+    assert found[0] >= 0.0 > found[-1]
 
 
 def test_balls_with_samples_of_their_own_share_the_preload():

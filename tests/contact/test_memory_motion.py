@@ -75,7 +75,7 @@ def hertz_velocity(wave, cells, **heavy):
         "friction": MU, "limit_slope": MU * E / (4 * G), "load": 0.0, "damping": 0.0, "share": PRELOAD,
         "omega": wave.omega,
     } | heavy)  # fmt: skip
-    heights, out = np.zeros((2, 1)), np.zeros(3)
+    heights, out = np.zeros((2, 1)), np.zeros(4)
     waves = np.array([[abs(wave.normal), along.real, along.imag]])
     memory_motion(table, table, np.zeros(1, dtype=np.int64), waves, numbers, cells, heights, out)
     return out[0]

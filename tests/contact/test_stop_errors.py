@@ -10,7 +10,6 @@ from contact import MeanField, Orbit, RoughBalls, Roughness, steady
 from tests.contact.test_asperity_motion import orbit
 from tests.contact.test_memory_motion import MU, PRELOAD, E, R, body
 
-UNSTATED = pytest.mark.xfail(reason="16, 4 and 2 of 20 err by up to 7e-4 where 1e-4 is stated, or rest under a load")
 BOUNCES = 3.0  # of the squared ratio of resonance and frequency: what a held height leaves out, as runs state it
 
 
@@ -48,17 +47,16 @@ def test_stated_errors_near_the_threshold():
         assert stated < 1e-4
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("rms", [*(pytest.param(each, marks=UNSTATED) for each in (0.3e-9, 1e-9, 3e-9)), 2e-9, 5e-9])
+@pytest.mark.parametrize("rms", [0.3e-9, 1e-9, 2e-9, 3e-9, 5e-9])
 def test_stated_errors_of_drawn_motors(rms):
-    """At most one of twenty may miss twice its stated error."""
-    chance, wide = np.random.default_rng(int(rms * 1e10)), 0
+    """Forwards, at rest, and back where the load exceeds the drive, as in 8 of these hundred; no error beyond twice."""
+    chance = np.random.default_rng(int(rms * 1e10))
     for _ in range(20):
         normal, lag = 10 ** chance.uniform(-9.2, -7.9), chance.uniform(-1.0, 1.0) - np.pi / 2
         wave = Orbit(
             frequency=2.2e6, normal=normal, tangential=normal * 10 ** chance.uniform(-0.5, 0.5) * np.exp(1j * lag)
         )
         load = chance.uniform(0.0, 0.2) * MU * PRELOAD * (chance.random() < 0.4)
-        true, stated, _, _ = errors(rms, wave, load=load, tangential_damping=10 ** chance.uniform(-5, -3))
-        wide += true > 2 * stated
-    assert wide <= 1
+        true, stated, found, expected = errors(rms, wave, load=load, tangential_damping=10 ** chance.uniform(-5, -3))
+        assert true <= 2 * stated
+        assert (found.regime == "stick") == (expected.regime == "stick")
