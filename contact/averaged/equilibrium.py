@@ -76,6 +76,8 @@ NODES, FINE_NODES = 16, 24
 # Rounding of a mean tangential force over mu F, of a sum over many contacts: what does not exceed a load by more than
 # that does not move the slider.
 ROUNDING = 1e-12
+# Relative step of `tangential_slopes`: the means have 12 digits, so that the derivatives have four
+DIFFERENCE = 1e-5
 
 
 class Work(NamedTuple):
@@ -326,3 +328,23 @@ def rest_forces(problem):
     """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
     least, largest = mean_tangential_forces(problem, np.zeros(2), (FORWARD, BACKWARD))
     return float(least), float(largest)
+
+
+def tangential_slopes(problem, height, speed):
+    """Return the derivatives of the mean tangential force of contacts and damper in mean approach and velocity.
+
+    By one-sided differences of cycles of first order, forwards in the direction of the motion.
+    """
+    work = work_arrays(1)
+    steps = DIFFERENCE * max(abs(height), 1e-3), DIFFERENCE * (speed + np.copysign(1e-3, speed))
+    at, higher, faster = (
+        net_force_of(problem, work, h, v)
+        for h, v in ((height, speed), (height + steps[0], speed), (height, speed + steps[1]))
+    )
+    return (higher - at) / steps[0], (faster - at) / steps[1]
+
+
+def net_force_of(problem, work, h, v):
+    """Return what `net_force_at` returns, called from Python."""
+    cycle(problem, h, v, FORWARD, work.rule, work.first)
+    return net_force(problem, work.first.means[Mean.TANGENTIAL], v)

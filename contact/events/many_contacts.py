@@ -83,16 +83,17 @@ def attempt(problem, grid, state, work, task, memory, progress):
     span = work.span
     outer = seg.next_segment(progress.phase, progress.length, task.stop, SMOOTH)
     _remember(state, span)
-    why, rough = _iterated(problem, grid, state, work, task, outer, memory)
+    why, rough, recorded = _iterated(problem, grid, state, work, task, outer, memory, progress.taken)
     too_rough = rough > task.tolerance and outer.length > 1e-6 * problem.longest
-    _recall(state, span)
     if why != Status.DONE or too_rough:
+        _recall(state, span)
         outcome = AttemptOutcome.NOT_CONVERGED if why != Status.DONE else AttemptOutcome.TOO_ROUGH
         return Attempt(outcome, outer, 0.5 * outer.length, why)
-    # once more on the final motion, to record events, energies and samples
-    why = _all_followed(problem, grid, state, work, task, outer, Following(True, progress.taken, memory))
-    if why != Status.DONE:
-        return Attempt(AttemptOutcome.NOT_CONVERGED, outer, 0.0, why)
+    if not recorded:
+        _recall(state, span)
+        why = _all_followed(problem, grid, state, work, task, outer, Following(True, progress.taken, memory))
+        if why != Status.DONE:
+            return Attempt(AttemptOutcome.NOT_CONVERGED, outer, 0.0, why)
     grow = 2.0 if rough == 0.0 else min(2.0, 0.9 * (task.tolerance / rough) ** 0.2)
     return Attempt(AttemptOutcome.ACCEPTED, outer, min(problem.longest, outer.length * max(grow, 1.0)), why)
 
@@ -120,31 +121,37 @@ def _remember(state, span):
 
 @compiled
 def _recall(state, span):
-    """Set the contacts back to the start of the segment; tally and sums stay."""
+    """Set the contacts, the sums and the tally back to the start of the segment, but not the work of this trial."""
     for i in range(state.regime.size):
         state.regime[i], state.sign[i] = span.regime[i], span.sign[i]
         state.deformation[i] = span.deformation[i]
+    for k in range(state.sums.size):
+        state.sums[k] = span.sums[k]
+    for k in range(state.tally.size):
+        if k != WorkCount.SWEEPS and k != WorkCount.HALVINGS:
+            state.tally[k] = span.tally[k]
 
 
 @compiled
-def _iterated(problem, grid, state, work, task, outer, memory):
-    """Iterate to the slider's motion on a segment; return (reason for ending, roughness of its accelerations)."""
+def _iterated(problem, grid, state, work, task, outer, memory, taken):
+    """Iterate to the slider's motion on a segment; return (reason for ending, roughness, whether it was recorded).
+
+    The roughness is that of the slider's accelerations. Events, energies and samples are recorded from the second sweep
+    on, which is the last one of most segments: it follows the contacts on a motion that the last update changes by less
+    than rounding.
+    """
     span, last = work.span, np.inf
     n = grid.sigma.size
     _guess(problem, state, span, outer, task.mobile)
-    for _ in range(seg.MAX_SWEEPS):
+    for sweep in range(seg.MAX_SWEEPS):
+        recorded = sweep > 0 or not task.mobile
         _recall(state, span)
-        why = _all_followed(problem, grid, state, work, task, outer, Following(False, 0, memory))
-        for k in range(state.sums.size):
-            state.sums[k] = span.sums[k]
-        for k in range(state.tally.size):
-            if k != WorkCount.SWEEPS and k != WorkCount.HALVINGS:
-                state.tally[k] = span.tally[k]
+        why = _all_followed(problem, grid, state, work, task, outer, Following(recorded, taken, memory))
         state.tally[WorkCount.SWEEPS] += 1
         if why != Status.DONE:
-            return why, 0.0
+            return why, 0.0, False
         if not task.mobile:
-            return Status.DONE, 0.0
+            return Status.DONE, 0.0, True
         change = _updated(problem, state, span, outer, n) / (1.0 + abs(state.slider[At.POSITION]))
         if not change < 1e100:
             break
@@ -155,9 +162,9 @@ def _iterated(problem, grid, state, work, task, outer, memory):
                 along = max(along, abs(span.series[SliderRow.TANGENTIAL_ACCELERATION, k]))
             # Error of the position between the ends, (L/2)^2/n^2 of the last coefficients; it changes sign about n
             # times, so its integral over the segment is smaller by another L/n.
-            return Status.DONE, max(normal, along) * outer.length**3 / (4.0 * n**3)
+            return Status.DONE, max(normal, along) * outer.length**3 / (4.0 * n**3), recorded
         last = change
-    return Status.STIFF, 0.0
+    return Status.STIFF, 0.0, False
 
 
 @compiled

@@ -99,7 +99,7 @@ class Motion:
         deformation from the present state of each contact. `problem` is that of the motion from here on, in the same
         units; None keeps it.
         """
-        before = self._approaches(self.state[At.POSITION])
+        before = self.approaches(self.state[At.POSITION])
         self.problem = problem or self.problem
         if self.memory is not None:
             self._displace(before, height, normal_velocity, speed, deformations)
@@ -184,7 +184,7 @@ class Motion:
         """
         problem, state = self.problem, self.carried
         height, normal_velocity, speed = state.slider
-        approaches = self._approaches(height)
+        approaches = self.approaches(height)
         hold = problem.normal.hold
         if hold is None:
             work = normal.energy(approaches, problem.normal) - problem.normal.pull * np.maximum(approaches, 0.0)
@@ -200,14 +200,14 @@ class Motion:
                 stored += hysteretic.chain_energy(contact, self.memory, i, self.regime[i], self.sign[i], z, x)
         return np.array([stored, problem.preload * height, 0.5 * (normal_velocity**2 + speed**2)])
 
-    def _approaches(self, height):
+    def approaches(self, height):
         """Return the approach of every contact at phase 0, where the surface is as at the end of a cycle."""
         every = np.arange(self.problem.contacts)
         return approach(self.problem.paths, every, self.problem.paths.normal_cos, Coordinates(height, 0.0))
 
     def _displace(self, before, height, normal_velocity, speed, deformations):
         """Do what `set_state` does for the hysteretic law; `before`: the approaches up to now."""
-        state, after = self.carried, self._approaches(height)
+        state, after = self.carried, self.approaches(height)
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0

@@ -14,20 +14,25 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.averaged.event_equilibrium import Balance
-from contact.codes import At, WorkCount
+from contact.codes import At, Regime, WorkCount
 from contact.error_estimate import shooting_rounding
 from contact.events.collocation import collocation
 from contact.events.energy import EnergySum
 from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.law import hysteretic
+from contact.periodic.averaged_map import averaged_jacobian
 
 # Nodes per segment, truncation error of a segment, its longest length over that of the problem, and the largest Newton
 # step that ends a search: for an answer and for the estimate of its error. QUICK serves tolerances from QUICK_TOLERANCE
 # on: its two levels differ as those of `event_driven_burst.ORDERS`. Their velocities were within 8e-11 and 2e-8 of that
-# of FINE for 1 to 300 balls at 3 to 10 nm.
+# of FINE for 1 to 300 balls at 3 to 10 nm. MANY_CLOSE: for many contacts, their largest step over
+# the tolerance, and its largest value. The speed has the last step, which is also a part of its error.
 FINE, COARSE = (16, 1e-12, 1.0, 1e-12), (10, 1e-8, 1.0, 1e-12)
 QUICK, QUICK_TOLERANCE = ((12, 1e-9, 1.0, 1e-10), (8, 1e-5, 0.8, 1e-10)), 1e-8
+MANY_CLOSE = 1e-2, 1e-8
+# Share of a step of the deformations that counts for its size: their effect on the speed is in the same step
+DEFORMATION_SHARE = 0.1
 # Largest number of cycles to follow before the search if it fails from the averaged equilibrium. It failed at first in
 # 3 of 190 searches for drawn motors; two of these searches ended after 191 and 200 cycles.
 SETTLE = 200
@@ -51,6 +56,7 @@ class CycleJacobian(NamedTuple):
 
     left: np.ndarray  # (3 + n, r): L
     right: np.ndarray  # (3 + n, r): R
+    averaged: bool = False  # True: of `averaged_map`, which leaves out how the deformations follow the slider
 
     @property
     def growth(self) -> float:
@@ -108,7 +114,7 @@ def periodic(
     ends at a step below `close`. Before it the full motion is followed for `settle` cycles.
     """
     problem = balance.problem
-    cycle = _CycleMap(problem._replace(longest=longest * problem.longest), nodes, truncation)
+    cycle = CycleMap(problem._replace(longest=longest * problem.longest), nodes, truncation)
     image = None
     if near is None:
         deformations = np.zeros(problem.contacts)
@@ -118,11 +124,12 @@ def periodic(
         y[3:] = cycle(y)[3:]  # the averaged deformations are not those of the full motion
         for _ in range(settle):
             y = cycle(y)
-        jacobian, image = cycle.jacobian(y)
+        quick = averaged_jacobian(balance, y[3:]) if problem.contacts > FEW_CONTACTS else None
+        jacobian, image = cycle.jacobian(y) if quick is None else (CycleJacobian(*quick, averaged=True), None)
     else:
         y, jacobian = near.state.copy(), near.jacobian
     y, jacobian, step = _fixed_point(cycle, y, jacobian, close, image)
-    size, turn, motion = float(np.max(np.abs(step))), 2.0 * math.pi, cycle.finished(y)
+    size, turn, motion = _size(step), 2.0 * math.pi, cycle.finished(y)
     motion.problem = problem
     if not size < 1e-6:
         raise ConvergenceError(
@@ -142,11 +149,18 @@ def quick_periodic(balance: Balance, tolerance: float) -> tuple[Periodic, Period
     if balance.problem.law.guard is hysteretic.guard or tolerance < QUICK_TOLERANCE:
         return None
     try:
-        coarse = _at(QUICK[1], balance)
-        fine = _at(QUICK[0], balance, near=coarse)
+        coarse = _at((*QUICK[1][:3], _close(QUICK[1], balance, tolerance)), balance)
+        fine = _at((*QUICK[0][:3], _close(QUICK[0], balance, tolerance)), balance, near=coarse)
     except ConvergenceError:
         return None
     return (fine, coarse) if fine.stable else None
+
+
+def _close(level, balance, tolerance):
+    """Return the largest Newton step that ends a search at one of the levels QUICK."""
+    if balance.problem.contacts <= FEW_CONTACTS:
+        return level[3]
+    return max(level[3], min(MANY_CLOSE[0] * tolerance, MANY_CLOSE[1]))
 
 
 def _at(level, balance, **options):
@@ -169,7 +183,7 @@ def coarse_periodic(balance: Balance, fine: Periodic) -> Periodic:
     return _at(COARSE, balance, near=fine)
 
 
-class _CycleMap:
+class CycleMap:
     """The map of one wave cycle; `motion` is the motion after the last evaluation."""
 
     def __init__(self, problem, nodes, truncation):
@@ -177,6 +191,7 @@ class _CycleMap:
         self.warm = False
 
     def __call__(self, y, keep=True):
+        """Return the state one cycle after the state y; `keep`: later copies with a memory start from this one."""
         if self.motion.memory is not None:  # the memory of a hysteretic contact is part of the state
             self.motion = self.base.copy()
         motion = self.motion
@@ -195,6 +210,13 @@ class _CycleMap:
         if keep:
             self.base = motion
         return motion.state.copy()
+
+    def keep_slipping(self, y):
+        """Set the deformations of contacts that slipped at the end of the last cycle to the slip limits of a state."""
+        motion = self.motion
+        slips = motion.regime == Regime.SLIP
+        limits = motion.problem.limit_slope * motion.problem.factors.limit_slope * motion.approaches(y[At.POSITION])
+        y[At.DEFORMATIONS :] = np.where(slips, motion.sign * limits, y[At.DEFORMATIONS :])
 
     def finished(self, y):
         """Return the motion after its cycle from the state y, with the energies at the start of that cycle."""
@@ -244,6 +266,12 @@ class _CycleMap:
         return CycleJacobian(np.column_stack(left), np.column_stack(right)), start
 
 
+def _size(step):
+    """Return the size of a Newton step: of the slider's motion, and a share of the deformations'."""
+    own, deformations = np.abs(step[: At.DEFORMATIONS]), np.abs(step[At.DEFORMATIONS :])
+    return float(max(np.max(own), DEFORMATION_SHARE * np.max(deformations)))
+
+
 def _fixed_point(cycle, y, jacobian, close, image):
     """Return (state, Jacobian, last step) of Newton's method for the fixed point of the cycle map.
 
@@ -261,10 +289,12 @@ def _fixed_point(cycle, y, jacobian, close, image):
             raise ConvergenceError(
                 "not converged", "the cycle map leaves some state as it is, so that no one motion repeats"
             ) from None
-        size = float(np.max(np.abs(step)))
+        size = _size(step)
         if not known and (size < close or (count > 2 and size >= 0.5 * least and least < 1e-10)):
             break
         least = min(least, size)
         # the map is nonlinear far from the fixed point: limit the change of each component to half its size
         y = y + step * min(1.0, 0.5 / float(np.max(np.abs(step) / (1.0 + np.abs(y)))))
+        if jacobian.averaged:
+            cycle.keep_slipping(y)
     return y, jacobian, step

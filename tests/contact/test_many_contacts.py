@@ -106,20 +106,49 @@ def test_what_each_contact_does_is_the_same():
     assert gaps[1] == pytest.approx(gaps[0], rel=1e-3)
 
 
-# Symmetry: the Jacobian of many contacts, from a few differences, has the multipliers of the full one
+# Truth: a difference quotient for every deformation; those of a few directions, and the averaged equations
 def test_the_multipliers_of_many_contacts_are_those_of_every_difference(monkeypatch):
     from contact.averaged.event_equilibrium import balanced
     from contact.periodic import shooting
 
-    balance = balanced(motor(2 * FEW), waves(2 * FEW))
-    found = []
-    for few in (shooting.FEW_CONTACTS, 1000):
+    balance = balanced(motor(2 * FEW, contact_damping=2e-4), waves(2 * FEW))
+    found, velocities = [], []
+    for averaged, few in ((True, FEW), (False, FEW), (False, 1000)):
         monkeypatch.setattr(shooting, "FEW_CONTACTS", few)
+        if not averaged:
+            monkeypatch.setattr(shooting, "averaged_jacobian", lambda balance, deformations: None)
         near = shooting.periodic(balance, nodes=16, truncation=1e-12)
-        found.append(np.sort(np.abs(np.linalg.eigvals(near.jacobian.left @ near.jacobian.right.T)))[-3:])
-        assert near.growth == pytest.approx(found[-1][-1], rel=1e-12)
-    assert found[0] == pytest.approx(found[1], abs=3e-7)
-    assert 0.99 < found[1][-1] < 1.0
+        found.append(np.sort_complex(np.linalg.eigvals(near.jacobian.left @ near.jacobian.right.T))[-3:])
+        velocities.append(near.speed)
+        assert near.growth == pytest.approx(np.max(np.abs(found[-1])), rel=1e-12)
+    assert found[1] == pytest.approx(found[2], abs=3e-7)
+    assert abs(found[0]) == pytest.approx(abs(found[2]), abs=1e-7)
+    assert found[0].imag == pytest.approx(found[2].imag, rel=1e-4)
+    assert 0.99 < abs(found[2][-1]) < 1.0 - 1e-6
+    assert velocities[:2] == pytest.approx([velocities[2]] * 2, rel=1e-10)
+
+
+# Truth: differences of the event-driven map
+def test_the_averaged_jacobian_is_that_of_a_cycle():
+    from contact.averaged.event_equilibrium import balanced
+    from contact.periodic import shooting
+
+    balance = balanced(motor(2 * FEW, contact_damping=2e-4), waves(2 * FEW))
+    near = shooting.periodic(balance, nodes=16, truncation=1e-12)
+    left, right = shooting.averaged_jacobian(balance, near.state[3:])
+    whole, y = shooting.CycleMap(balance.problem, 16, 1e-12), near.state
+    start = whole(y)
+    columns = np.column_stack([(whole(y + 1e-7 * unit) - start) / 1e-7 for unit in np.eye(y.size)])
+    own, own_of_x = columns[:3, :3], columns[:3, 3:]
+    through_deformations = own + own_of_x @ columns[3:, :3]
+    map_ = (left @ right.T)[:3, :3]
+    assert map_[:2, :2] - np.eye(2) == pytest.approx(own[:2, :2] - np.eye(2), rel=1e-2, abs=1e-7)
+    assert map_[2] - np.eye(3)[2] == pytest.approx(through_deformations[2] - np.eye(3)[2], rel=0.1)
+    # a contact forgets by slip, which this sum over 64 phases meets within one of them
+    most = np.max(np.abs(own_of_x[2]))
+    assert most > 0.0
+    assert (left @ right.T)[2, 3:] == pytest.approx(own_of_x[2], abs=0.1 * most)
+    assert np.max(np.abs(own_of_x[:2])) < 2e-3 * most
 
 
 def test_the_work_grows_as_the_contacts():
