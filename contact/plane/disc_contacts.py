@@ -22,10 +22,11 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.codes import Regime
-from contact.jit.compiled import compiled, native
+from contact.jit.compiled import compiled, formula, native
 from contact.law.elastic import back_load, spring_force
 from contact.law.normal import load
 from contact.plane.last_period import (
+    Ended,
     LastPeriod,
     Place,
     expected_event,
@@ -41,18 +42,21 @@ from contact.plane.radau import Map, Nodes, radau
 TURN = 2.0 * np.pi
 NEAR = 0.3  # |e| over c z below which a least |e| ends a segment
 # Of an event, in phase: forces are continuous there, their integrals err by its square; over the tolerance, and at most
-CLOSE, CLOSE_SHARE, FAR = 1e-9, 1e-4, 1e-6
+CLOSE, CLOSE_SHARE, FAR = 1e-9, 1e-3, 1e-5
 ANGLE_SHARE = 1e-3  # the same of lambda, known no better than the angle at the nodes
 BEYOND = 0.25  # of that: how far behind an event a segment is to end
 BEND = 1e-4  # the same of a least |e|, where the force bends
 ENDS = 1e-8  # approach below which a contact that opens has opened where slip and stick alternate; its force is 1e-12
 NEGATIVE = 1e-12  # of a guard beyond zero; phases of 300 cycles are rounded to 2e-13
 NEARLY = 0.98  # of a segment: a shorter one that ends at a guard's least value must end before this
-PASSED = 1e-6  # phase from the start of a segment within which a least |e| has been met
+PASSED = 2.0 * BEND  # phase from the start of a segment within which a least |e| has been met
 MAX_STEP = 0.6  # rad of the fastest wave
-MAX_FLIGHT = 0.25  # the same for each node, while all contacts are open: z is looked at in the nodes
+MAX_PER_NODE = 0.2  # the same for each node, where it is more and the events of the last period are known
+MAX_FLIGHT = 0.4  # the same while all contacts are open: z is looked at in the nodes
 LEAST_STEP = 1e-3  # rad, of the first trial of a segment
+SMALL_ANGLE = 0.02  # rad: cosine and sine by their series, to 1e-13
 MAX_TURN = 3.0  # rad of angle per rad of phase, of the guess at the start of a segment
+ALIKE = 0.02  # change of a segment's length up to which the turning at the nodes of the last trial is the guess
 MAX_TRIES = 60  # trials of the length of one segment
 PICARD = 1e-13  # change of the body's rates by one more iteration of its motion, below which it ends
 MAX_LAG = 1e-9  # of the last change, by which the forces lag behind the motion
@@ -61,6 +65,7 @@ CARELESS = 1e-2  # rad: a segment after which regimes no longer alternate, see `
 LATE = 0.25  # of a segment, beyond which an event that was expected at its end is no longer looked for
 MAX_NEWTON = 4  # of them by Newton's method towards an event
 MAX_SEGMENTS = 200_000  # of one call
+ALTERNATIONS = 6  # events at one instant, after which a contact that opens and alternates between slip and stick opens
 MAX_IDLE = 20  # events of a contact at one instant
 
 
@@ -164,6 +169,7 @@ class Work(NamedTuple):
     matrix: np.ndarray  # (s, s + 1)
     slope_matrix: np.ndarray  # (s, s + 3), see `cycle_slopes`
     trend: np.ndarray  # (4,): rate of the accelerations at the end of the last segment
+    bend: np.ndarray  # (n,): second derivative of the contacts' angles there
     careful: np.ndarray  # (1,), integer: 1 where events are located to rounding, without what the last period tells
     kept: LastPeriod
 
@@ -185,7 +191,7 @@ def work_of(n: int, nodes: int, tolerance: float, period: float = 0.0) -> Work:
         radau(nodes), tolerance, np.empty(s), np.empty(s), np.empty((s, 4)), np.empty((s, 4)), np.zeros((s, 4)),
         np.zeros((s, n, len(Stage))), np.empty((s, n, 6)), np.empty((n, 6)), np.zeros((n, len(Stage))),
         np.empty((n, 6)), np.zeros((n, len(Stage))), np.empty((s, s + 1)), np.empty((s, s + 3)),
-        np.zeros(4), np.array([int(period == 0.0)]),
+        np.zeros(4), np.zeros(n), np.array([int(period == 0.0)]),
         last_period_of(n, period),
     )  # fmt: skip
 
@@ -194,6 +200,12 @@ def with_nodes(work: Work, nodes: int) -> Work:
     """Return the work arrays with another number of nodes; what a segment knows of its start is shared."""
     own = work_of(work.start.shape[0], nodes, work.tolerance)
     return own._replace(before=work.before, start=work.start, spot=work.spot, point=work.point)
+
+
+@formula
+def size_of(x, y):
+    """Return the length of a vector of scaled numbers: `hypot` guards against an overflow that they do not have."""
+    return np.sqrt(x * x + y * y)
 
 
 @compiled
@@ -250,7 +262,7 @@ def angle_equation(problem, i, row, rate):
 
 
 @compiled
-def _slip_angles(problem, i, alpha, known, work):
+def _slip_angles(problem, i, alpha, phase, known, work):
     """Solve eq. (1) for contact i at the nodes of a segment by Newton's method; return True where it converges.
 
     `known`: True where the turning of a longer segment, in this one's nodes, stands there as a guess. Else the guess is
@@ -262,16 +274,17 @@ def _slip_angles(problem, i, alpha, known, work):
         start, turning = work.start[i], 0.0
         if start[Stage.Z] > 0.0:
             turning = (start[Stage.N_X] * start[Stage.W_Y] - start[Stage.N_Y] * start[Stage.W_X]) / (c * start[Stage.Z])
-            turning = max(-MAX_TURN, min(MAX_TURN, turning))
         for j in range(n):
-            stage[j, i, Stage.TURNING] = turning * work.rate[j]
+            guess = turning + work.bend[i] * (work.phase[j] - phase)
+            stage[j, i, Stage.TURNING] = max(-MAX_TURN, min(MAX_TURN, guess)) * work.rate[j]
+    for j in range(n):
+        angle = alpha
+        for k in range(n):
+            angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
+        stage[j, i, Stage.N_X], stage[j, i, Stage.N_Y] = np.cos(angle), np.sin(angle)
     for _ in range(25):
         for j in range(n):
             row = stage[j, i]
-            angle = alpha
-            for k in range(n):
-                angle += nodes.integral[j, k] * stage[k, i, Stage.TURNING]
-            row[Stage.N_X], row[Stage.N_Y] = np.cos(angle), np.sin(angle)
             along, across, inertia = angle_equation(problem, i, row, work.rate[j])
             for k in range(n):
                 matrix[j, k] = along * nodes.integral[j, k]
@@ -284,16 +297,27 @@ def _slip_angles(problem, i, alpha, known, work):
             change = max(change, abs(matrix[j, n]))
         factor = 1.0 if change < 2.0 else 2.0 / change
         for j in range(n):
-            stage[j, i, Stage.TURNING] += factor * matrix[j, n]
-        if change < close:
-            for j in range(n):  # quadratic: the last change leaves its square, in the turn by it too
-                row, turn = stage[j, i], 0.0
-                for k in range(n):
-                    turn += nodes.integral[j, k] * matrix[k, n]
-                cos, sin = row[Stage.N_X], row[Stage.N_Y]
-                row[Stage.N_X], row[Stage.N_Y] = cos - turn * sin, sin + turn * cos
+            row, turn = stage[j, i], 0.0
+            for k in range(n):
+                turn += nodes.integral[j, k] * matrix[k, n]
+            row[Stage.TURNING] += factor * matrix[j, n]
+            _turn(row, factor * turn)
+        if change < close:  # quadratic: the last change leaves its square
             return True
     return False
+
+
+@compiled
+def _turn(row, angle):
+    """Turn the direction of a contact's force at a node by an angle."""
+    if abs(angle) < SMALL_ANGLE:
+        square = angle * angle
+        c = 1.0 - square * (0.5 - square / 24.0)
+        s = angle * (1.0 - square * (1.0 - square / 20.0) / 6.0)
+    else:
+        c, s = np.cos(angle), np.sin(angle)
+    cos, sin = row[Stage.N_X], row[Stage.N_Y]
+    row[Stage.N_X], row[Stage.N_Y] = c * cos - s * sin, s * cos + c * sin
 
 
 @compiled
@@ -308,7 +332,7 @@ def fill_forces(problem, i, regime, row):
     if regime == Regime.SLIP:
         q = friction * elastic
     else:
-        size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+        size = size_of(row[Stage.E_X], row[Stage.E_Y])
         if size == 0.0 or c == 0.0:
             row[Stage.N_X], row[Stage.N_Y] = 1.0, 0.0
             return
@@ -326,10 +350,10 @@ def _guard(problem, i, regime, which, row):
         return row[Stage.Z]
     if which == RegimeEnd.STICK:
         return row[Stage.LAMBDA]
-    size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+    size = size_of(row[Stage.E_X], row[Stage.E_Y])
     if which == RegimeEnd.SLIP:
         return problem.limit_slope[i] * row[Stage.Z] - size
-    speed = np.hypot(row[Stage.W_X], row[Stage.W_Y])
+    speed = size_of(row[Stage.W_X], row[Stage.W_Y])
     return -(row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]) / (speed + 1e-300)
 
 
@@ -346,7 +370,7 @@ def guard_rate(problem, i, which, length, kind, work):
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         return problem.limit_slope[i] * row[Stage.Z_RATE] - along
     if which == RegimeEnd.PASS:
-        return -np.hypot(row[Stage.W_X], row[Stage.W_Y])
+        return -size_of(row[Stage.W_X], row[Stage.W_Y])
     rate = 0.0
     for j in range(stage.shape[0]):
         rate += work.nodes.slope[kind, j] * stage[j, i, Stage.LAMBDA]
@@ -361,7 +385,7 @@ def _fill_contact(problem, i, known, state, work):
     for j in range(n):
         fill_kinematics(problem, i, work.surface[j, i], work.q[j], work.p[j], stage[j, i])
     if regime == Regime.SLIP:
-        opens = stage[n - 1, i, Stage.Z] < -1e-9
+        opens = stage[n - 1, i, Stage.Z] < -_closeness(work)
         for j in range(n - 1):
             opens = opens or stage[j, i, Stage.Z] <= 0.0
         if opens:  # before the end: the caller shortens the segment, to where the height with these forces tells
@@ -372,7 +396,7 @@ def _fill_contact(problem, i, known, state, work):
                 row[Stage.LAMBDA] = 1.0
                 fill_forces(problem, i, regime, row)
             return True
-        if not _slip_angles(problem, i, state.alpha[i], known, work):
+        if not _slip_angles(problem, i, state.alpha[i], state.total[Total.PHASE], known, work):
             return False
     for j in range(n):
         row = stage[j, i]
@@ -409,7 +433,7 @@ def solve_segment(problem, first, last, length, kind, known, state, work):
         fill_surface(problem, first, last, work.phase[j], work.surface[j])
     last_change = np.inf
     for count in range(40):
-        _integrate(length, kind, moves, state, work)
+        _integrate(problem, length, kind, state, work)
         for i in range(first, last):
             if not _fill_contact(problem, i, known or count > 0, state, work):
                 return False
@@ -431,34 +455,29 @@ def solve_segment(problem, first, last, length, kind, known, state, work):
                 work.a[j, k] = new
         left = change * length
         if count == 0 and work.careful[0] == 0 and left * length < LAG_SHARE * work.tolerance:
-            _integrate(length, kind, moves, state, work)
+            _integrate(problem, length, kind, state, work)
             return True
         if left < PICARD or (count > 0 and left < MAX_LAG and left * min(change / last_change, 1.0) < PICARD):
-            _integrate(length, kind, moves, state, work)
+            _integrate(problem, length, kind, state, work)
             return True
         last_change = change
     return False
 
 
 @compiled
-def _integrate(length, kind, moves, state, work):
-    """Fill the body's rates and coordinates at the nodes from its accelerations there; not `moves`: all are zero."""
+def _integrate(problem, length, kind, state, work):
+    """Fill the body's rates and coordinates at the nodes from its accelerations there."""
     nodes, n = work.nodes, work.phase.size
     for k in range(4):
+        moves = problem.inverse[k] > 0.0
         for j in range(n):
-            rate = state.p[k]
+            speed = way = 0.0
             if moves:
                 for i in range(n):
-                    rate += nodes.integral[j, i] * work.rate[i] * work.a[i, k]
-            work.p[j, k] = rate
-        for j in range(n):
-            place = state.q[k]
-            if moves:
-                for i in range(n):
-                    place += nodes.integral[j, i] * work.rate[i] * work.p[i, k]
-            else:
-                place += length * nodes.phase[kind, j] * state.p[k]
-            work.q[j, k] = place
+                    speed += nodes.speed[kind, j, i] * work.a[i, k]
+                    way += nodes.way[kind, j, i] * work.a[i, k]
+            work.p[j, k] = state.p[k] + length * speed
+            work.q[j, k] = state.q[k] + length * (nodes.phase[kind, j] * state.p[k] + length * way)
 
 
 @compiled
@@ -466,7 +485,7 @@ def _reach(problem):
     """Return the largest distance of a contact from the axis of rotation."""
     reach = 0.0
     for i in range(problem.x.size):
-        reach = max(reach, np.hypot(problem.x[i], problem.y[i]))
+        reach = max(reach, size_of(problem.x[i], problem.y[i]))
     return reach
 
 
@@ -477,9 +496,9 @@ def _rate_between(problem, i, which, row):
         return -row[Stage.Z_RATE]
     if which != RegimeEnd.SLIP:
         return 0.0
-    size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+    size = size_of(row[Stage.E_X], row[Stage.E_Y])
     along = row[Stage.E_X] * row[Stage.W_X] + row[Stage.E_Y] * row[Stage.W_Y]
-    speed = along / size if size > 0.0 else np.hypot(row[Stage.W_X], row[Stage.W_Y])
+    speed = along / size if size > 0.0 else size_of(row[Stage.W_X], row[Stage.W_Y])
     return problem.limit_slope[i] * row[Stage.Z_RATE] - speed
 
 
@@ -510,8 +529,6 @@ def _first_event(problem, first, last, length, kind, state, work):
                     continue
                 if which != RegimeEnd.STICK:
                     old = 0.0
-            if which == RegimeEnd.PASS and old <= 1e-11:
-                continue
             if which == RegimeEnd.TOUCH and old <= 0.0 and work.start[i, Stage.Z_RATE] <= 0.0:
                 old = 0.0  # it has just opened
             for j in range(n):
@@ -521,18 +538,17 @@ def _first_event(problem, first, last, length, kind, state, work):
                     break
                 if which == RegimeEnd.TOUCH and old == 0.0 and new < 0.0 and row[Stage.Z_RATE] < 0.0:
                     continue
-                if which == RegimeEnd.PASS and new < -NEGATIVE:
+                share = old / (old - new) if new < 0.0 < old else 0.0
+                place = phase_old + share * (phase - phase_old)
+                passes = new < -NEGATIVE
+                if which == RegimeEnd.PASS and passes:
                     x, y, limit = row[Stage.E_X], row[Stage.E_Y], problem.limit_slope[i] * row[Stage.Z]
                     d_x, d_y = x - x_old, y - y_old
                     # the chord between both nodes must come near zero between them; else w itself has turned
                     between = x_old * d_x + y_old * d_y < 0.0 < x * d_x + y * d_y
-                    if not between or abs(x_old * y - y_old * x) > NEAR * limit * np.hypot(d_x, d_y):
-                        break
-                if new < -NEGATIVE:
-                    share = old / (old - new) if old > 0.0 else 0.0
-                    place = phase_old + share * (phase - phase_old)
-                    if which == RegimeEnd.PASS and place < PASSED:
-                        break
+                    near = abs(x_old * y - y_old * x) <= NEAR * limit * size_of(d_x, d_y)
+                    passes = between and near and old > 1e-11 and place > PASSED
+                if passes:
                     if place < at or found < 0:
                         found, what, at, crossing = i, which, place, 1 if j < n - 1 else 2
                     break
@@ -566,7 +582,7 @@ def segment_error(problem, first, last, state, work):
             angle += d * row[Stage.TURNING] if state.regime[i] == Regime.SLIP else 0.0
             top = max(top, row[Stage.P])
         scale = problem.stiffness[i] * load(1.0, problem.normal)
-        own = (abs(p) + np.hypot(x, y) / problem.friction + abs(angle) * top) / scale
+        own = (abs(p) + size_of(x, y) / problem.friction + abs(angle) * top) / scale
         error = max(error, own)
     return error
 
@@ -586,7 +602,13 @@ def _rises(problem, i, which, state, work):
 @compiled
 def shorter(error, work):
     """Return the factor on a segment that is too long for its error."""
-    return max(0.15, min(0.8, 0.9 * (work.tolerance / error) ** (1.0 / work.phase.size)))
+    return max(0.15, min(0.8, grown(error, work)))
+
+
+@compiled
+def grown(error, work):
+    """Return the factor on a segment's length that makes its error the tolerance."""
+    return 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / work.phase.size)
 
 
 @compiled
@@ -614,15 +636,20 @@ def finish_segment(problem, first, last, state, work):
             if regime == Regime.SLIP:
                 sums[i, Sum.SLIP] += d * problem.friction * elastic * row[Stage.LAMBDA]
             else:
-                size = np.hypot(row[Stage.E_X], row[Stage.E_Y])
+                size = size_of(row[Stage.E_X], row[Stage.E_Y])
                 sums[i, Sum.STUCK] += d
             if c > 0.0:
                 back = problem.friction * problem.stiffness[i] * c * back_load(z, z - size / c, problem.normal)
                 sums[i, Sum.LEAK] -= d * back * row[Stage.Z_RATE]
         row = work.stage[n - 1, i]
+        work.bend[i] = 0.0
         if regime == Regime.SLIP:
             for j in range(n):
                 state.alpha[i] += nodes.weight[j] * work.stage[j, i, Stage.TURNING]
+            if work.rate[n - 1] > 0.0:
+                last = work.stage[n - 2, i, Stage.TURNING] / work.rate[n - 2]
+                work.bend[i] = row[Stage.TURNING] / work.rate[n - 1] - last
+                work.bend[i] /= work.phase[n - 1] - work.phase[n - 2]
         if regime != Regime.SEPARATED:
             state.e[i, 0], state.e[i, 1] = row[Stage.E_X], row[Stage.E_Y]
         state.begins[i] = 0
@@ -646,7 +673,7 @@ def pass_event(problem, i, which, state, row):
     """Move contact i beyond its guard; `row` is the contact at the event."""
     c, counts = problem.limit_slope[i], state.counts
     if which == RegimeEnd.TOUCH:
-        speed = np.hypot(row[Stage.W_X], row[Stage.W_Y])
+        speed = size_of(row[Stage.W_X], row[Stage.W_Y])
         state.begins[i] = 1
         counts[i, Count.MADE] += 1
         state.e[i, 0] = state.e[i, 1] = 0.0
@@ -666,7 +693,7 @@ def pass_event(problem, i, which, state, row):
         state.regime[i], state.alpha[i] = Regime.SLIP, np.arctan2(along_y, along_x)
         counts[i, Count.SLIPS] += 1
     elif which == RegimeEnd.STICK:
-        size, limit = np.hypot(row[Stage.E_X], row[Stage.E_Y]), c * row[Stage.Z]
+        size, limit = size_of(row[Stage.E_X], row[Stage.E_Y]), c * row[Stage.Z]
         if size > 0.0:
             state.e[i, 0], state.e[i, 1] = limit * row[Stage.E_X] / size, limit * row[Stage.E_Y] / size
         state.regime[i] = Regime.STICK
@@ -683,7 +710,7 @@ def begin(problem, first, last, state, work):
     """Fill what a segment knows of its start."""
     fill_surface(problem, first, last, state.total[Total.PHASE], work.before)
     for i in range(first, last):
-        row = work.start[i]
+        row, work.bend[i] = work.start[i], 0.0
         fill_kinematics(problem, i, work.before[i], state.q, state.p, row)
         row[Stage.E_X], row[Stage.E_Y] = state.e[i, 0], state.e[i, 1]
         row[Stage.N_X], row[Stage.N_Y] = np.cos(state.alpha[i]), np.sin(state.alpha[i])
@@ -725,9 +752,9 @@ def _narrowed(bracket, length, crossing, value):
 
 
 @compiled
-def _closeness(guard, work):
-    """Return how near an event a segment has to end, in phase; beyond an opening eq. (1) has no meaning."""
-    if guard == RegimeEnd.OPEN or work.careful[0] == 1:
+def _closeness(work):
+    """Return how near an event a segment has to end, in phase."""
+    if work.careful[0] == 1:
         return CLOSE
     return max(CLOSE, min(CLOSE_SHARE * work.tolerance, FAR))
 
@@ -762,7 +789,7 @@ def _solve_next(problem, first, last, left, state, work):
         if state.begins[i] == 1:
             begun = Map.BEGIN
         flies = flies and state.regime[i] == Regime.SEPARATED
-    most = max(MAX_STEP, MAX_FLIGHT * n) if flies and work.careful[0] == 0 else MAX_STEP
+    most = MAX_STEP if work.careful[0] == 1 else max(MAX_STEP, (MAX_FLIGHT if flies else MAX_PER_NODE) * n)
     length = min(max(state.total[Total.STEP], LEAST_STEP), most)
     everything = 0.0, 0.0, np.inf, 0.0
     kind, target, guard, tries, bracket = begun, -1, 0, 0, everything
@@ -772,20 +799,26 @@ def _solve_next(problem, first, last, left, state, work):
     if next_event >= 0 and work.careful[0] == 0:
         ahead = expected_phase(kept, next_event) - phase
     if ahead < left:
-        parts = max(np.ceil(ahead / length - 0.1), 2.0 if begun == Map.BEGIN else 1.0)
-        length = ahead / parts
-        if parts == 1.0:
-            row = 1 - kept.place[Place.PRESENT]
-            target, guard = kept.contact[row, next_event], kept.guard[row, next_event]
-            kind, length = _map_to(guard, work), length + BEYOND * _closeness(guard, work)
+        row = 1 - kept.place[Place.PRESENT]
+        at_end = kept.reach[row, next_event]
+        if ahead > 1.05 * at_end > 0.0:  # the last segment has square roots removed, and is short
+            length = (ahead - at_end) / max(np.ceil((ahead - at_end) / length - 0.1), 1.0)
+        else:
+            parts = max(np.ceil(ahead / length - 0.1), 2.0 if begun == Map.BEGIN else 1.0)
+            length = ahead / parts
+            if parts == 1.0:
+                target, guard = kept.contact[row, next_event], kept.guard[row, next_event]
+                kind, length = _map_to(guard, work), length + BEYOND * _closeness(work)
     elif length > 0.8 * left:
         length = left
-    foretold = target >= 0
+    foretold, solved, solved_kind = target >= 0, 0.0, kind
     _guess_accelerations(length, kind, state, work)
     for _ in range(MAX_TRIES):
-        if not solve_segment(problem, first, last, length, kind, False, state, work):
-            length, kind, target = 0.4 * length, begun, -1
+        known = kind == solved_kind and abs(length - solved) < ALIKE * length
+        if not solve_segment(problem, first, last, length, kind, known, state, work):
+            length, kind, target, solved = 0.4 * length, begun, -1, 0.0
             continue
+        solved, solved_kind = length, kind
         i, which, at, crossing = _first_event(problem, first, last, length, kind, state, work)
         if i < 0 and foretold:
             value = _guard(problem, target, state.regime[target], guard, work.stage[n - 1, target])
@@ -820,7 +853,7 @@ def _solve_next(problem, first, last, left, state, work):
         bracket = _narrowed(bracket, length, crossing, value)
         parted = bracket[2] - bracket[0] >= CLOSE
         # an event is passed on its far side, else what it ends would begin again
-        close = _closeness(guard, work)
+        close = _closeness(work)
         near = abs(step) < close
         if work.careful[0] == 0:
             near = rate < 0.0 and abs(step) < (NEGATIVE if value > 0.0 else close)
@@ -838,6 +871,8 @@ def _solve_next(problem, first, last, left, state, work):
                 length, kind, target = length * shorter(error, work), begun, -1
                 continue
             if ends:
+                kept.ended[Ended.BEHIND] = step if abs(step) < max(close, BEND) else 0.0
+                kept.ended[Ended.REACH] = length * min(2.5, 0.7 * grown(error, work)) if kind == Map.END else 0.0
                 return length, target, guard, error
         if i >= 0 and (at < 1e-11 or (not parted and length < 1e3 * CLOSE)):
             return 0.0, target, guard, 0.0
@@ -865,7 +900,14 @@ def advance(problem, first, last, until, state, work):
             work.careful[0], idle = 1, 0
             continue
         if length < 1e-11 and target >= 0:
-            pass_event(problem, target, guard, state, work.start[target])
+            row = work.start[target]
+            if (
+                idle >= ALTERNATIONS
+                and row[Stage.Z_RATE] < 0.0
+                and row[Stage.Z] < (ANGLE_SHARE * work.tolerance) ** 0.4
+            ):
+                guard = RegimeEnd.OPEN  # what is left of its impulse, some z^2.5, is within what lambda is known to
+            pass_event(problem, target, guard, state, row)
             idle += 1
             continue
         idle = 0
@@ -873,8 +915,7 @@ def advance(problem, first, last, until, state, work):
             work.careful[0] = 0
         regimes = regimes_of(state, first, last)
         finish_segment(problem, first, last, state, work)
-        grow = 0.9 * (work.tolerance / (error + 1e-300)) ** (1.0 / n)
-        proposed = length * max(0.3, min(2.5, grow))
+        proposed = length * max(0.3, min(2.5, grown(error, work)))
         if error == 0.0 and work.careful[0] == 0:
             proposed = MAX_FLIGHT * n
         if fresh:
@@ -904,7 +945,7 @@ def _pass_simultaneous(problem, i, state, work):
         which = RegimeEnd.SLIP
         along = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y]
         rising = along > problem.limit_slope[i] * row[Stage.Z_RATE]
-    if rising and abs(_guard(problem, i, regime, which, row)) < _closeness(which, work):
+    if rising and abs(_guard(problem, i, regime, which, row)) < _closeness(work):
         pass_event(problem, i, which, state, row)
 
 

@@ -23,7 +23,6 @@ from contact.plane.disc_contacts import (
     LEAST_STEP,
     MAX_TRIES,
     NEAR,
-    PASSED,
     TURN,
     RegimeEnd,
     Stage,
@@ -45,6 +44,7 @@ STICK_GRID = TURN / 48.0
 ROOT = 1e-13  # rad: width of a root's bracket
 TOUCHING = 1e-12  # |z|, scaled, that rounding and the width of its bracket leave at a root of z
 BEND = 1e-7  # the same of a least |e|, which only parts two rules of quadrature
+PASSED = 1e-6  # rad from the start of a segment within which a least |e| has been met
 SLIP_END = 1e-9  # rad: of the end of slip, in which the force is continuous and its rate too
 MAX_SEGMENTS = 100_000
 LONGEST = 1.6  # rad: of a segment

@@ -34,6 +34,8 @@ class Nodes(NamedTuple):
     phase: np.ndarray  # (4, n): phase of the nodes over H, by `Map`
     rate: np.ndarray  # (4, n): its derivative in s
     integral: np.ndarray  # (n, n): integrals from 0 to each node of the polynomial through the nodes
+    speed: np.ndarray  # (4, n, n): integrals over the phase from the start to each node, over H
+    way: np.ndarray  # (4, n, n): the same twice, over H^2
     weight: np.ndarray  # (n,): weights of the integral over the step
     difference: np.ndarray  # (n,): those of the rule less those of the rule without one of its nodes
     slope: np.ndarray  # (4, n): weights of the derivative in phase, times H, at the end of the step
@@ -58,7 +60,9 @@ def radau(n: int) -> Nodes:
     slope = np.array([_slope_at_end(each) for each in phase])
     own = [Polynomial.fromroots(np.delete(s, k)) for k in range(n)]
     power = np.array([(each / each(at)).integ().coef[1:] for each, at in zip(own, s, strict=True)])
-    return Nodes(phase, rate, integral, weight, difference, slope, power)
+    speed = integral * rate[:, None, :]
+    way = (speed[:, :, :, None] * speed[:, None]).sum(axis=2)
+    return Nodes(phase, rate, integral, speed, way, weight, difference, slope, power)
 
 
 def _integrals(s):

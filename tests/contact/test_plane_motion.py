@@ -59,6 +59,17 @@ def test_along_one_line_it_is_the_scalar_burst():
     assert abs(plane.velocity[-1, 1]) < 1e-15
 
 
+def test_a_contact_that_turns_back_in_stick_passes_its_least_deformation():
+    """In long segments |e| grows at first, then falls through zero, where the force bends."""
+    slider, line = (ball(mass=0.089e-3, normal_damping=0.5, freedom=f, load=v) for f, v in (("xy", (0, 0)), ("x", 0.0)))
+    surface = beams(10, 0).scaled(-1j)
+    orbit = Orbit(frequency=2.2e6, normal=10e-9, tangential=-1j * R_X * 10e-9)
+    scalar = burst_along_x(line, orbit, duration=60 * T, after=0.0, tolerance=1e-9, samples=2, method="exact")
+    motion = motion_at_rest(slider, surface, bursts.EXACT[1e-6][0], rise=0.0, stop=1.0, warm=True)
+    motion.follow(60 * 2 * np.pi)
+    assert motion.state.p[1] * motion.units.speed == pytest.approx(scalar.velocity[-1], rel=1e-6)
+
+
 def three_balls(**changes):
     x, y = np.array([3e-3, -2e-3, -1.5e-3]), np.array([0.5e-3, 2.5e-3, -2e-3])
     values = dict(
