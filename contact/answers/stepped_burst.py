@@ -67,7 +67,7 @@ def stepped_burst(burst):
         # under an envelope or along a track the first cycles of the burst are not those of the check
         same = burst.envelope is None and burst.track is None
         least = LEAST_SHARE if same and level > 1 else 1.0
-        return window.error(estimate, run[0][-1], lambda: in_window(level), least) if reference > 0.0 else 0.0
+        return window.error(estimate, lambda: in_window(level), least) if reference > 0.0 else 0.0
 
     small = [k for k, (number, _) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)]
     # the coarsest level with small enough steps is run for comparison only
@@ -211,17 +211,18 @@ class Window(NamedTuple):
             runs = [every_event(short, *ORDERS[k][:3])[2][:, Recorded.VELOCITY] for k in ((1, 2) if whole else (2,))]
         except ConvergenceError:
             return cls(short, None, math.inf, whole)
-        return cls(short, runs[-1], float(abs(runs[-1][-1] - runs[0][-1])), whole)
+        return cls(short, runs[-1], float(np.max(np.abs(runs[-1] - runs[0]))), whole)
 
-    def error(self, estimate: float, velocity: float, in_window: Callable, least: float) -> float:
-        """Return the error of a method's velocity at the end of the burst.
+    def error(self, estimate: float, in_window: Callable, least: float) -> float:
+        """Return the error of a method's velocity in the burst.
 
-        `estimate` is the method's own estimate. `in_window()` returns the method's velocities in the window and its
-        estimate for them. `least` as for `calibrated_error`.
+        It is the largest one after any cycle where the window is the whole burst. `estimate` is the method's own.
+        `in_window()` returns the method's velocities in the window and its estimate for them. `least` as for
+        `calibrated_error`.
         """
         if self.velocities is None:
             return calibrated_error(estimate, None, 0.0)
-        if self.whole:
-            return abs(velocity - float(self.velocities[-1])) + self.exact_error
         velocities, stated = in_window()
+        if self.whole:
+            return float(np.max(np.abs(velocities - self.velocities))) + self.exact_error
         return calibrated_error(estimate, float(np.max(np.abs(velocities - self.velocities))), stated, least=least)
