@@ -93,8 +93,7 @@ def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of a `motion.Motion` since its start, divided by `spans` (its number of cycles)."""
     unit = slider.unit_mass * motion.problem.speed**2 / spans
     works_and_losses = motion.sums[EnergySum.WAVE_NORMAL : EnergySum.ADHESION_LOSS + 1]
-    increases = motion.energy() - motion.begun  # of the springs, the preload and the slider
-    return Ledger(*(unit * works_and_losses).tolist(), *(unit * increases).tolist())
+    return Ledger(*(unit * works_and_losses).tolist(), *(unit * motion.increases()).tolist())
 
 
 def rough_ledger(balls: RoughBalls, orbits: Orbit | Sequence[Orbit], motion: RoughMotion) -> Ledger:

@@ -445,7 +445,7 @@ def _held_with_bounce_error(search, solution):
 def _averaged(search):
     """Return the averaged solution, with the energies of a cycle at constant height and velocity."""
     mean, held, motion = search.mean, search.balance.held, search.balance.motion
-    motion.begun = motion.energy()  # the cycle repeats, so that the stored energy does not change
+    motion.count_energies()  # the cycle repeats, so that the stored energy does not change
     note = "held by friction" if held else "cycle means"
     if search.failure is not None:
         note += f", for the full motion was not found: {search.failure}"

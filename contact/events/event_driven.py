@@ -195,12 +195,11 @@ def _sampled(grid, state, nodes, task, segment, taken):
 
 
 @compiled
-def _move_to_end(problem, state, nodes, memory):
+def _move_to_end(problem, state, nodes, memory, length):
     """Set the state to that at the end of a segment; the next one is guessed from the accelerations there."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
-    state.slider[At.POSITION] = slider[SliderRow.POSITION, end]
-    state.slider[At.NORMAL_VELOCITY] = slider[SliderRow.NORMAL_VELOCITY, end]
-    state.slider[At.VELOCITY] = slider[SliderRow.VELOCITY, end]
+    once, twice = slider[SliderRow.NORMAL_ONCE, end], slider[SliderRow.NORMAL_TWICE, end]
+    seg.advance_slider(state, length, once, twice, slider[SliderRow.TANGENTIAL_ONCE, end])
     for i in range(state.regime.size):
         state.deformation[i] = own[ContactRow.X, i, end]
         if memory is not None:
@@ -288,7 +287,7 @@ def _accept(problem, grid, state, work, task, memory, span, progress, segment):
         account(problem, grid, state, work.nodes, segment)
         taken = _sampled(grid, state, work.nodes, task, segment, progress.taken)
         store(work.pattern, 1 - progress.old, progress.match, segment, phase, state, work.nodes)
-        _move_to_end(problem, state, work.nodes, memory)
+        _move_to_end(problem, state, work.nodes, memory, segment.length)
     else:
         taken = many_contacts.accept(problem, grid, state, work, task, segment, progress.taken)
     return phase, taken
@@ -351,9 +350,10 @@ def advance(problem, grid, state, work, task, memory, span, new):
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
         "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n",
         "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
-        "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
-        "state.tally": "12", "state.sums": "15", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
-        "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
+        "grid.tail": "2 m", "state.slider": "3", "state.lost": "3", "state.deformation": "n", "state.sign": "n",
+        "state.regime": "n", "state.tally": "12", "state.sums": "15",
+        "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m", "work.nodes.guard": "m",
+        "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
         "work.pattern.acceleration_change": "2 c 2 m",
         "task.at": "s", "task.samples": "s n 6", "task.record": "r 3", "memory.number": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.arc": "n p",

@@ -381,12 +381,12 @@ def _project(grid, span, nodes, problem, piece, outer, i):
 @compiled
 def _account_slider(problem, grid, state, work, outer):
     """Add the slider's own integrals, move it to the end, and note the events in their order."""
-    nodes, span, n = work.nodes, work.span, grid.sigma.size
+    nodes, span = work.nodes, work.span
     _move(grid, work, outer, outer, 0)
     account_slider(problem, grid, state, nodes, outer)
-    state.slider[At.POSITION] = nodes.slider[SliderRow.POSITION, n - 1]
-    state.slider[At.NORMAL_VELOCITY] = nodes.slider[SliderRow.NORMAL_VELOCITY, n - 1]
-    state.slider[At.VELOCITY] = nodes.slider[SliderRow.VELOCITY, n - 1]
+    # over tau int L_0 is 1, that of the others 0; the double integrals are 1/2 of L_0, -1/6 of L_1
+    normal, along = (span.series[SliderRow.NORMAL_ACCELERATION], span.series[SliderRow.TANGENTIAL_ACCELERATION])
+    seg.advance_slider(state, outer.length, normal[0], 0.5 * normal[0] - normal[1] / 6.0, along[0])
     _sort(span.phases, span.stored[0])
     before = outer.phase
     for k in range(span.stored[0]):

@@ -6,6 +6,7 @@ All quantities are in the units of `contact.problem`.
 import copy
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,14 @@ def _whole_cycles(number, mobile, truncation, limit, contacts, warm):
     )  # fmt: skip
 
 
+class Beginning(NamedTuple):
+    """Where the energies of a motion are counted from."""
+
+    slider: np.ndarray  # (3,): z_s, z_s' and v
+    lost: np.ndarray  # (3,): what rounding has cut off from them
+    stored: float  # energy of the springs
+
+
 class Motion:
     """State of a slider on a wave, moved along by segments between events.
 
@@ -61,6 +70,8 @@ class Motion:
         over that of the preload in one radian of phase, and of its tangential force, over that of full friction.
     state : ndarray, shape (3 + contacts,)
         Slider position z_s, its rate z_s', slider velocity v, and the deformation of each contact.
+    lost : ndarray, shape (3,)
+        What rounding has cut off from the first three (`segment.advance_slider`).
     sign : ndarray, shape (contacts,)
         Sign of the deformation or of the slip.
     regime : ndarray of int, shape (contacts,)
@@ -71,26 +82,26 @@ class Motion:
         Integrals over the motion since `begin` (`energy.EnergySum`).
     memory : law.hysteretic.Memory or None
         Memory of the contacts; None for a law without one.
-    begun : ndarray, shape (3,), or None
-        `energy` at the last `begin`.
+    begun : Beginning or None
+        The state at the last `begin`; None before it.
     """
 
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
         contacts = problem.contacts
         self.problem, self.grid, self.truncation = problem, grid, truncation
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(len(EnergySum))
-        self.carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
+        self.carry(np.zeros(3 + contacts), np.zeros(3), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
         if problem.normal.hold is not None:
             self.regime[:] = Regime.STICK  # where both are possible, a contact without a history is closed
         remembers = problem.law.guard is hysteretic.guard  # the only law with a memory
-        self.begun = None
+        self.begun: Beginning | None = None
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
-    def carry(self, state, sign, regime, tally, sums):
+    def carry(self, state, lost, sign, regime, tally, sums):
         """Make these arrays, all scaled, the state; the kernels change them in place."""
-        self.state, self.sign, self.regime, self.tally, self.sums = state, sign, regime, tally, sums
+        self.state, self.lost, self.sign, self.regime, self.tally, self.sums = state, lost, sign, regime, tally, sums
         # for the kernels: the same arrays, not copies, as one tuple
-        self.carried = segment.SegmentState(state[:3], state[3:], sign, regime, tally, sums)
+        self.carried = segment.SegmentState(state[:3], lost, state[3:], sign, regime, tally, sums)
 
     def set_state(self, height, normal_velocity, speed, deformations=0.0, problem=None):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
@@ -101,6 +112,7 @@ class Motion:
         """
         before = self.approaches(self.state[At.POSITION])
         self.problem = problem or self.problem
+        self.lost[:] = 0.0
         if self.memory is not None:
             self._displace(before, height, normal_velocity, speed, deformations)
             return
@@ -111,14 +123,32 @@ class Motion:
     def copy(self) -> "Motion":
         """Return an independent motion in the same state."""
         other = copy.copy(self)
-        other.carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
+        other.carry(*(each.copy() for each in (self.state, self.lost, self.sign, self.regime, self.tally, self.sums)))
         if self.memory is not None:
             other.memory = hysteretic.copy(self.memory)
         return other
 
     def begin(self):
-        """Set tally and sums to zero, and store the energies of this state."""
-        self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
+        """Set tally and sums to zero, and count the energies from this state on."""
+        self.tally[:], self.sums[:] = 0, 0.0
+        self.count_energies()
+
+    def count_energies(self):
+        """Count the increases of the energies from this state on, which must be at phase 0."""
+        self.begun = Beginning(self.state[: At.DEFORMATIONS].copy(), self.lost.copy(), float(self.energy()[0]))
+
+    def increases(self) -> np.ndarray:
+        """Return how much the energies of `energy` have increased since `begin`, from the change of the state.
+
+        A difference of two kinetic energies would be rounding: a heavy slider has 1e7 times the work of a cycle.
+        """
+        begun, now = self.begun, self.state[: At.DEFORMATIONS]
+        if begun is None:
+            raise ValueError("the energies of a motion are counted from its `begin` on")
+        change, mean = now - begun.slider + (self.lost - begun.lost), 0.5 * (now + begun.slider)
+        position, normal, along = change
+        kinetic = mean[At.NORMAL_VELOCITY] * normal + mean[At.VELOCITY] * along
+        return np.array([self.energy()[0] - begun.stored, self.problem.preload * position, kinetic])
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0, warm: bool = False) -> np.ndarray:
         """Move through `number` whole cycles; return a sample (`Recorded`) every `stride` cycles, none for 0.

@@ -45,7 +45,7 @@ COMPILED_CONTACTS = 100
 SHAPES = {
     "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
     "problem.factors.stiffness": "n", "problem.factors.limit_slope": "n", "state.slider": "3",
-    "state.deformation": "n", "state.sign": "n", "state.regime": "n",
+    "state.lost": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
 }  # fmt: skip
 
 
@@ -85,6 +85,7 @@ class SegmentState(NamedTuple):
     """State of a slider between two segments, with the tally and the sums of the run so far."""
 
     slider: np.ndarray  # (3,): z_s, z_s' and v
+    lost: np.ndarray  # (3,): what rounding has cut off from them, see `advance_slider`
     deformation: np.ndarray  # (contacts,): x
     sign: np.ndarray  # (contacts,): of deformation or slip
     regime: np.ndarray  # (contacts,) int: `codes.Regime`
@@ -304,11 +305,12 @@ def integrate(grid, state, nodes, segment):
         _four(once, twice, min(j, n - 4), slider)  # the last four nodes may overlap with those before
     change = 0.0
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
+    z_lost, rate_lost, v_lost = state.lost[At.POSITION], state.lost[At.NORMAL_VELOCITY], state.lost[At.VELOCITY]
     for j in range(n):
         tau = grid.tau[segment.map, j]
-        normal_velocity = z_rate + length * slider[SliderRow.NORMAL_ONCE, j]
-        speed = v + length * slider[SliderRow.TANGENTIAL_ONCE, j]
-        height = z_s + length * (z_rate * tau + length * slider[SliderRow.NORMAL_TWICE, j])
+        normal_velocity = z_rate + (rate_lost + length * slider[SliderRow.NORMAL_ONCE, j])
+        speed = v + (v_lost + length * slider[SliderRow.TANGENTIAL_ONCE, j])
+        height = z_s + (z_lost + length * (z_rate * tau + length * slider[SliderRow.NORMAL_TWICE, j]))
         way = length * (v * tau + length * slider[SliderRow.TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[SliderRow.POSITION, j]), abs(way - slider[SliderRow.TRAVEL, j]))
         moved = max(
@@ -321,6 +323,29 @@ def integrate(grid, state, nodes, segment):
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
     return change
+
+
+@compiled
+def advance_slider(state, length, once, twice, along):
+    """Move the slider by the integrals of its accelerations over a segment, and keep what the sums round off.
+
+    `once`, `twice`: single and double integral over tau of the normal acceleration; `along`: of the tangential one. A
+    heavy slider's velocity changes in a segment by as little as 1e-9 of itself, so that its rounding would be 1e-7 of
+    the work of a cycle. The remainders of the sums (Kahan, Comm. ACM 8 (1965) 40) go into those of the next segment.
+    """
+    z_rate = state.slider[At.NORMAL_VELOCITY]
+    _advance(state, At.POSITION, length * (z_rate + length * twice))
+    _advance(state, At.NORMAL_VELOCITY, length * once)
+    _advance(state, At.VELOCITY, length * along)
+
+
+@compiled
+def _advance(state, k, change):
+    """Add a change to one quantity of the slider; the remainder is exact whichever of the two is larger (Knuth)."""
+    before, change = state.slider[k], state.lost[k] + change
+    after = before + change
+    added = after - before
+    state.slider[k], state.lost[k] = after, (before - (after - added)) + (change - added)
 
 
 @compiled

@@ -41,6 +41,7 @@ NEAR = 0.05  # of k beyond its end, relative: closer, z is integrated from the e
 # Legendre's rule of 6 points on [0, 1], 1e-16 of the integral over `NEAR`
 POINTS, WEIGHTS = (0.5 * each for each in np.polynomial.legendre.leggauss(6))
 POINTS = POINTS + 0.5
+THIN = 1e-3  # k at a fold below which it is taken for one at the point
 SERIES = 8  # degree of the polynomial in the root of the approach from which the terms at the end are taken
 
 
@@ -151,11 +152,15 @@ def _end_of(number):
         high = 1.0
         while rise(high) < 0.0:
             high *= 2.0
-        end = float(bracketed(rise, 0.0, high))
+        end = float(bracketed(rise, 0.5 * high if high > 1.0 else 0.0, high))
     rim = rim_at_angle(end, number)
     lowest = float(rim_approach(rim, number))
     # near the end s is a smooth function of k, and so are the forces
-    x = (NEAR * end if end > 0.0 else NEAR) * np.cos(np.pi * (np.arange(SERIES + 1) + 0.5) / (SERIES + 1))
+    x = np.cos(np.pi * (np.arange(SERIES + 1) + 0.5) / (SERIES + 1))
+    if end < THIN and rise(0.0) < NEAR:  # the fold is so near the point that s is smooth on one side only
+        x = 0.5 * NEAR * (1.0 + x)
+    else:
+        x = (NEAR * end if end > 0.0 else NEAR) * x
     rims = [rim_at_angle(end + each, number) for each in x]
     s = np.sign(x) * np.sqrt([_beyond(each, end, lowest, number) for each in rims])
     elastic, attraction = _terms(s, [each.a**3 for each in rims]), _terms(s, [rim_pull(each, number) for each in rims])

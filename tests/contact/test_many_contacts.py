@@ -138,7 +138,7 @@ def test_the_averaged_jacobian_is_that_of_a_cycle():
     left, right = shooting.averaged_jacobian(balance, near.state[3:])
     whole, y = shooting.CycleMap(balance.problem, 16, 1e-12), near.state
     start = whole(y)
-    columns = np.column_stack([(whole(y + 1e-7 * unit) - start) / 1e-7 for unit in np.eye(y.size)])
+    columns = np.column_stack([unit + (whole(y + 1e-7 * unit) - start) / 1e-7 for unit in np.eye(y.size)])
     own, own_of_x = columns[:3, :3], columns[:3, 3:]
     through_deformations = own + own_of_x @ columns[3:, :3]
     map_ = (left @ right.T)[:3, :3]

@@ -87,6 +87,26 @@ def test_depths_are_those_of_the_branch(number):
         assert (r1 - r0) / (2.0 * step) == pytest.approx(second, rel=1e-5, abs=1e-9)
 
 
+# where a fold meets the point at which a contact ends, and around it; for the last two the bracket must not start at 0
+POINT = 0.9379474572106667
+
+
+@pytest.mark.parametrize(
+    "number", [*(POINT * (1.0 + each) for each in (-1e-2, -1e-9, 0.0, 1e-13, 1e-4)), 56184.72651444387, 6e5]
+)
+def test_branches_of_all_numbers_end_at_a_fold_or_a_point(number):
+    hold = holding.maugis(number, 1.0, -0.5)
+    assert np.all(np.isfinite([*hold[:-2], *hold.elastic, *hold.attraction]))
+    assert (hold.end_depth == 0.0) == (number <= POINT)
+    if number > 1e4:  # the limit JKR: S^4 = 8/3 in the unit of Maugis, and the approach -3 (S/4)^(4/3)
+        root = (8.0 / 3.0) ** 0.5
+        assert hold.leave == pytest.approx(-3.0 * (0.25 * root) ** (4.0 / 3.0), rel=1e-6)
+    else:
+        z = hold.leave + np.geomspace(1e-6, 1.0, 7)
+        d = [float(holding.depth(each, hold)) for each in z]
+        assert [float(holding.approach_at(each, hold)) for each in d] == pytest.approx(z, abs=1e-12)
+
+
 @pytest.mark.parametrize("number", [1.0, 3.0, 50.0])
 def test_series_at_the_end_are_those_of_the_forces(number):
     hold = holding.maugis(number, 1.0, -0.1)
