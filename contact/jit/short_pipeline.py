@@ -9,6 +9,7 @@ kernel; whatever else numba compiles in this process, it compiles as usual.
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from operator import attrgetter
 
 
 @cache
@@ -52,27 +53,37 @@ def pipeline():
 
 @contextmanager
 def slow_parts_replaced() -> Iterator[None]:
-    """Replace two functions of numba by faster ones that return the same; the caller holds numba's compiler lock."""
+    """Replace functions of numba by faster ones that return the same; the caller holds numba's compiler lock."""
     from numba.core import ir, types
+    from numba.core.targetconfig import TargetConfig
     from numba.core.types.functions import BaseFunction
 
-    typed = BaseFunction.get_call_type
-    unlisted, numbers, known = (str, int, float, ir.Loc, type(None)), (types.Number, types.Boolean), {}
+    typed, equal, hashed = BaseFunction.get_call_type, TargetConfig.__eq__, TargetConfig.__hash__
+    numbers, known, hashes, set_in = (types.Number, types.Boolean), {}, {}, attrgetter("_values")
+    # by type, whether a value is a variable, an instruction or a container: these classes of numba are abstract ones,
+    # of which `isinstance` is slow
+    kinds: dict[type, type | None] = {}
+
+    def kind_of(value):
+        classes = ir.Var, ir.Inst, dict, list, tuple
+        return next((each for each in classes if isinstance(value, each)), None)
 
     def list_variables(instruction, value):
         variables, values = [], [value]
         while values:
             each = values.pop()
-            if isinstance(each, ir.Var):
-                variables.append(each)
-            elif isinstance(each, unlisted):
+            sort = type(each)
+            if sort not in kinds:
+                kinds[sort] = kind_of(each)
+            kind = kinds[sort]
+            if kind is None:
                 continue
-            elif isinstance(each, ir.Inst):
+            if kind is ir.Var:
+                variables.append(each)
+            elif kind is ir.Inst:
                 variables += each.list_vars()
-            elif isinstance(each, dict):
-                values += each.values()
-            elif isinstance(each, list | tuple):
-                values += each
+            else:
+                values += each.values() if kind is dict else each
         return variables
 
     def type_of_call(function, context, arguments, keywords):
@@ -83,9 +94,22 @@ def slow_parts_replaced() -> Iterator[None]:
             known[call] = typed(function, context, arguments, keywords), function  # which keeps its number meanwhile
         return known[call][0]
 
+    def same_options(options, other):
+        if options is other or (type(options) is type(other) and set_in(options) == set_in(other)):
+            return True
+        return equal(options, other)
+
+    def hash_of_options(options):
+        # numba hashes the names of the options alone
+        if type(options) not in hashes:
+            hashes[type(options)] = hashed(options)
+        return hashes[type(options)]
+
     replaced: tuple[tuple[type, str, Callable], ...] = (
         (ir.Inst, "_rec_list_vars", list_variables),
         (BaseFunction, "get_call_type", type_of_call),
+        (TargetConfig, "__eq__", same_options),
+        (TargetConfig, "__hash__", hash_of_options),
     )
     usual = [vars(owner)[name] for owner, name, _ in replaced]
     try:
