@@ -9,21 +9,21 @@ found by Newton's method; contact i has the velocity V + omega e_z x r_i, so tha
 force in its own velocity give those in all unknowns. This is first-order averaging, error O((f_n/f)^2).
 """
 
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from contact.exceptions import ConvergenceError
 from contact.jit.compiled import per_thread
-from contact.plane.balance_search import SHORT, Accuracies, Found, HeavyBody, Task, Tools, find_balance, search_of
+from contact.plane.balance_search import Accuracies, Found, HeavyBody, Task, Tools, find_balance, search_of
 from contact.plane.cycle import COLUMNS, Extra, cycle_means, cycle_samples
 from contact.plane.cycle_slopes import slopes_of
 from contact.plane.disc_contacts import Stage, Sum, state_of, with_nodes, work_of
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.plane_equations import PlaneProblem
 from contact.plane.plane_waves import SurfaceWaves
+from contact.plane.rest import settled
 from contact.plane.scaling import FREE, Scaled, scaled
 from contact.slider import Slider
 
@@ -224,15 +224,19 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
     close = max(1e-13, 1e-4 * tolerance)
     found = find_balance(averaged.problem, body, accuracies, search, close, int(Task.ALL))
     if found == Found.MAY_REST:
-        if (held := _held(averaged)) is not None:
+        if (held := held_rest(averaged)) is not None:
             return held
         found = find_balance(averaged.problem, body, accuracies, search, close, int(Task.MOTION))
     averaged.evaluations += int(search.done[0])
     if found != Found.BALANCE:
         held = at_rest(averaged)
-        if held.held or found == Found.AT_REST:
+        if held.held:
             return held
         _refuse_beyond_friction(averaged, held.means.contacts[:, Sum.NORMAL])
+        if (turning := _turning_about_a_contact(averaged, tolerance)) is not None:
+            return turning
+        if found == Found.AT_REST:
+            return held
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
     if not search.done[1]:
         raise ConvergenceError("not converged", "a contact did not repeat its motion within the periods allowed")
@@ -284,6 +288,8 @@ def _refuse_beyond_friction(averaged: Averaged, loads: np.ndarray) -> None:
                 "runaway", "load and torque together exceed the friction of all contacts and no damper balances them"
             )
         step = farthest - point
+        if not step.any():
+            return
         point = point + step * min(1.0, float(left @ step / (step @ step)))
 
 
@@ -311,55 +317,45 @@ def held_rest(averaged: Averaged) -> Root | None:
     """Return the balance at rest of a slider that friction holds, else None."""
     if not averaged.closed.any():
         return None
-    body = averaged.body
-    search, accuracies = search_of(body, np.zeros(3), averaged.deformation), _accuracies(len(averaged.start), True)
-    found = find_balance(averaged.problem, body, accuracies, search, 0.0, int(Task.REST))
-    averaged.evaluations += int(search.done[0])
-    return _held(averaged) if found == Found.MAY_REST else None
+    rest = at_rest(averaged)
+    return rest if rest.held else None
 
 
-def _held(averaged: Averaged) -> Root | None:
-    """Return the balance at rest of contacts that may hold the load, None where they do not."""
-    held = at_rest(averaged)
-    return held if held.held and not _pushed_on(averaged) else None
-
-
-def _pushed_on(averaged):
-    """Return True if in one of several directions even contacts at their limits fall clearly short of the load.
-
-    The forces of rest are a convex set: one direction in which its farthest point falls short is enough.
-    """
+def at_rest(averaged: Averaged) -> Root:
+    """Return the balance at rest; not `held` where friction does not carry the load."""
+    rest = settled(averaged, averaged.load, averaged.basis, ANSWER)
+    if rest.held:
+        averaged.deformation = rest.deformation
+    means = averaged.at(np.zeros(3), ANSWER, rest.deformation)
     size = averaged.basis.shape[1]
-    for each in product((-1.0, 0.0, 1.0), repeat=size):
-        if any(each):
-            along = np.array(each) / np.linalg.norm(each)
-            means = rest_force(averaged, averaged.basis @ along, SEARCH)
-            if averaged.residual(means, np.zeros(3)) @ along > SHORT * averaged.friction:
-                return True
-    return False
+    return Root(np.zeros(3), means, np.zeros((size, size)), np.zeros(3), rest.held, not rest.held)
 
 
-def at_rest(averaged):
-    """Return the balance at rest; not `held` where no force of the band is the load.
-
-    The forces of rest are a convex set. It holds the load if in no direction its farthest point falls short of it; the
-    direction in which it does is sought along the force that is left.
-    """
-    basis, towards = averaged.basis, np.zeros(3)
-    means = rest_force(averaged, towards)
-    held = False
-    for _ in range(40):
-        left = averaged.residual(means, np.zeros(3))
-        if np.linalg.norm(left) <= 1e-9 * averaged.friction:
-            held = True
-            break
-        new = basis @ left / np.linalg.norm(left)
-        means = rest_force(averaged, new)
-        # dragged towards what is left, the contacts resist as much as they can
-        if averaged.residual(means, np.zeros(3)) @ (basis.T @ new) <= 1e-10 * averaged.friction:
-            held = True
-            break
-        if np.abs(new - towards).max() < 1e-9:
-            break
-        towards = new
-    return Root(np.zeros(3), means, np.zeros((basis.shape[1],) * 2), np.zeros(3), held, not held)
+def _turning_about_a_contact(averaged: Averaged, tolerance: float) -> Root | None:
+    """Return the balance of a slider that turns about a contact which never slips, None where there is none."""
+    if averaged.basis.shape[1] < 3:
+        return None
+    for i in np.flatnonzero(averaged.closed):
+        fixed = averaged.rigid[i]
+        about = np.linalg.svd(fixed)[2][2]  # the motion that leaves the contact in its place
+        turning = replace(averaged, basis=about[:, None])
+        try:
+            root = balanced(turning, tolerance=tolerance)
+        except ConvergenceError:
+            continue
+        if root.held or root.near_rest:
+            continue
+        others = root.means.contacts.copy()
+        others[i, [Sum.ALONG_X, Sum.ALONG_Y]] = 0.0
+        left = averaged.load + averaged.damping * root.unknown - averaged.total(others)
+        carried, *_ = np.linalg.lstsq(fixed.T, left, rcond=None)
+        rest = settled(averaged, fixed.T @ carried, np.linalg.svd(fixed)[2][:2].T, ANSWER, only=i)
+        averaged.evaluations += turning.evaluations
+        if rest.held:
+            contacts = others
+            contacts[i] = rest.contacts[i]
+            means = Means(contacts, averaged.total(contacts), root.means.repeats)
+            turning.deformation[i] = rest.deformation[i]
+            averaged.deformation = turning.deformation
+            return root._replace(means=means)
+    return None

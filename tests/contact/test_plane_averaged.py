@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, fsolve
 
 from contact import ConvergenceError, InputError, Orbit
 from contact import mean_motion as mean_along_x
@@ -319,6 +320,60 @@ def test_the_threshold_along_one_wave_is_that_of_the_scalar_law(changes):
     assert threshold_factor(replace(slider, load=turned_load), beams(1, 0).turned(np.pi / 2)) == pytest.approx(
         expected, rel=6e-4
     )
+
+
+def rest_amplitude(slider, waves):
+    """Return the factor at which one ball that carries no mean force meets its limit once in a period.
+
+    Its deformation e + u(t) has the e for which the mean of Q = mu (P(z) - P(z - |e + u|/c)) vanishes.
+    """
+    k, c = float(slider.normal_stiffness), float(slider.contacts(1).limit_slope[0])
+    phase = np.linspace(0.0, 1.0 / np.gcd.reduce(waves.frequencies.astype(int)), 2000, endpoint=False)
+    turning = np.exp(2j * math.pi * waves.frequencies * phase[:, None])
+    path = np.einsum("tw,wk->tk", turning, waves.amplitudes[:, 0]).real
+
+    def margin(factor):
+        u, lift = factor * path[:, :2], factor * path[:, 2]
+        high = 3.0 * slider.rest_approach(1)
+        height = brentq(lambda h: np.mean(k * (h + lift) ** 1.5) - F, -lift.min(), high, xtol=1e-20)
+        z = height + lift
+
+        def force(e):
+            deformed = u + e * 1e-9
+            size = np.hypot(*deformed.T)
+            q = k * (z**1.5 - np.maximum(z - size / c, 0.0) ** 1.5)
+            return (q[:, None] * deformed / size[:, None]).mean(axis=0) / F
+
+        e = fsolve(force, np.zeros(2), xtol=1e-13)
+        return float((np.hypot(*(u + e * 1e-9).T) / (c * z)).max()) - 1.0
+
+    return brentq(margin, 0.05, 1.5, rtol=1e-6)
+
+
+@pytest.mark.parametrize("frequencies", [(2.2e6,), (2.2e6, 4.4e6)])
+def test_the_threshold_on_waves_that_cross_is_where_the_ball_meets_its_limit(frequencies):
+    slider, waves = ball(), beams(1.0, 0.8, 1.1, frequencies)
+    found, expected = threshold_factor(slider, waves), rest_amplitude(slider, waves)
+    assert found == pytest.approx(expected, rel=1e-3)
+    assert steady(slider, waves.scaled(0.99 * expected), tolerance=1e-6).regimes == ("stick",)
+    assert not steady(slider, waves.scaled(1.02 * expected), tolerance=1e-6).held
+
+
+def test_a_slider_turns_about_a_ball_beside_the_beam_that_carries_a_load_across():
+    """Balls at (0, b), without a wave, and (0, -b): the second runs as if alone, the first holds the load."""
+    b, wave = 5e-3, beams(3, 0).amplitudes
+    waves = SurfaceWaves(frequencies=[2.2e6], amplitudes=np.concatenate([0.0 * wave, wave], axis=1))
+    slider = ball(x=[0.0, 0.0], y=[b, -b], freedom="xy yaw", preload=2.0 * F, load=(0.0, 0.3 * MU * F))
+    state = steady(slider, waves, tolerance=1e-8)
+    alone = mean_motion(ball(preload=float(state.normal_loads[1])), beams(3, 0))
+    assert state.regimes == ("stick", "slip")
+    assert not state.held
+    assert state.velocity == pytest.approx([0.5 * alone.velocity[0], 0.0], abs=1e-8 * alone.velocity[0])
+    assert 2.0 * b * state.yaw_rate == pytest.approx(alone.velocity[0], rel=1e-8)
+    assert state.force == pytest.approx(slider.load, abs=1e-8 * MU * F)
+    pulled = steady(replace(slider, load=(0.0, 1.05 * MU * F)), waves, tolerance=1e-6)
+    assert pulled.velocity[1] < 0.0
+    assert "stick" not in pulled.regimes
 
 
 def test_a_load_across_the_wave_lowers_the_threshold_and_full_friction_needs_none():
