@@ -30,19 +30,28 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem.condense.cascade_piece import Blocks
 from fem.condense.electrode_conditions import equipotential
 from fem.condense.element_column import Column, sides_to_inside
 from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, Restated
 
 
 def joined(
-    left: FingerColumns, right: FingerColumns, *, phi: int | None = None, electrode: int | None = None
+    left: FingerColumns,
+    right: FingerColumns,
+    *,
+    phi: int | None = None,
+    electrode: int | None = None,
+    odd: np.ndarray | None = None,
 ) -> FingerColumns:
     """Join two neighbours into one piece by equations (2) and (3).
 
     Both have the same potentials.  If the surface node of the shared line lies on a finger, ``phi`` is the index of
     this node's potential among the unknowns of the line, and ``electrode`` the number of the finger's electrode.  The
     node then has the potential of the finger, and its row in the system of the shared line becomes the identity.
+
+    ``odd``: unknowns of a line that change sign under x -> -x, shape (n,), where that is a symmetry of the solid.
+    Parts that are each other's mirror image then take a third of the time.
 
     Examples
     --------
@@ -59,11 +68,15 @@ def joined(
         second = equipotential(second, np.array([at.left.start + phi]), port)
     middle = first[at.right, at.right] + second[at.left, at.left]
     shared = first[at.right, at.ports] + second[at.left, at.ports]
-    coupling = np.hstack([first[at.right, at.left], second[at.left, at.right], shared])
     if electrode is not None:
         middle[phi, phi] = 1.0
-    transfer = sides_to_inside(middle, coupling)  # T of equation (2)
-    matrix = _symmetric_product(coupling, transfer)  # and equation (3)
+    if odd is not None and mirror_images(first, second, at, odd):
+        transfer, matrix = _eliminated_mirror_line(middle, first[at.right, at.left], shared, odd)
+    else:
+        coupling = np.hstack([first[at.right, at.left], second[at.left, at.right], shared])
+        transfer = sides_to_inside(middle, coupling)  # T of equation (2)
+        matrix = _symmetric_product(coupling, transfer)  # and equation (3)
+        matrix = 0.5 * (matrix + matrix.T)
     for own, line in ((first, at.left), (second, at.right)):
         matrix[line, line] += own[line, line]
         matrix[line, at.ports] += own[line, at.ports]
@@ -73,11 +86,74 @@ def joined(
         transfer[phi, at.ports.start + electrode] = 1.0
     return FingerColumns(
         size=at.size,
-        matrix=0.5 * (matrix + matrix.T),
+        matrix=matrix,
         width=left.width + right.width,
         ports=left.ports,
         inside=Pair(left=left, right=right, middle=transfer),
     )
+
+
+def mirror_images(first: np.ndarray, second: np.ndarray, at: Blocks, odd: np.ndarray) -> bool:
+    """True if the lines of one matrix are exactly the mirror image of the other's, whatever their ports.
+
+    Equal runs of fingers are, because each begins as half a cell and its mirror image.
+    """
+    line = np.where(odd, -1.0, 1.0)
+    signs = np.outer(line, line)
+    images = (
+        (first[at.right, at.right], second[at.left, at.left]),
+        (first[at.right, at.left], second[at.left, at.right]),
+        (first[at.left, at.left], second[at.right, at.right]),
+    )
+    own, other = images[0]
+    if not np.array_equal(np.diag(own), np.diag(other)):  # most pairs; the diagonal does not change its sign
+        return False
+    return all(np.array_equal(own * signs, other) for own, other in images)
+
+
+def _eliminated_mirror_line(
+    middle: np.ndarray, from_left: np.ndarray, shared: np.ndarray, odd: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """T of equation (2) and C^T T of equation (3) where the right part's lines are the mirror image of the left's.
+
+    With S = diag(+1, -1), -1 for the odd unknowns, B_mr = S A_ml S, and ``middle`` = A_mm + S A_mm S couples no odd
+    unknown with an even one.  Each parity is eliminated alone.  With t and c the columns of T and C of the left line,
+    those of the right line are S t S and S c S, so that the products of even and of odd rows, E + O = c^T t, also give
+    c^T S t S = (E - O) S.
+
+    Parameters
+    ----------
+    middle : ndarray, shape (n, n)
+    from_left : ndarray, shape (n, n)
+        A_ml.
+    shared : ndarray, shape (n, ports)
+        A_mp + B_mp.
+    odd : ndarray of bool, shape (n,)
+    """
+    size, line = len(odd), np.where(odd, -1.0, 1.0)
+    coupling = np.hstack([from_left, shared])
+    solved = np.empty(coupling.shape, dtype=np.result_type(middle, coupling))
+    products = []
+    for parity in (np.flatnonzero(~odd), np.flatnonzero(odd)):
+        own = coupling[parity]
+        solved[parity] = sides_to_inside(middle[np.ix_(parity, parity)], own)
+        product = own.T @ solved[parity]
+        products.append(0.5 * (product + product.T))
+    even, uneven = products
+    both, difference = even + uneven, even - uneven
+    at = Blocks(size)
+    matrix = np.empty((2 * size + shared.shape[1],) * 2, dtype=solved.dtype)
+    own, ports = both[:size, :size], both[:size, size:]
+    matrix[at.left, at.left] = own
+    matrix[at.right, at.right] = line[:, None] * own * line
+    matrix[at.left, at.right] = difference[:size, :size] * line
+    matrix[at.right, at.left] = matrix[at.left, at.right].T
+    matrix[at.left, at.ports] = ports
+    matrix[at.right, at.ports] = line[:, None] * difference[:size, size:]
+    matrix[at.ports, at.lines] = matrix[at.lines, at.ports].T
+    matrix[at.ports, at.ports] = both[size:, size:]
+    left = solved[:, :size]
+    return np.hstack([left, line[:, None] * left * line, solved[:, size:]]), matrix
 
 
 def _symmetric_product(left: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -46,7 +46,7 @@ class Condensation:
     def joined(self, left: FingerColumns, right: FingerColumns, electrode: int | None = None) -> FingerColumns:
         """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
         phi = None if electrode is None else self.section.full.finger_potential
-        return joined(left, right, phi=phi, electrode=electrode)
+        return joined(left, right, phi=phi, electrode=electrode, odd=self.section.odd)
 
     def mirrored(self, superelement: FingerColumns) -> FingerColumns:
         """Reflect in x -> -x."""

@@ -7,6 +7,7 @@ few dimensions.  One basis represents the lines at the middle of gaps, another t
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +25,8 @@ WALL_WIDTH = 0.2
 # From the end, in wall widths: where snapshots of the reflected fields are taken
 WALL_DISTANCES = (1.0, 1.5, 3.0)
 # A mode counts as incident on a transducer if it keeps 0.1 of the smallest retained amplitude over the shortest
-# segment, and on an end, where errors of the basis matter less, if it keeps 100 times that over a wavelength.
-INCIDENT_SHARE, INCIDENT_SHARE_AT_WALL = 0.1, 100.0
+# segment, and on an end, where errors of the basis matter less, if it keeps 100 times that over the segment beside it.
+INCIDENT_SHARE, INCIDENT_SHARE_AT_END = 0.1, 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,30 +130,60 @@ def even_transducers(
     return [superelements[shape, each.signs] for shape, each in zip(shapes, transducers, strict=True)]
 
 
+class Directions(NamedTuple):
+    """Left singular vectors and values of the fields on one kind of line, of one group of unknowns."""
+
+    unknowns: np.ndarray  # numbers of the unknowns that are not zero in all fields
+    vectors: np.ndarray  # (unknowns, unknowns)
+    values: np.ndarray
+
+
+def decomposed(
+    line_fields: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray]
+) -> list[tuple[Directions, Directions]]:
+    """Proper orthogonal decomposition of the fields on both kinds of line, for each group of `parity_groups`."""
+    decompositions = []
+    for group in groups:
+        both = []
+        for part in line_fields:
+            own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
+            chosen = part[own]
+            both.append(Directions(own, *_left_singular(np.hstack([chosen.real, chosen.imag]) / abs(part).max())))
+        decompositions.append((both[0], both[1]))
+    return decompositions
+
+
+def _left_singular(fields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Left singular vectors and values of a real matrix with far more columns than rows.
+
+    The eigenvectors of F F^T alone are right to half of the digits.  In their basis the rows of F are nearly
+    orthogonal, so that the same step with rows of unit norm gives the rest.
+    """
+    _, vectors = np.linalg.eigh(fields @ fields.T)
+    turned = vectors.T @ fields
+    norms = np.linalg.norm(turned, axis=1)
+    turned /= np.where(norms, norms, 1.0)[:, None]
+    squares, mixed = np.linalg.eigh(turned @ turned.T)
+    left, values, _ = np.linalg.svd((vectors * norms) @ mixed * np.sqrt(np.maximum(squares, 0.0)))
+    return left, values
+
+
 def bases_of(
-    line_fields: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray], truncation: float
+    decompositions: list[tuple[Directions, Directions]], size: int, truncation: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal bases of both kinds of line, with equal numbers of vectors from every group of unknowns.
 
-    ``groups`` are sets of unknowns from `parity_groups`; a basis vector is nonzero on one of them only.  Singular
+    ``decompositions`` are those of `decomposed`; a basis vector is nonzero on one group of unknowns only.  Singular
     values below ``truncation`` times the largest of the group are left out.  Both kinds of line keep the larger of the
-    two numbers of vectors, because both lines of a half cell must have the same size.
+    two numbers of vectors, because both lines of a half cell must have the same size.  ``size``: unknowns of a line.
     """
-    size = len(line_fields[0])
     columns: tuple[list, list] = ([], [])
-    for group in groups:
-        decompositions = []
-        for part in line_fields:
-            own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
-            real = np.hstack([part[own].real, part[own].imag]) / abs(part).max()
-            # R of real^T = Q R has the left singular vectors of `real` in its transpose, with far fewer columns
-            vectors, values, _ = np.linalg.svd(np.asarray(np.linalg.qr(real.T, mode="r")).T)
-            decompositions.append((own, vectors, values))
-        count = max(int(np.sum(values > truncation * values[0])) for _, _, values in decompositions)
-        count = min(count, *(len(own) for own, _, _ in decompositions))
-        for kind, (own, vectors, _) in enumerate(decompositions):
+    for both in decompositions:
+        count = max(int(np.sum(each.values > truncation * each.values[0])) for each in both)
+        count = min(count, *(len(each.unknowns) for each in both))
+        for kind, each in enumerate(both):
             embedded = np.zeros((size, count))
-            embedded[own] = vectors[:, :count]
+            embedded[each.unknowns] = each.vectors[:, :count]
             columns[kind].append(embedded)
     return np.hstack(columns[0]), np.hstack(columns[1])
 
@@ -170,18 +201,25 @@ def containing(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return basis + np.outer(unit - basis @ inside, inside)
 
 
-def _end_fields(modes: GuidedModes, ends: tuple, amplitude: float) -> list[np.ndarray]:
-    """Reflected fields for every mode incident on an end: at a mesh's interface, at some distances from a plain end."""
-    after_wavelength = abs(np.exp(-1j * modes.wavenumbers))
-    incident = np.flatnonzero(
-        (after_wavelength > min(INCIDENT_SHARE_AT_WALL * amplitude, 0.5)) & (modes.wavenumbers != 0)
-    )
+def _arriving(modes: GuidedModes, distance: float) -> np.ndarray:
+    """Amplitude of each mode after a distance, 1 where it set out."""
+    return abs(np.exp(-1j * modes.wavenumbers * distance))
+
+
+def _end_fields(modes: GuidedModes, ends: tuple, lengths: tuple[float, float], amplitude: float) -> list[np.ndarray]:
+    """Reflected fields for every mode incident on an end: at a mesh's interface, at some distances from a plain end.
+
+    Each is weighted with the amplitude at which it arrives over the segment beside the end, of ``lengths`` (left,
+    right).
+    """
     fields = []
     outgoing = (modes.right, modes.wavenumbers), (modes.left, -modes.backwards)
     for side, (shapes, wavenumbers) in enumerate(outgoing):
         if ends[side] == "absorbing":
             continue
-        reflected = end_reflection(modes, ends[side], side, incident)
+        arriving = _arriving(modes, lengths[side])
+        incident = np.flatnonzero((arriving > INCIDENT_SHARE_AT_END * amplitude) & (modes.wavenumbers != 0))
+        reflected = end_reflection(modes, ends[side], side, incident) * arriving[incident]
         distances = (0.0,) if isinstance(ends[side], Wall) else WALL_DISTANCES
         for distance in WALL_WIDTH * np.array(distances):
             fields.append(shapes @ (np.exp(-1j * wavenumbers * distance)[:, None] * reflected))
@@ -192,6 +230,8 @@ def snapshots(
     fields: PortFields, halves: dict[FingerShape, tuple[FingerColumns, FingerColumns]], amplitude: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fields on the lines at mid-gap and at mid-finger, for a voltage at every port and for every incident mode.
+
+    A mode is incident with the amplitude that the shortest segment leaves of it.
 
     Parameters
     ----------
@@ -208,21 +248,24 @@ def snapshots(
         Gap lines include those at the ends of the stator and on both sides of meshed pieces.
     """
     modes, network, section = fields.modes, fields.network, fields.section
-    gap_lines: list[np.ndarray] = _end_fields(modes, network.ends, amplitude)
+    lengths = np.diff(network.segments, axis=1)[:, 0]
+    gap_lines: list[np.ndarray] = _end_fields(modes, network.ends, (lengths[0], lengths[-1]), amplitude)
     finger_lines: list[np.ndarray] = []
-    # A mode matters at a transducer if it survives the shortest gap on the way there (INCIDENT_SHARE).
-    shortest = np.diff(network.segments, axis=1).min()
-    incident = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * shortest)) > INCIDENT_SHARE * amplitude)
-    gap_lines += [modes.right[:, incident], modes.left[:, incident]]
+    arriving = _arriving(modes, lengths.min())
+    incident = np.flatnonzero(arriving > INCIDENT_SHARE * amplitude)
+    rightwards, leftwards = (shapes[:, incident] * arriving[incident] for shapes in (modes.right, modes.left))
+    gap_lines += [rightwards, leftwards]
+    known: set[int] = set()  # equal transducers share a scatterer, which scatters the incident modes once
     for scatterer, own_sides, owner in zip(network.scatterers, fields.sides, fields.owners, strict=True):
-        at = scatterer.at
-        incoming = np.zeros((at.ports.start, 2 * len(incident)), dtype=complex)
-        incoming[at.left, : len(incident)] = modes.right[:, incident]
-        incoming[at.right, len(incident) :] = modes.left[:, incident]
-        # columns: response to every incident mode with all potentials zero, then the fields of the unit excitations
-        no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
-        scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
-        sides = np.hstack([scattered, section.solid.potential_unit * own_sides])
+        at, sides = scatterer.at, section.solid.potential_unit * own_sides
+        if id(scatterer) not in known:
+            known.add(id(scatterer))
+            incoming = np.zeros((at.ports.start, 2 * len(incident)), dtype=complex)
+            incoming[at.left, : len(incident)] = rightwards
+            incoming[at.right, len(incident) :] = leftwards
+            # columns: response to every incident mode with all potentials zero, then the fields of the unit excitations
+            no_voltage = np.zeros((len(scatterer.potentials), incoming.shape[1]))
+            sides = np.hstack([np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage]), sides])
         gap_lines.append(sides[at.right])
         if owner is None or not isinstance(scatterer.piece, FingerColumns):  # a meshed piece
             gap_lines.append(sides[at.left])

@@ -5,10 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.block_matrix import block_diagonal
 from fem.circuit import Drive
 from fem.condense.condensed_mesh import MeshedPiece
-from fem.condense.element_column import ELECTRODES
 from fem.condense.reaction_moments import finger_moment
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.depth_mesh import discretise
@@ -18,9 +16,11 @@ from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.reduce.basis import (
     WALL_WIDTH,
+    Directions,
     ReducedSection,
     bases_of,
     containing,
+    decomposed,
     even_transducers,
     parity_groups,
     snapshots,
@@ -93,7 +93,8 @@ class NodeSolutions:
     # by finger shape: at every node the matrices of the rising and the falling half, their moments below
     half_cells: dict = field(repr=False)
     walls: list = field(repr=False)  # at every node, or empty
-    fields: tuple = field(repr=False)  # snapshots on the lines at mid-gap and at mid-finger
+    # of the fields on the lines at mid-gap and at mid-finger, by group of unknowns
+    decompositions: list[tuple[Directions, Directions]] = field(repr=False)
     solutions: list[Solution] = field(repr=False)  # at some of the nodes
     meshes: StatorMeshes = field(repr=False)
     # distinct meshed pieces at all nodes, and at those added for their own interpolation
@@ -153,12 +154,13 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     nodes = side_by_side(at_node, range(len(squares)))
     fields = [node.fields for node in nodes if node.fields is not None]
     gaps = np.hstack([gap for gap, _ in fields] + [section.constant_potential[:, None]])
+    fingers = np.hstack([finger for _, finger in fields])
     return NodeSolutions(
         section=section,
         resolution=resolution,
         half_cells={shape: [node.matrices[shape] for node in nodes] for shape in shapes},
         walls=[node.walls for node in nodes if node.walls is not None],
-        fields=(gaps, np.hstack([finger for _, finger in fields])),
+        decompositions=decomposed((gaps, fingers), parity_groups(section, stator.ends == "clamped")),
         solutions=[node.solution for node in nodes if node.solution is not None],
         meshes=meshes,
         pieces={key: [node.pieces[key] for node in nodes] for key in meshes.assemblies},
@@ -171,7 +173,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     Singular values below ``truncation`` times the largest are left out.
     """
     section = nodes.section
-    gap, finger = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
+    gap, finger = bases_of(nodes.decompositions, section.size, truncation)
     bases = containing(gap, section.constant_potential) if section.floating_potential else gap, finger
     odd = None
     if section.odd is not None:
@@ -203,11 +205,22 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
 
 def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
-    rising_frame, falling_frame = (
-        block_diagonal(left, right, np.eye(len(ELECTRODES))) for left, right in ((gap, finger), (finger, gap))
+
+    def projected(half: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+        *matrix, moment = half
+        once = _onto_lines(_onto_lines(np.array(matrix), left, right).T, left, right).T
+        return np.vstack([once, _onto_lines(moment[:, None], left, right).T])
+
+    rising, falling = zip(*pairs, strict=True)
+    return HalfCell(
+        rising=np.stack([projected(half, gap, finger) for half in rising]),
+        falling=np.stack([projected(half, finger, gap) for half in falling]) if both else None,
+        width=width,
     )
-    rising, falling = (
-        np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
-        for frame, halves in zip((rising_frame, falling_frame), zip(*pairs, strict=True), strict=True)
-    )
-    return HalfCell(rising=rising, falling=falling if both else None, width=width)
+
+
+def _onto_lines(matrix: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Project the rows of a complex matrix on the bases of both lines; the rows of the electrodes stay."""
+    rows = np.ascontiguousarray(matrix).view(float)  # a product of real matrices takes half the time
+    size = len(left)
+    return np.vstack([left.T @ rows[:size], right.T @ rows[size : 2 * size], rows[2 * size :]]).view(complex)

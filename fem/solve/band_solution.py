@@ -8,6 +8,7 @@ checked frequencies are therefore scaled to the sharpest resonance that the band
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -35,9 +36,9 @@ from fem.waveguide.port_fields import PortFields, StatorCascade, stator_cascade
 
 # Singular values of the lines' fields below a share of the tolerance are dropped.  The share at the first attempt, at
 # the last one, and the factor from one attempt to the next:
-FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
-# Share of the error that a step of the truncation must remove; without it the interpolation between the nodes decides,
-# which further fields do not change.
+FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-4, 0.5
+# Share of the error that one of two steps of the truncation must remove; without it the interpolation between the nodes
+# decides, which further fields do not change.  A single step may add fields that do not matter alone.
 GAIN_OF_STEP = 0.02
 MAX_TRUNCATION = 1e-4  # relative singular value, for loose tolerances
 REDUCTION_SHARE = 0.5  # of the tolerance, for the reduction's error; the rest is the discretisation's
@@ -319,12 +320,19 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     nodes = solve_at_nodes(problem, wave.solution.fields.resolution)
     checks = [between, *(_Check.of(problem, solution) for solution in nodes.solutions)]
     worst = max(check.worst for check in checks)
-    level_error, level_admittance_error = level_errors(problem, checks, (wave.relative_error, wave.admittance_error))
+    errors = level_bounds(problem, checks, (wave.relative_error, wave.admittance_error))
+    known = errors_by_finer_level(problem, checks)
+    reach = level_gain(problem.stator) * problem.tolerance
+    errors = sharpened(errors, problem.tolerance, reach, known)
     model, motion_error, admittance_error = reduced_model(
-        problem, nodes, checks, worst, problem.tolerance - level_error
+        problem, nodes, checks, worst, problem.tolerance - errors[:, 0].max()
     )
     # an error of a piece's matrix acts through the waves that the piece sends back
     piece_error = max(1.0, worst / between.here) * model.piece_error
+    # the bounds are lowered no further than the reduction's error requires: between the checks the error may be larger
+    limit = problem.tolerance - motion_error - piece_error
+    errors = sharpened(errors, limit, reach, known, least=limit)
+    level_error, level_admittance_error = errors.max(axis=0)
     band = Band(
         model=model,
         relative_error=level_error + motion_error + piece_error,
@@ -333,41 +341,64 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     return band, float(level_error)
 
 
-def level_errors(problem: BandProblem, checks: list["_Check"], between: tuple[float, float]) -> np.ndarray:
-    """Errors of the discretisation in motion and admittance at the worst frequency of the band.
+def _level_differences(problem: BandProblem, check: "_Check", other: int) -> np.ndarray:
+    """Differences in motion and admittance of a check's solution from that of the level number ``other``."""
+    solution = solve_driven(
+        problem.stator,
+        problem.transducers,
+        frequency=check.solution.fields.frequency,
+        drive=problem.drive,
+        resolution=LEVELS[other],
+    )
+    pair = (check.solution, check.motion), (solution, surface_of(solution).motion(problem.positions))
+    return np.array(solution_differences(*pair))
 
-    ``between``: those at the first check; at the others the level before is solved too, because the motion may be
-    small there.  If the errors exceed the tolerance, the finer level is solved at the worst check: the difference from
-    it is the error itself, where the difference from the level before is its upper bound.
+
+def level_bounds(problem: BandProblem, checks: list["_Check"], between: tuple[float, float]) -> np.ndarray:
+    """Upper bounds of the discretisation's errors, shape (checks, 2), motion and admittance at the worst frequency.
+
+    ``between``: errors at the first check; at the others the level before is solved too, because the motion may be
+    small there.
     """
     worst, gain = max(check.worst for check in checks), level_gain(problem.stator)
-    level = LEVELS.index(checks[0].solution.fields.resolution)
-
-    def differences(check: "_Check", other: int) -> np.ndarray:
-        solution = solve_driven(
-            problem.stator,
-            problem.transducers,
-            frequency=check.solution.fields.frequency,
-            drive=problem.drive,
-            resolution=LEVELS[other],
-        )
-        pair = (check.solution, check.motion), (solution, surface_of(solution).motion(problem.positions))
-        return np.array(solution_differences(*pair))
-
-    estimates = side_by_side(lambda check: differences(check, level - 1) / (gain - 1), checks[1:])
-    errors = np.array(
+    before = LEVELS.index(checks[0].solution.fields.resolution) - 1
+    estimates = side_by_side(lambda check: _level_differences(problem, check, before) / (gain - 1), checks[1:])
+    return np.array(
         [check.growth(worst) * np.array(each) for check, each in zip(checks, [between, *estimates], strict=True)]
     )
-    for _ in checks if level + 1 < len(LEVELS) else ():
+
+
+def errors_by_finer_level(problem: BandProblem, checks: list["_Check"]) -> Callable[[int], np.ndarray]:
+    """Function of a check's number: errors as in `level_bounds`, from the finer level; each is solved once at most."""
+    worst, gain = max(check.worst for check in checks), level_gain(problem.stator)
+    finer = LEVELS.index(checks[0].solution.fields.resolution) + 1
+
+    @cache
+    def known(number: int) -> np.ndarray:
+        if finer == len(LEVELS):
+            return np.full(2, np.inf)
+        amplified = max(1.0, worst / checks[number].here)
+        return amplified * _level_differences(problem, checks[number], finer) * gain / (gain - 1)
+
+    return known
+
+
+def sharpened(
+    bounds: np.ndarray, limit: float, reach: float, known: Callable[[int], np.ndarray], least: float = 0.0
+) -> np.ndarray:
+    """Bounds of `level_bounds`, of which those of the motion above a limit are replaced by what a finer level shows.
+
+    The difference from the finer level (``known``) is the error itself, where that from the level before is its upper
+    bound.  The finer level is solved at one check after the other, the worst first, as long as the limit can be met:
+    not for bounds above ``reach``.  An error that it shows counts as ``least`` at least, if its bound is above that.
+    """
+    errors = bounds.copy()
+    for _ in errors:
         largest = int(np.argmax(errors[:, 0]))
-        if not problem.tolerance < errors[largest, 0] < gain * problem.tolerance:
+        if not limit < errors[largest, 0] < reach or known(largest)[0] >= errors[largest, 0]:
             break
-        check = checks[largest]
-        known = max(1.0, worst / check.here) * differences(check, level + 1) * gain / (gain - 1)
-        if known[0] >= errors[largest, 0]:
-            break
-        errors[largest] = np.minimum(errors[largest], known)
-    return errors.max(axis=0)
+        errors[largest] = np.minimum(errors[largest], np.maximum(known(largest), least))
+    return errors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -405,21 +436,27 @@ def reduced_model(
     """
     share = REDUCTION_SHARE * problem.tolerance
     allowed = np.array([motion_allowance if motion_allowance > 0 else share, share])
-    truncation, before = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION), np.full(2, np.inf)
+    truncation, size = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION), 0
+    reached: list[np.ndarray] = []
     while True:
         last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
         model = project(problem, nodes, truncation)
+        truncation *= TRUNCATION_STEP
+        if model.section.size == size and not last:
+            continue
+        size = model.section.size
         try:
-            errors = reduction_errors(model, problem, checks, worst)
+            errors = np.array(reduction_errors(model, problem, checks, worst))
         except ConvergenceError:  # too few fields to represent the ends
             if last:
                 raise
-            errors = np.inf, np.inf
+            errors = np.full(2, np.inf)
         too_large = errors > allowed
-        stagnant = np.isfinite(before) & (np.array(errors) > (1 - GAIN_OF_STEP) * before)
-        if last or not too_large.any() or stagnant[too_large].all():
-            return model, *errors
-        truncation, before = truncation * TRUNCATION_STEP, np.array(errors)
+        *_, before, last_but_one = np.full(2, np.inf), np.full(2, np.inf), *reached
+        stagnant = np.minimum(errors, last_but_one) > (1 - GAIN_OF_STEP) * before
+        if last or stagnant[too_large].all():
+            return model, float(errors[0]), float(errors[1])
+        reached.append(errors)
 
 
 def reduction_errors(

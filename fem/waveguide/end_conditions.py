@@ -136,7 +136,7 @@ def end_walls(
     """
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
-    columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
+    columns = {each: condensed(section, frequency, width=each, electrode=None) for each in np.unique(widths)}
     right = reduce(joined, [columns[each] for each in widths])
     left = reduce(joined, [columns[each] for each in widths[::-1]]) if layers else right  # else all widths are equal
     lines = np.arange(2 * section.size).reshape(2, -1)

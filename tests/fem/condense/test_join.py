@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.condense.finger_columns import columns_from_left, condensed
-from fem.condense.joined_fingers import exchanged, joined, repeated
+from fem.condense.joined_fingers import exchanged, joined, mirror_images, repeated
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, finger_ports, half_cells, joined_fingers
 from fem.discretize.element_sizes import Resolution
 from fem.waveguide.guided_modes import guided_modes
@@ -48,6 +48,27 @@ def test_joining_is_associative(depth):
     assert ours.width == pytest.approx(0.4, rel=1e-14)
     bare = joined(joined(gap, gap), gap).matrix, joined(gap, joined(gap, gap)).matrix
     assert close(*bare)
+
+
+@pytest.mark.parametrize("tied", [True, False], ids=["finger on the line", "gap on the line"])
+def testmirror_images_are_joined_as_any_two_parts(tied):
+    """Each parity alone, against all unknowns together; and only where the right part is the mirror image."""
+    depth = section(plate(CASES[0], thickness=0.9), order=5, layers=1)
+    make = Condensation(depth, FREQUENCY)
+    rising, falling = half_cells(make, SHAPE, RESOLUTION)
+    if not tied:
+        rising, falling = falling, exchanged(rising)
+    electrode = {"phi": depth.finger_potential, "electrode": 0} if tied else {}
+    images = [
+        mirror_images(left.matrix, right.matrix, left.at, depth.odd)
+        for left, right in ((rising, falling), (rising, rising))
+    ]
+    assert images == [True, False]
+    one, other = (joined(rising, falling, **electrode, odd=odd) for odd in (depth.odd, None))
+    assert close(one.matrix, other.matrix, 1e-12)
+    assert close(one.pair.middle, other.pair.middle, 1e-11)
+    np.testing.assert_array_equal(one.matrix, one.matrix.T)
+    assert mirror_images(one.matrix, exchanged(one).matrix, one.at, depth.odd)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 6])

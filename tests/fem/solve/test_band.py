@@ -80,10 +80,31 @@ def test_a_reduced_basis_holds_the_constant_potential():
     assert ports[0, 1] == pytest.approx(ports[1, 0], rel=1e-12)
 
 
+def test_bounds_are_lowered_at_the_worst_checks_alone_and_no_further_than_asked_for():
+    """The finer level is solved where its answer decides, once at each check, and not where it cannot."""
+    bounds, solved = np.array([[0.7, 0.1], [2.0, 3.0], [1.5, 0.2]]), []
+
+    def known(number):
+        solved.append(number)
+        return np.array([0.2, 0.4])
+
+    lowered = band_module.sharpened(bounds, 0.9, 8.0, known, least=0.9)
+    np.testing.assert_array_equal(lowered, [[0.7, 0.1], [0.9, 0.9], [0.9, 0.2]])
+    assert set(solved) == {1, 2}
+    np.testing.assert_array_equal(band_module.sharpened(bounds, 0.9, 8.0, known)[1:], [[0.2, 0.4], [0.2, 0.2]])
+    np.testing.assert_array_equal(band_module.sharpened(bounds, 0.9, 1.9, known), bounds)
+    np.testing.assert_array_equal(band_module.sharpened(bounds, 0.9, 8.0, lambda number: np.full(2, 9.0)), bounds)
+
+
+def basis(size):
+    """Stand-in for a reduced model of so many fields."""
+    return SimpleNamespace(section=SimpleNamespace(size=size))
+
+
 @pytest.mark.parametrize(("of_levels", "projections"), [(1e-4, 1), (8e-4, 3), (2e-3, 2)])
 def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_levels, projections):
     """At a tolerance of 1e-3: no smaller error than is left, no second discretisation where more fields would do."""
-    monkeypatch.setattr("fem.solve.band_solution.project", lambda problem, nodes, truncation: truncation)
+    monkeypatch.setattr("fem.solve.band_solution.project", lambda problem, nodes, truncation: basis(1 / truncation))
     reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
     monkeypatch.setattr("fem.solve.band_solution.reduction_errors", lambda *rest: next(reached))
     problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES)
@@ -94,11 +115,21 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
 
 def test_more_fields_are_not_tried_where_they_do_not_help(monkeypatch):
     """The interpolation between the nodes leaves 6e-4, of which more fields take nothing."""
-    monkeypatch.setattr("fem.solve.band_solution.project", lambda problem, nodes, truncation: truncation)
-    reached = iter([(9e-4, 5e-4), (6e-4, 6e-4), (5.99e-4, 1e-6), (1e-5, 0.0)])
+    monkeypatch.setattr("fem.solve.band_solution.project", lambda problem, nodes, truncation: basis(1 / truncation))
+    reached = iter([(9e-4, 5e-4), (6e-4, 6e-4), (5.99e-4, 1e-6), (5.98e-4, 1e-6), (1e-5, 0.0)])
     monkeypatch.setattr("fem.solve.band_solution.reduction_errors", lambda *rest: next(reached))
     problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES)
-    assert reduced_model(problem, None, [], 1.0, 2e-4)[1:] == (5.99e-4, 1e-6)
+    assert reduced_model(problem, None, [], 1.0, 2e-4)[1:] == (5.98e-4, 1e-6)
+
+
+def test_fields_that_help_together_are_all_taken(monkeypatch):
+    """A step that adds none is no step, and one alone may spoil what the next mends (a resonant stator: 19, 22)."""
+    sizes = iter([17, 18, 18, 19, 22])
+    monkeypatch.setattr("fem.solve.band_solution.project", lambda *rest: basis(next(sizes)))
+    reached = iter([(0.1, 0.0), (5.6e-4, 0.0), (1.5e-3, 0.0), (3.8e-5, 0.0)])
+    monkeypatch.setattr("fem.solve.band_solution.reduction_errors", lambda *rest: next(reached))
+    problem = BandProblem(stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES)
+    assert reduced_model(problem, None, [], 1.0, 2e-4)[1:] == (3.8e-5, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -128,13 +159,14 @@ def parts(monkeypatch):
         parts["reduction"] = reduce(*given)
         return parts["reduction"]
 
-    levels = band_module.level_errors
+    sharpened = band_module.sharpened
 
-    def at_levels(*given):
-        parts["level"] = levels(*given)
-        return parts["level"]
+    def at_levels(*given, **options):
+        errors = sharpened(*given, **options)
+        parts["level"] = errors.max(axis=0)
+        return errors
 
-    monkeypatch.setattr(band_module, "level_errors", at_levels)
+    monkeypatch.setattr(band_module, "sharpened", at_levels)
     monkeypatch.setattr(band_module, "refined_wave", driven)
     monkeypatch.setattr(band_module, "reduced_model", reduced)
     return parts

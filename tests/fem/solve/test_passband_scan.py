@@ -8,7 +8,7 @@ import pytest
 from fem import Stator, Transducer, best_period, driven_wave, material, p_matrix, rotated
 from fem.discretize.mesh_refinement import LEVELS
 from fem.exceptions import ConvergenceError
-from fem.reduce.basis import bases_of
+from fem.reduce.basis import bases_of, decomposed
 from fem.solve.best_frequency import surface_power
 from fem.solve.p_matrix_from_field import matrix_difference
 from fem.waveguide.port_fields import stator_cascade
@@ -51,7 +51,7 @@ def test_a_basis_keeps_no_rounding():
     size, values = 40, 10.0 ** -np.arange(0, 20)
     left, right = (np.linalg.qr(rng.normal(size=(count, 20)))[0] for count in (size, 90))
     seen = (left * values) @ right.T * (1 + 0.5j)
-    gap, finger = bases_of((seen, seen), [np.arange(size)], 3e-11)
+    gap, finger = bases_of(decomposed((seen, seen), [np.arange(size)]), size, 3e-11)
     assert gap.shape == finger.shape == (size, 11)
     assert abs(left[:, :11] - gap @ (gap.T @ left[:, :11])).max() < 1e-4
 
