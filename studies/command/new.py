@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from studies.command.output import say
 from studies.progress import Progress
 from studies.refusal import refuse_unwritable, writing
 
@@ -26,7 +27,9 @@ def call(arguments: argparse.Namespace) -> int:
     if file is not None:
         refuse_unwritable(file, "--out", new=True)
     with Progress():
-        text = str(first_scene(arguments.frequency, arguments.material, speed=arguments.speed, thrust=arguments.thrust))
+        found = first_scene(arguments.frequency, arguments.material, speed=arguments.speed, thrust=arguments.thrust)
+    text = str(found)
+    say(found.unusual)
     if file is None:
         print(text, end="")
         return 0

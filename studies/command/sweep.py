@@ -38,8 +38,10 @@ def call(arguments: argparse.Namespace) -> int:
     """Compute the missing points of a sweep, and print a summary of all."""
     from studies.record.status import Status
     from studies.sweeps import sweep
+    from studies.sweeps.axes import refuse_bad_values
 
     table, over = changed_file(arguments).table, read_axes(arguments.over)
+    refuse_bad_values(over)
     tolerance = read_tolerance(arguments.tolerance)
     also = tuple(filter(None, map(str.strip, arguments.also.split(","))))
     axes = over if arguments.points is None else [Path(arguments.points), over]

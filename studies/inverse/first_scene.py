@@ -1,6 +1,7 @@
 """A first scene of a motor, sized by rules of thumb that its own comments state."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import fem
@@ -8,7 +9,7 @@ from studies.model.contact_moduli import pair_moduli
 from studies.model.scene_errors import as_run_errors, input_errors
 from studies.model.solid_of_material import named_solid
 from studies.record.quantities import quantity
-from studies.refusal import RunError, SceneError, refuse_if
+from studies.refusal import RunError, SceneError, refuse_if, shown
 from studies.runs import run
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
@@ -35,6 +36,10 @@ PITCH = 3.0  # distance of neighbouring balls, in radii
 BEAM = 0.5  # part of the aperture over which the balls stand, and of the way to the fingers on both sides of the centre
 DAMPED = 0.1  # of the bounce, over its critical damping
 SAMPLES = 8  # voltages
+# What can be made: the longest block and the usual one, the narrowest fingers (a quarter of a wavelength) of optical
+# lithography, and the smallest ball, m
+LONGEST, USUAL, NARROWEST, SMALLEST_BALL = 1.0, 0.15, 0.3e-6, 0.1e-3
+FINGER = 0.25  # wavelengths: width of a finger at a metallisation of 0.5
 ROUGH = 1e-2  # tolerance of the wave that sizes the voltage
 
 
@@ -50,11 +55,14 @@ class FirstScene:
         The rule of each key, by dotted key.
     remarks : tuple of str
         Lines for the head of the file.
+    unusual : tuple of str
+        Those of them about sizes that are hard to get.
     """
 
     table: dict
     reasons: dict[str, str]
     remarks: tuple[str, ...]
+    unusual: tuple[str, ...] = ()
 
     @property
     def scene(self) -> Scene:
@@ -105,6 +113,7 @@ def first_scene(
     pairs = PAIRS_OF_CERAMICS if ceramic else PAIRS if fem.coupling(solid) > WEAK else PAIRS_OF_WEAK
     length_of = pairs * wavelength
     center, place = MARGIN * wavelength + 0.5 * length_of, MARGIN * wavelength + length_of + AWAY * wavelength
+    _refuse_what_cannot_be_made(frequency, wavelength, 2.0 * place, solid.name)
     aperture = _round(APERTURE * wavelength)
     table: dict = {
         "title": f"First motor: {quantity.frequency_Hz.with_unit(frequency)} on {solid.name}",
@@ -143,15 +152,49 @@ def first_scene(
         "transducer.0.aperture": f"{APERTURE:g} wavelengths: the beam stays together up to the slider",
         "drive.voltage": f"{volts:.3g} V give {amplitude * 1e9:.3g} nm under the slider",
     } | why
+    unusual = tuple(hard_to_get(2.0 * place, slider))
     remarks = (
         "A first motor, sized by rules of thumb: what a measurement or a data sheet says is better than each of them.",
         "sawmotor run FILE computes it; sawmotor design FILE searches better numbers within ranges.",
+        *unusual,
     )
-    return FirstScene(table=table, reasons=reasons, remarks=remarks)
+    return FirstScene(table=table, reasons=reasons, remarks=remarks, unusual=unusual)
+
+
+def _refuse_what_cannot_be_made(frequency: float, wavelength: float, length: float, name: str) -> None:
+    """Raise a SceneError for a frequency at which the rules give a block, or fingers, that nobody makes."""
+    finger = FINGER * wavelength
+    got, lowest, highest = (
+        quantity.frequency_Hz.with_unit(_round(each, 3))
+        for each in (frequency, frequency * length / LONGEST, frequency * finger / NARROWEST)
+    )
+    refuse_if(
+        length > LONGEST, "--frequency",
+        f"must be at least {lowest} on {name}, got {got}: by the rules the stator would be {length:.3g} m long, "
+        f"and they hold up to {LONGEST:g} m",
+    )  # fmt: skip
+    refuse_if(
+        finger < NARROWEST, "--frequency",
+        f"must be at most {highest} on {name}, got {got}: a finger would be {finger * 1e9:.3g} nm wide, and optical "
+        f"lithography makes {NARROWEST * 1e9:g} nm",
+    )  # fmt: skip
+
+
+def hard_to_get(length: float, slider: dict) -> Iterator[str]:
+    """Yield a line for each size by the rules that is hard to get."""
+    if length > USUAL:
+        yield f"The stator is longer than usual blocks and wafers of {USUAL * 1e3:g} mm: put the slider nearer."
+    if (radius := si_value("", slider["radius"], "m")) < SMALLEST_BALL:
+        yield (
+            f"Balls of {radius * 1e6:.3g} um are smaller than bearing balls: published motors of such frequencies have "
+            "sliders of silicon pillars (sawmotor scenes --copy silicon-slider)."
+        )
 
 
 def _read(option: str, value, unit: str) -> float:
     """Return a positive quantity of an option in SI units."""
+    negative = isinstance(value, str) and value.strip().startswith("-")
+    refuse_if(negative, option, f"must be positive, got {shown(value)}")
     return Quantity(unit).read(option, si_value(option, value, unit))
 
 

@@ -12,7 +12,7 @@ import fem
 from studies.record.quantities import described, quantity
 from studies.record.surface_map import surface_map
 from studies.record.values import Columns
-from studies.refusal import RunError
+from studies.refusal import EXIT_BAD_INPUT, RunError
 from studies.results.content import write_json
 from studies.scene import Scene
 from studies.scene.toml import document
@@ -144,7 +144,13 @@ def _instants(motion) -> dict[str, list]:
     return time_at | own
 
 
-class DamagedRunError(RunError):
+class NoRunError(RunError):
+    """A directory that holds no run, or one that cannot be read."""
+
+    exit_code = EXIT_BAD_INPUT
+
+
+class DamagedRunError(NoRunError):
     """A run.json that is no JSON: cut off, or changed by hand."""
 
 
@@ -153,19 +159,19 @@ def read_run(folder: Path) -> dict:
 
     Raises
     ------
-    RunError
+    NoRunError
         If the directory holds no run; `DamagedRunError` if its run.json is cut off.
     """
     try:
         whole = json.loads((folder / "run.json").read_text(encoding="utf-8"))
         scene = Scene.from_table("", whole["scene"])
     except FileNotFoundError:
-        raise RunError(f"{str(folder)!r} holds no run.json: name a directory that a run left") from None
+        raise NoRunError(f"{str(folder)!r} holds no run.json: name a directory that a run left") from None
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}: {error.msg}"
         raise DamagedRunError(f"{str(folder / 'run.json')!r} is damaged or cut off: {where}") from None
     except (OSError, ValueError, KeyError) as error:
-        raise RunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
+        raise NoRunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
     fields = {
         key: whole[key]
         for key in ("tolerance", "summary", "heat", "uncertainty", "measured", "error", "seconds", "shortfall")

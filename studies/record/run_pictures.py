@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from studies.record import Record
 
 MAX_WAVELENGTHS = 40  # length of a surface whose ripple a picture of this width resolves
+HEADROOM = 1.12  # of an axis of amplitudes, over the largest, which would touch the frame
 WINDOW = 12  # width in wavelengths of the second axes, about the slider
 WINDOW_DENSITY = 5  # curves in it have so many values for each of surface.csv, which has 12 in a wavelength
 MAX_LABELLED = 2  # points whose velocities are written beside them
@@ -318,7 +319,7 @@ def surface(record: "Record", ax, *, curves: bool = False, window: bool = True):
         parts = (("normal", "slip", "finite aperture"), ("tangential", "intermittent", None))
         for part, colour, label_of_part in parts:
             curve(ax, position, [abs(record.wave[f"{part}_m_per_V"]) * up.scale], "D", colour, label_of_part, size=6.0)
-    ax.set_ylim(bottom=0)
+    ax.set_ylim(0.0, HEADROOM * ax.dataLim.y1)
     finished(ax, label, up.axis, "", columns=3, grid=False)
     titled(top, f"{scene.title}: {quantity.frequency_Hz.with_unit(record.wave.frequency_Hz)}")
     return ax
@@ -350,7 +351,7 @@ def _window(record: "Record", ax, x, values, wavelength: float):
     if slider is not None:
         window.axvline(middle, color=COLOURS["line"], linestyle=":")
     window.set_xlim(dense[0], dense[-1])
-    window.set_ylim(bottom=0)
+    window.set_ylim(0.0, HEADROOM * window.dataLim.y1)
     window.tick_params(labelsize="small")
     about = "the middle" if slider is None else "the slider"
     text = f"{WINDOW} wavelengths about {about}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
-from studies.refusal import SceneError, nearest, refuse_unknown, shown, writing
+from studies.refusal import SceneError, refuse_unknown, shown, suggestion, writing
 from studies.scene.lines import key_lines, line_of
 from studies.scene.override import replaced, setting_of, walk
 from studies.scene.syntax import explained
@@ -20,6 +20,7 @@ FILES = {
     re.compile(r"slider\.(normal_)?law"): ".py",
     re.compile(r"stator\.material|piece\.\d+\.materials\.[^.]+"): ".toml",
 }
+MOST_NAMED = 5  # files beside one that does not exist
 SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their first line
 
 
@@ -98,8 +99,15 @@ def scene_path(source: str | Path) -> Path:
         resolved = path / "scene.toml"  # of a run
         hint = f"; did you mean {str(resolved)!r}?" if resolved.is_file() else ""
         raise SceneError("", f"{shown(str(source))} is a directory, not a scene file{hint}")
-    beside = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-    hint = nearest(str(source), [*beside, *shipped])
+    beside = {each.name: str(each) for each in sorted(path.parent.glob("*.toml"))} if path.parent.is_dir() else {}
+    # names alone are compared: with their folder all files of one folder resemble each other
+    similar = suggestion(path.name, [*beside, *shipped])
+    if similar is not None:
+        hint = f"; did you mean {beside.get(similar, similar)}?"
+    else:
+        hint, own = f"; shipped: {', '.join(shipped)}", list(beside.values())
+        hint += f"; files there: {', '.join(own[:MOST_NAMED])}" if own else ""
+        hint += ", ..." if len(own) > MOST_NAMED else ""
     raise SceneError("", f"no scene file or shipped scene is named {shown(str(source))}{hint}")
 
 

@@ -5,7 +5,7 @@
 multiplied.
 
 Values are converted to SI here and checked at their points: one that breaks a rule of the scene costs its own
-points alone.
+points alone.  The command refuses values of ``--over`` that break the rule of their own key before it computes any.
 """
 
 import math
@@ -53,6 +53,21 @@ def axis(key: str, values) -> Axis:
     if not isinstance(whole, list):
         whole = [toml_value(part.strip()) for part in values.split(",")]
     return _listed(key, rule, whole)
+
+
+def refuse_bad_values(over: dict) -> None:
+    """Raise a SceneError of all values of axes that break the rule of their key, whatever the other keys are."""
+    faults = []
+    for key, values in over.items():
+        rule, column = rule_at(key), axis(key, values).columns[0]
+        for number, value in enumerate(column, 1):
+            try:
+                rule.read(key, value)
+            except SceneError as fault:
+                place = f" (value {number} of {len(column)})" if len(column) > 1 else ""
+                faults += [SceneError(f"--over {each.path}", f"{each.rule}{place}") for each in fault.problems]
+    if faults:
+        raise SceneError.together(faults)
 
 
 def point_axis(source) -> Axis:

@@ -98,6 +98,8 @@ def test_refusals(records, folders, tmp_path, capsys):
         compare(records[0], tmp_path)
     with pytest.raises(SceneError, match="compare needs runs of one kind, got runs over u_z and no slider"):
         compare(records[0], run("rayleigh"))
+    assert main(["compare", folders[0], str(tmp_path)]) == 2
+    assert capsys.readouterr().err == (f"sawmotor: '{tmp_path}' holds no run.json: name a directory that a run left\n")
     assert main(["compare", *folders, "--picture", str(tmp_path / "x.gif")]) == 2
     assert capsys.readouterr().err.strip() == (
         f"sawmotor: --picture must end in one of .png, .svg, .pdf, got '{tmp_path / 'x.gif'}'"

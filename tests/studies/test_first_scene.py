@@ -8,7 +8,7 @@ import pytest
 
 from studies import Scene, SceneError, run
 from studies.__main__ import main
-from studies.inverse.first_scene import ball_places, first_scene
+from studies.inverse.first_scene import ball_places, first_scene, hard_to_get
 from studies.remarks.scene_warnings import scene_warnings
 from studies.scene.quantity import si_value
 
@@ -73,6 +73,28 @@ def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
     assert main(call) == 2
     assert capsys.readouterr().err.splitlines()[-1] == "sawmotor: --out 'mine.toml' exists already, and is not replaced"
     assert (tmp_path / "mine.toml").read_text() == before
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        # 3901.5 m/s: 152.5 wavelengths of 1 m at most, fingers of a quarter of a wavelength of 0.3 um at least
+        (["--frequency", "1 kHz"], "--frequency must be at least 0.597 MHz on LiNbO3 (Kovacs), got 0.001 MHz"),
+        (["--frequency", "100 GHz"], "--frequency must be at most 3320 MHz on LiNbO3 (Kovacs), got 100000 MHz"),
+        (["--frequency", "10 MHz", "--speed", "-1"], "--speed must be positive, got '-1'"),
+    ],
+)
+def test_what_cannot_be_made_is_refused(words, sentence, capsys):
+    assert main(["new", "--material", "128YX", *words]) == 2
+    assert capsys.readouterr().err.startswith(f"sawmotor: {sentence}")
+
+
+def test_sizes_that_are_hard_to_get_are_said():
+    usual, long = "longer than usual blocks and wafers of 150 mm", {"radius": "1 mm"}
+    assert any(usual in line for line in hard_to_get(0.2, long))
+    assert list(hard_to_get(0.149, long)) == []
+    (line,) = hard_to_get(0.1, {"radius": "0.05 mm"})
+    assert line.startswith("Balls of 50 um are smaller than bearing balls")
 
 
 def test_balls_stand_about_the_centre_and_their_weight_is_the_preload(ceramic):

@@ -262,6 +262,7 @@ def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
         pictures(record)["surface"](ax)
         assert_legible(figure)
         assert labelled(figure)
+        assert ax.get_ylim() == pytest.approx((0.0, 1.12 * 0.3))  # the curve at 0.3 nm/V is off the frame
         points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() == "D"]
         assert points == (pytest.approx(np.array([[80.0, 0.2], [80.0, 0.15]])) if spreads else [])
 

@@ -1,5 +1,6 @@
 """Scenes: what ships loads, what is built equals what is read, what is written reads back the same."""
 
+import re
 import tomllib
 from dataclasses import replace
 
@@ -186,6 +187,15 @@ def test_a_file_that_is_no_toml_is_refused(tmp_path, content):
 def test_a_scene_of_no_name_is_refused_with_the_nearest():
     with pytest.raises(SceneError, match=r"'twent'.*did you mean twente\?"):
         Scene.load("twent")
+
+
+def test_a_scene_of_no_name_tells_shipped_scenes_from_ones_own_files(tmp_path):
+    for name in "abcdefg":
+        (tmp_path / f"{name}.toml").touch()
+    own = ", ".join(str(tmp_path / f"{name}.toml") for name in "abcde")
+    sentence = re.escape(f"; shipped: {', '.join(shipped_scenes())}; files there: {own}, ...") + "$"
+    with pytest.raises(SceneError, match=sentence):
+        Scene.load(tmp_path / "wxyz")
 
 
 def test_one_level_of_a_power_is_its_voltage_and_of_a_wave_its_amplitude():

@@ -17,6 +17,7 @@ import pytest
 import threadpoolctl
 
 import contact
+from studies.__main__ import main
 from studies.refusal import RunError, SceneError
 from studies.report.explanation import long_sweep
 from studies.runs import run
@@ -536,8 +537,10 @@ def test_a_dask_cluster_gives_the_same_bits(whole, tmp_path):
 
 
 def test_the_command_prints_json_and_says_what_is_not_ok(tmp_path):
+    points = tmp_path / "points.csv"
+    points.write_text("slider.preload\n-1 mN\n1 mN\n")
     process = command(
-        "twente-contact", "--over", "slider.preload=-1 mN,1 mN", "--over", "wave.normal_amplitude=3 nm", "--json",
+        "twente-contact", "--points", str(points), "--over", "wave.normal_amplitude=3 nm", "--json",
         "--out", str(tmp_path / "s"),
     )  # fmt: skip
     out, err = process.communicate(timeout=60)
@@ -546,6 +549,17 @@ def test_the_command_prints_json_and_says_what_is_not_ok(tmp_path):
     assert answer["counts"] == {"ok": 1, "refused": 1}
     assert answer["reasons"][0]["status"] == "refused: slider.preload must be zero or positive, got -0.001 N"
     assert "1 of 2 points have no answer within the tolerance; point 0: refused" in err
+
+
+def test_the_command_refuses_bad_values_of_its_axes_before_it_computes_any(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(Store, "__init__", None)  # no point is begun
+    axes = ["--over", "slider.mass=0.1 g:-0.1 g:3", "--over", "slider.law=elastic,plastic"]
+    assert main(["sweep", "twente-contact", *axes, "--out", str(tmp_path / "s")]) == 2
+    said = capsys.readouterr().err
+    for value, number in (("0.0", 2), ("-0.0001", 3)):
+        assert f"--over slider.mass must be positive and finite, got {value} kg (value {number} of 3)" in said
+    assert "got 'plastic'; did you mean elastic? (value 2 of 2)" in said
+    assert not (tmp_path / "s").exists()
 
 
 @pytest.mark.slow
