@@ -33,6 +33,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache, cached_property, wraps
 from importlib.util import find_spec
+from math import prod
 from pathlib import Path
 
 from numpy import ndarray
@@ -51,6 +52,10 @@ MAX_KEPT_SHAPES = 1000
 # s that a process waits for another that compiles the same kernel, which takes 10 to 20 s
 MAX_WAIT = 120.0
 _CODES = {"<f8": "f", "<i8": "i", "<c16": "c"}
+# Tuples whose addresses are known, by identity, with what `_packed_argument` gives: those whose arrays have together at
+# most so many numbers, so that what is kept alive is small, and at most so many
+MAX_KEPT_NUMBERS, MAX_KEPT_TUPLES = 20_000, 200
+_PACKED: dict = {}
 
 
 def compiled(function):
@@ -339,14 +344,26 @@ def file_lock(path):
 def _packed_argument(name, kind, argument):
     """Return (type words, their values as 64-bit words, shapes of the arrays) of an argument of a kernel.
 
-    A named tuple gives those of its fields, None nothing.
+    A named tuple gives those of its fields, None nothing. Those of small tuples are kept: most of a problem's fields
+    are those of the last problem.
     """
     if kind != "t":
-        fields = [argument]
-    elif argument is None:
+        return _packed_fields(name, kind, [argument])
+    if argument is None:
         return "", b"", ()
-    else:
-        fields = list(argument)
+    known = _PACKED.get(id(argument))
+    if known is not None and known[0] is argument:
+        return known[1]
+    packed = _packed_fields(name, kind, argument)
+    if sum([prod(shape) for shape in packed[2]]) <= MAX_KEPT_NUMBERS:
+        if len(_PACKED) >= MAX_KEPT_TUPLES:
+            _PACKED.clear()
+        _PACKED[id(argument)] = argument, packed
+    return packed
+
+
+def _packed_fields(name, kind, fields):
+    """Return what `_packed_argument` returns, of the fields of an argument."""
     words, layout, values, shapes = [], [], [], []
     for field in fields:
         if isinstance(field, ndarray):
