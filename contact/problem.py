@@ -189,10 +189,16 @@ def scaled(slider: Slider, orbits, *, direction: float, start: float) -> Problem
     )  # fmt: skip
 
 
+@formula
+def largest_stiffness(problem):
+    """Return the largest stiffness of all contacts together, omega_n^2; the approach is at most twice the unit."""
+    total = np.sum(problem.factors.stiffness) * problem.stiffness
+    return total * normal.slope(depth(2.0, problem.normal.hold), problem.normal)
+
+
 def largest_resonance(problem: Problem) -> float:
-    """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
-    total = float(problem.factors.stiffness.sum()) * problem.stiffness
-    return math.sqrt(total * float(normal.slope(depth(2.0, problem.normal.hold), problem.normal)))
+    """Return the largest contact resonance over the wave's frequency."""
+    return math.sqrt(float(largest_stiffness(problem)))
 
 
 def _with_longest(problem, longest, **changed):

@@ -31,7 +31,7 @@ from contact.events.transitions import cut, earliest, end_guard, is_sharp, trans
 from contact.events.warm_start import NEXT, Pattern, blank, matching, recall, store
 from contact.jit.compiled import compiled, native, per_thread
 from contact.law.hysteretic import is_full, trim, write_curve
-from contact.problem import contact_parameters
+from contact.problem import contact_parameters, largest_stiffness
 
 # Lengths of segments. MAX_GROWTH: largest ratio of the next length to the last one; 2 and 10 cost as many iterations to
 # 3 %. After an event the longest one is tried, because an event says nothing of how smooth the next regime is: with
@@ -40,6 +40,7 @@ from contact.problem import contact_parameters
 # a cycle takes 3 to 6 % more iterations, as the last ones only move by rounding.
 MAX_GROWTH = 4.0
 EVENT_VALUE, EVENT_STEP = 4e-16, 1e-15
+NEWTON_STEPS = 4  # at most, with the accelerations of one of Picard's
 TALLY = len(Event) + len(WorkCount)
 
 
@@ -56,6 +57,7 @@ class Task(NamedTuple):
     samples: np.ndarray  # (k, contacts, len(Sample))
     stride: int  # cycles per recorded sample; 0: none
     record: np.ndarray  # (number // stride, len(Recorded))
+    close: float = 1e-15  # change of the motion, not made, at which the iteration of a warm start ends
     warm: int = 0  # 1: the last call computed in the same work arrays a cycle like these, whose segments are known
 
 
@@ -89,11 +91,19 @@ class Progress(NamedTuple):
 def _warm_started(problem, grid, state, nodes, task, segment, memory):
     """Compute a segment from recalled accelerations up to its event, if it has one; return its length, 0 if this fails.
 
-    Each iteration is a step of Picard's for the motion and of Newton's for the length.
+    Each iteration is a step of Picard's for the motion, and Newton's method for the length with the motion at its end.
+    It ends where the next step would change the motion by less than `task.close`.
     """
     room = min(problem.longest, task.stop - segment.phase)
-    seg.surface(problem, grid, nodes, segment)
+    gain, event = _largest_gain(problem, segment.length), segment.contact >= 0
     seg.integrate(grid, state, nodes, segment)
+    if event and memory is None:
+        seg.end_at(problem, grid, state, nodes, segment)
+        segment = _at_event(problem, grid, state, nodes, segment, memory, room)
+        if segment.length == 0.0:
+            return 0.0
+        seg.place(grid, state, nodes, segment, 0)
+    seg.surface(problem, grid, nodes, segment)
     last = np.inf
     for _ in range(15):
         seg.forces(problem, grid, state, nodes, segment, task.mobile, memory)
@@ -103,28 +113,61 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
         state.tally[WorkCount.SWEEPS] += 1
         if not change < 1e100:
             return 0.0
-        arrived = seg.has_converged(change, last)
-        last = change
         seg.end_kinematics(problem, state, nodes)
-        if segment.contact >= 0:
-            end = segment.phase + segment.length
-            value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
-            step = -value / rate
-            if not rate < 0.0 or abs(step) > 0.2 * segment.length:  # the event is not near that of the last cycle
+        if event:
+            before = segment.length
+            segment = _at_event(problem, grid, state, nodes, segment, memory, room)
+            if segment.length == 0.0:
                 return 0.0
-            if abs(value) >= EVENT_VALUE and abs(step) >= EVENT_STEP:
-                arrived = False
-                segment = seg.resized(segment, segment.length + step)
-                if not 0.0 < segment.length < room:
-                    return 0.0
-                seg.surface(problem, grid, nodes, segment)
-        if arrived:
+            change = max(change, abs(segment.length - before))
+        if change * gain < task.close or seg.has_converged(change, last):
             root, other, _ = earliest(problem, grid, state, nodes, memory, segment)
             # Accepted only if no guard turns negative before the end (a root at 1 is the event that ends the segment);
             # an earlier event needs a cold start.
-            known = other < 0 or (segment.contact >= 0 and root > 1.0 - 1e-6)
+            known = other < 0 or (event and root > 1.0 - 1e-6)
             return segment.length if known else 0.0
+        last = change
+        if event and segment.length != before:
+            seg.place(grid, state, nodes, segment, 0)
+            seg.surface(problem, grid, nodes, segment)
     return 0.0
+
+
+@compiled
+def _largest_gain(problem, length):
+    """Return a bound on the change by a step of Picard's iteration over that by the step before; inf if not known.
+
+    A change of position changes the accelerations by the contacts' stiffness, normal or tangential (mu K p'/c in
+    stick), and one of velocity by the dampers.
+    """
+    law = problem.law
+    if law.rated or law.bent or problem.contact_damping > 0.0 or problem.limit_slope == 0.0:
+        return np.inf  # not known
+    stiffness = largest_stiffness(problem) * max(1.0, problem.friction / problem.limit_slope)
+    damping = max(problem.normal_damping, problem.tangential_damping)
+    return length * (max(1.0, 0.5 * length) * stiffness + damping)
+
+
+@compiled
+def _at_event(problem, grid, state, nodes, segment, memory, room):
+    """Return the segment with the length at which its guard vanishes, the accelerations kept; of length 0 if it fails.
+
+    The front of the hysteretic law at the end is that of the last forces: there Newton's method takes one step.
+    """
+    steps = NEWTON_STEPS if memory is None else 1
+    for _ in range(steps):
+        end = segment.phase + segment.length
+        value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
+        step = -value / rate
+        if not rate < 0.0 or abs(step) > 0.2 * segment.length:  # the event is not near that of the last cycle
+            return seg.resized(segment, 0.0)
+        if abs(value) < EVENT_VALUE or abs(step) < EVENT_STEP:
+            break
+        segment = seg.resized(segment, segment.length + step)
+        if not 0.0 < segment.length < room:
+            return seg.resized(segment, 0.0)
+        seg.end_at(problem, grid, state, nodes, segment)
+    return segment
 
 
 @compiled
@@ -229,6 +272,8 @@ def _from_last_cycle(problem, grid, state, work, task, memory, progress):
     map_, contact, end = pattern.map[old, m], pattern.contact[old, m], pattern.end[old, m] + pattern.end_change[old, m]
     last = contact < 0 and end >= task.stop - 1e-12
     length = (task.stop if last else end) - progress.phase
+    if contact < 0 and not last:
+        length = min(length, problem.longest)
     fits = 0.0 < length <= problem.longest and progress.phase + length <= task.stop
     if not fits or (map_ == ROOT_AT_START) != progress.entered:
         return nothing

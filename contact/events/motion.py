@@ -38,13 +38,13 @@ def rest_state(slider: Slider, problem: Problem) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _whole_cycles(number, mobile, truncation, limit, contacts, warm):
+def _whole_cycles(number, mobile, truncation, limit, contacts, close, warm):
     """Return the task of whole cycles without samples; a kernel knows the addresses of one that it was given before."""
     nothing = np.empty((0, contacts, len(SampleColumn)))
     return event_driven.Task(
         start=0.0, stop=2.0 * math.pi, number=number, mobile=mobile, tolerance=truncation, limit=limit,
         at=nothing[:, 0, 0], samples=nothing, stride=0, record=np.empty((0, len(Recorded))),
-        warm=warm,
+        close=close, warm=warm,
     )  # fmt: skip
 
 
@@ -84,7 +84,11 @@ class Motion:
         Memory of the contacts; None for a law without one.
     begun : Beginning or None
         The state at the last `begin`; None before it.
+    close : float
+        Change of the scaled motion, over a segment known from the last cycle, that may be left out.
     """
+
+    close = 1e-15
 
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
         contacts = problem.contacts
@@ -157,7 +161,7 @@ class Motion:
         are then the first guess (`warm_start`).
         """
         limit = self._limit(2.0 * math.pi)
-        task = _whole_cycles(number, mobile, self.truncation, limit, self.regime.size, int(warm))
+        task = _whole_cycles(number, mobile, self.truncation, limit, self.regime.size, self.close, int(warm))
         if stride:
             task = task._replace(stride=stride, record=np.empty((number // stride, len(Recorded))))
         self._travel(task)

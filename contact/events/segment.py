@@ -300,13 +300,19 @@ def _moments(problem, grid, state, nodes, segment, memory):
 def integrate(grid, state, nodes, segment):
     """Fill the slider's motion at the nodes from its accelerations there; return the largest change."""
     once, twice = grid.integrals[segment.map, 0], grid.integrals[segment.map, 1]
-    slider, length, n = nodes.slider, segment.length, grid.sigma.size
+    n = grid.sigma.size
     for j in range(0, n, 4):
-        _four(once, twice, min(j, n - 4), slider)  # the last four nodes may overlap with those before
-    change = 0.0
+        _four(once, twice, min(j, n - 4), nodes.slider)  # the last four nodes may overlap with those before
+    return place(grid, state, nodes, segment, 0)
+
+
+@compiled
+def place(grid, state, nodes, segment, first):
+    """Fill the slider's motion from node `first` on from the integrals of its accelerations; return the change."""
+    slider, length, change = nodes.slider, segment.length, 0.0
     z_s, z_rate, v = state.slider[At.POSITION], state.slider[At.NORMAL_VELOCITY], state.slider[At.VELOCITY]
     z_lost, rate_lost, v_lost = state.lost[At.POSITION], state.lost[At.NORMAL_VELOCITY], state.lost[At.VELOCITY]
-    for j in range(n):
+    for j in range(first, grid.sigma.size):
         tau = grid.tau[segment.map, j]
         normal_velocity = z_rate + (rate_lost + length * slider[SliderRow.NORMAL_ONCE, j])
         speed = v + (v_lost + length * slider[SliderRow.TANGENTIAL_ONCE, j])
@@ -346,6 +352,16 @@ def _advance(state, k, change):
     after = before + change
     added = after - before
     state.slider[k], state.lost[k] = after, (before - (after - added)) + (change - added)
+
+
+@compiled
+def end_at(problem, grid, state, nodes, segment):
+    """Set the motion of slider, surface and contacts at the end of a segment of another length, and nothing else."""
+    place(grid, state, nodes, segment, grid.sigma.size - 1)
+    c0, s0 = np.cos(segment.phase), np.sin(segment.phase)
+    for i in range(state.regime.size):
+        surface_of(problem, grid, nodes, segment, i, c0, s0, grid.sigma.size - 1)
+        contact_end(problem, state, nodes, i)
 
 
 @compiled

@@ -156,6 +156,21 @@ def test_a_cycle_like_the_last_takes_few_iterations():
     assert motion.tally[WorkCount.SWEEPS] < 3.1 * motion.tally[WorkCount.SEGMENTS]
 
 
+# Property: what a known segment leaves out is at most `close`, so that the velocities differ by its sum at most
+@pytest.mark.parametrize("changed", [{}, {"shape": "punch", "radius": 5e-6}, {"tangential_modulus": 60e9}])
+def test_a_cycle_like_the_last_leaves_out_no_more_than_is_said(changed):
+    s, waves = slider(**changed), (orbit(10e-9),)
+    problem, runs = rest_problem(s, waves), []
+    for close in (1e-15, 1e-9):
+        motion = rest(s, waves, problem, nodes=12, truncation=1e-9)
+        motion.close = close
+        motion.turn(300)
+        runs.append((motion.state[:3].copy(), motion.events()))
+    (exact, every), (found, fewer) = runs
+    assert fewer["sweeps"] < 0.8 * every["sweeps"]
+    assert 0.0 < np.max(np.abs(found - exact)) < 1e-9 * fewer["stretches"] / 10.0
+
+
 def test_the_deformation_is_bounded_and_forgotten_in_flight():
     problem = rest_problem(slider(), (orbit(10e-9),))
     motion = rest(slider(), (orbit(10e-9),), problem, nodes=16, truncation=1e-12)
