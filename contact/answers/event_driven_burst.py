@@ -16,7 +16,6 @@ from contact.choice import Result
 from contact.codes import At, Recorded
 from contact.error_estimate import event_driven_error, held_orbits_error
 from contact.events.collocation import collocation
-from contact.events.motion import Motion
 from contact.exceptions import ConvergenceError
 from contact.problem import largest_resonance, with_longer_segments
 from contact.stepping.along_track import Followed
@@ -47,9 +46,9 @@ LONG = 2.0
 SPOT_CYCLES, SPOT_TOLERANCE, SPOT_FACTOR = 64, 1e-8, 3.0
 PARTS = (0.0, 1 / 10), (1 / 2, 21 / 40), (39 / 40, 1.0)
 # Change of the motion in a segment that the answer may leave out, over the tolerance, and its largest value (the energy
-# balance keeps 1e-8); the parts are computed to rounding and see it. With a tenth of this share a cycle at 1e-8 takes 4 to
-# 9 % longer, with ten times as much none shorter (the ball of the seed at 1 to 20 nm).
-LEFT_OUT, MOST_LEFT_OUT = 1e-5, 1e-11
+# balance keeps 1e-8); the parts are computed to rounding and see it. With a tenth of this share a cycle at 1e-8 takes 4
+# to 9 % longer, with ten times as much none shorter (the ball of the seed at 1 to 20 nm).
+LEFT_OUT, MOST_LEFT_OUT, ROUNDING = 1e-5, 1e-11, 1e-15
 
 
 def exact_burst(burst):
@@ -128,6 +127,7 @@ def _checked_in_parts(burst):
     for start, stop in parts:
         done = turned(start)
         other = _continued(burst, motion, CHECK) if start > 0 else _at_rest(burst, CHECK)
+        other.close = ROUNDING
         done = turned(stop)
         if stop > start:
             errors.append(_apart(burst, other, motion, stop - start))
@@ -168,7 +168,7 @@ def _continued(burst, motion, level):
     """Return a motion that continues from a state at another level."""
     nodes, truncation, longest = level
     other = motion.copy()
-    other.grid, other.truncation, other.close = collocation(nodes), truncation, Motion.close
+    other.grid, other.truncation = collocation(nodes), truncation
     other.problem = burst.problem._replace(longest=longest * burst.problem.longest)
     return other
 

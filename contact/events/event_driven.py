@@ -57,7 +57,7 @@ class Task(NamedTuple):
     samples: np.ndarray  # (k, contacts, len(Sample))
     stride: int  # cycles per recorded sample; 0: none
     record: np.ndarray  # (number // stride, len(Recorded))
-    close: float = 1e-15  # change of the motion, not made, at which the iteration of a warm start ends
+    close: float = 0.0  # change of the motion that the iteration of a warm start may leave out
     warm: int = 0  # 1: the last call computed in the same work arrays a cycle like these, whose segments are known
 
 
@@ -92,14 +92,16 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
     """Compute a segment from recalled accelerations up to its event, if it has one; return its length, 0 if this fails.
 
     Each iteration is a step of Picard's for the motion, and Newton's method for the length with the motion at its end.
-    It ends where the next step would change the motion by less than `task.close`.
+    It ends at rounding, or where the next step would change the motion by less than `task.close`.
     """
     room = min(problem.longest, task.stop - segment.phase)
     gain, event = _largest_gain(problem, segment.length), segment.contact >= 0
+    # The front of the hysteretic law at the end is that of the last forces: its length changes once in an iteration.
+    steps = NEWTON_STEPS if task.close > 0.0 and memory is None else 1
     seg.integrate(grid, state, nodes, segment)
-    if event and memory is None:
+    if event and steps > 1:
         seg.end_at(problem, grid, state, nodes, segment)
-        segment = _at_event(problem, grid, state, nodes, segment, memory, room)
+        segment = _at_event(problem, grid, state, nodes, segment, memory, room, steps)
         if segment.length == 0.0:
             return 0.0
         seg.place(grid, state, nodes, segment, 0)
@@ -114,20 +116,20 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
         if not change < 1e100:
             return 0.0
         seg.end_kinematics(problem, state, nodes)
+        before = segment.length
         if event:
-            before = segment.length
-            segment = _at_event(problem, grid, state, nodes, segment, memory, room)
+            segment = _at_event(problem, grid, state, nodes, segment, memory, room, steps)
             if segment.length == 0.0:
                 return 0.0
-            change = max(change, abs(segment.length - before))
-        if change * gain < task.close or seg.has_converged(change, last):
+        moved = segment.length - before
+        if (moved == 0.0 and seg.has_converged(change, last)) or max(change, abs(moved)) * gain < task.close:
             root, other, _ = earliest(problem, grid, state, nodes, memory, segment)
             # Accepted only if no guard turns negative before the end (a root at 1 is the event that ends the segment);
             # an earlier event needs a cold start.
             known = other < 0 or (event and root > 1.0 - 1e-6)
             return segment.length if known else 0.0
         last = change
-        if event and segment.length != before:
+        if moved != 0.0:
             seg.place(grid, state, nodes, segment, 0)
             seg.surface(problem, grid, nodes, segment)
     return 0.0
@@ -149,12 +151,11 @@ def _largest_gain(problem, length):
 
 
 @compiled
-def _at_event(problem, grid, state, nodes, segment, memory, room):
-    """Return the segment with the length at which its guard vanishes, the accelerations kept; of length 0 if it fails.
+def _at_event(problem, grid, state, nodes, segment, memory, room, steps):
+    """Return the segment with the length at which its guard vanishes, after so many steps of Newton's method at most.
 
-    The front of the hysteretic law at the end is that of the last forces: there Newton's method takes one step.
+    The accelerations at its nodes are kept. Its length is 0 if that fails.
     """
-    steps = NEWTON_STEPS if memory is None else 1
     for _ in range(steps):
         end = segment.phase + segment.length
         value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
@@ -166,7 +167,8 @@ def _at_event(problem, grid, state, nodes, segment, memory, room):
         segment = seg.resized(segment, segment.length + step)
         if not 0.0 < segment.length < room:
             return seg.resized(segment, 0.0)
-        seg.end_at(problem, grid, state, nodes, segment)
+        if steps > 1:
+            seg.end_at(problem, grid, state, nodes, segment)
     return segment
 
 

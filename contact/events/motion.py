@@ -85,10 +85,10 @@ class Motion:
     begun : Beginning or None
         The state at the last `begin`; None before it.
     close : float
-        Change of the scaled motion, over a segment known from the last cycle, that may be left out.
+        Change of the scaled motion, in a segment known from the last cycle, that may be left out.
     """
 
-    close = 1e-15
+    close = 0.0
 
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
         contacts = problem.contacts
