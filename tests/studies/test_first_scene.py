@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from studies import Scene, SceneError, run
+from studies import Scene, SceneError, run, sweep
 from studies.__main__ import main
 from studies.inverse.first_scene import ball_places, first_scene, hard_to_get
 from studies.remarks.scene_warnings import scene_warnings
@@ -52,10 +52,9 @@ def test_motor_runs_at_the_wanted_speed(ceramic):
 def test_motor_has_about_the_wanted_thrust():
     motor = first_scene("10 MHz", "128YX", thrust="5 mN")
     volts = float(motor.reasons["drive.voltage"].split()[0])
-    free, loaded, stalled = (
-        -float(run(motor.scene.replace(drive={"voltage": volts}, slider={"load": load}), tolerance=1e-2).velocity[0])
-        for load in (0.0, 2.5e-3, 5.4e-3)
-    )
+    loads = {"slider.load": [0.0, 2.5e-3, 5.4e-3]}
+    rows = sweep(motor.scene.replace(drive={"voltage": volts}), loads, tolerance=1e-2).to_dataframe()
+    free, loaded, stalled = -rows["velocity_m_per_s"]
     assert free > loaded > 0.6 * free
     assert -0.2 * free < stalled < 0.2 * free
     assert len(motor.table["slider"]["contacts"]) > 3
