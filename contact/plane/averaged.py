@@ -323,7 +323,7 @@ def held_rest(averaged: Averaged) -> Root | None:
 
 def at_rest(averaged: Averaged) -> Root:
     """Return the balance at rest; not `held` where friction does not carry the load."""
-    rest = settled(averaged, averaged.load, averaged.basis, ANSWER)
+    rest = settled(averaged, averaged.load, averaged.basis, (SEARCH, ANSWER))
     if rest.held:
         averaged.deformation = rest.deformation
     means = averaged.at(np.zeros(3), ANSWER, rest.deformation)
@@ -349,7 +349,7 @@ def _turning_about_a_contact(averaged: Averaged, tolerance: float) -> Root | Non
         others[i, [Sum.ALONG_X, Sum.ALONG_Y]] = 0.0
         left = averaged.load + averaged.damping * root.unknown - averaged.total(others)
         carried, *_ = np.linalg.lstsq(fixed.T, left, rcond=None)
-        rest = settled(averaged, fixed.T @ carried, np.linalg.svd(fixed)[2][:2].T, ANSWER, only=i)
+        rest = settled(averaged, fixed.T @ carried, np.linalg.svd(fixed)[2][:2].T, (SEARCH, ANSWER), only=i)
         averaged.evaluations += turning.evaluations
         if rest.held:
             contacts = others

@@ -21,7 +21,8 @@ from contact.plane.disc_contacts import Sum
 
 MAX_STEPS = 400
 ENOUGH = 1e-9  # of the friction limit: forces that are left at rest
-FALLS, WINDOW = 0.9, 40  # what is left falls at least by this factor within so many steps, or does not vanish
+NEAR = 1e-5  # the same where the means are taken finer
+FALLS, WINDOW = 0.9, 24  # what is left falls at least by this factor within so many steps, or does not vanish
 # A step is as long again where what is left still points the same way, for contacts near their limits are softer
 ONWARD, MOST = 0.3, 1e3
 LARGEST = 0.5  # of the limit of the deformation: a step
@@ -35,11 +36,13 @@ class Rest(NamedTuple):
     deformation: np.ndarray  # (n, 2)
 
 
-def settled(averaged, load, basis, how, only=None) -> Rest:
+def settled(averaged, load, basis, hows, only=None) -> Rest:
     """Return the rest of an `Averaged` slider under a load (3,) that is free along `basis`, or that it moves.
 
-    ``only``: the one contact whose force counts, None for all.
+    ``hows``: accuracies of the means, the coarse one for the way to rest; ``only``: the one contact whose force counts,
+    None for all.
     """
+    coarse, fine = hows
     problem, n = averaged.problem, len(averaged.start)
     counts = np.ones(n, bool) if only is None else np.arange(n) == only
     rigid = averaged.rigid @ basis
@@ -52,13 +55,16 @@ def settled(averaged, load, basis, how, only=None) -> Rest:
     target, friction = basis.T @ load, averaged.friction
     deformation, still = averaged.deformation * 0.0, np.zeros((n, 2))
     reach = LARGEST * float(limit[each > 0.0].min()) if (each > 0.0).any() else 0.0
-    lefts, before, gain = [], None, 1.0
+    lefts, before, gain, how = [], None, 1.0, coarse
     while True:
         contacts, _ = averaged.contact_means(still, how, deformation)
         force = contacts[:, [Sum.ALONG_X, Sum.ALONG_Y]] * counts[:, None]
         left = np.einsum("ick,ic->k", rigid, force) - target
         size = float(np.linalg.norm(left))
         lefts.append(size)
+        if how == coarse and size <= NEAR * friction:
+            how = fine
+            continue
         if size <= ENOUGH * friction:
             return Rest(True, contacts, deformation)
         stuck = len(lefts) > WINDOW and min(lefts[-WINDOW:]) > FALLS * min(lefts[:-WINDOW])
