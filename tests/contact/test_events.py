@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from contact import ConvergenceError
 from contact.answers.rest_motion import rest, rest_problem
-from contact.codes import Event, Regime, WorkCount
+from contact.codes import Event, Recorded, Regime, WorkCount
 from contact.events.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
 from contact.events.motion import Motion
 from contact.problem import scaled, with_longer_segments
@@ -156,19 +156,19 @@ def test_a_cycle_like_the_last_takes_few_iterations():
     assert motion.tally[WorkCount.SWEEPS] < 3.1 * motion.tally[WorkCount.SEGMENTS]
 
 
-# Property: what a known segment leaves out is at most `close`, so that the velocities differ by its sum at most
+# Property: what a known segment leaves out is below `close`, the velocity's part of it by the contacts' stiffness
 @pytest.mark.parametrize("changed", [{}, {"shape": "punch", "radius": 5e-6}, {"tangential_modulus": 60e9}])
 def test_a_cycle_like_the_last_leaves_out_no_more_than_is_said(changed):
     s, waves = slider(**changed), (orbit(10e-9),)
     problem, runs = rest_problem(s, waves), []
-    for close in (0.0, 1e-9):
+    for close in (0.0, 1e-13):
         motion = rest(s, waves, problem, nodes=12, truncation=1e-9)
         motion.close = close
-        motion.turn(300)
-        runs.append((motion.state[:3].copy(), motion.events()))
+        runs.append((motion.turn(300, stride=1)[:, Recorded.VELOCITY], motion.events()))
     (exact, every), (found, fewer) = runs
-    assert fewer["sweeps"] < 0.8 * every["sweeps"]
-    assert 0.0 < np.max(np.abs(found - exact)) < 1e-9 * fewer["stretches"] / 10.0
+    assert fewer["sweeps"] < 0.7 * every["sweeps"]
+    # 0.005 of the sum; 0.07 to 0.14 with a bound on the gain that is too low by 1e-4
+    assert 0.0 < np.max(np.abs(found - exact)) < 0.03 * 1e-13 * fewer["stretches"]
 
 
 def test_the_deformation_is_bounded_and_forgotten_in_flight():
