@@ -86,6 +86,12 @@ class Problem(NamedTuple):
         return 2.0 * math.pi / self.longest
 
 
+def repeated(problem: Problem, times: int) -> Problem:
+    """Return the problem with all its contacts so many times, one set after the other."""
+    paths = Paths(*(np.tile(each, times) for each in problem.paths))
+    return problem._replace(paths=paths, factors=ContactFactors(*(np.tile(each, times) for each in problem.factors)))
+
+
 @compiled
 def changed(problem, load, paths):
     """Return the problem with another load and other paths."""

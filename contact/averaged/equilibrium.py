@@ -33,14 +33,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.averaged.cycle_mean import clear, cycle, respond
+from contact.averaged.cycle_mean import ContactMean, clear, contact_cycles, cycle, respond
 from contact.averaged.cycle_pieces import BACKWARD, FORWARD, Counted, Cycle, Mean, cycle_arrays
 from contact.averaged.riding import Rule, mean_normal_force, quadrature, riding, riding_approach
 from contact.body import Coordinates, damping_force, normal_amplitude, tangential_amplitude
 from contact.codes import Status
 from contact.error_estimate import quadrature_error, tail_error
 from contact.jit.compiled import compiled, formula, per_thread
-from contact.problem import changed, full_friction
+from contact.problem import changed, full_friction, repeated
 from contact.roots import narrowed, trial
 
 
@@ -317,11 +317,17 @@ def mean_tangential_forces(problem, speeds, before=FORWARD):
 
     `before`: side of the motion before a velocity of 0, one for all or one for each.
     """
-    h, work, out = riding_approach(problem, FINE_NODES), work_arrays(1), np.empty(len(speeds))
-    for k, (speed, side) in enumerate(np.broadcast(speeds, before)):
-        cycle(problem, h, speed, side, work.fine, work.first)
-        out[k] = work.first.means[Mean.TANGENTIAL]
-    return out
+    work, n = work_arrays(1), problem.contacts
+    h, sides = riding_approach(problem, FINE_NODES), np.broadcast_to(before, np.shape(speeds))
+    forces = np.empty(len(speeds))
+    for side in set(sides.tolist()):
+        # every contact at every velocity is a contact by itself: one call of the kernel
+        chosen = np.flatnonzero(sides == side)
+        cycles = np.empty((len(ContactMean), n * len(chosen)))
+        velocities = np.repeat(np.asarray(speeds, float)[chosen], n)
+        contact_cycles(repeated(problem, len(chosen)), h, velocities, side, work.fine, work.second, cycles)
+        forces[chosen] = cycles[ContactMean.TANGENTIAL].reshape(len(chosen), n).sum(axis=1)
+    return forces
 
 
 def rest_forces(problem):
