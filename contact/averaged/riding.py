@@ -74,7 +74,7 @@ def _sums_over_arc(z, a, half, rule, normal):
 
 
 @compiled
-def _load_means(z, a, rule, normal):
+def load_means(z, a, rule, normal):
     """Return the cycle means of p(z + a cos phi), less the attraction, and of its derivative in z."""
     if z <= -a:
         return 0.0, 0.0
@@ -90,7 +90,7 @@ def _load_means(z, a, rule, normal):
 @native("f1 f1 t t f2", {"z": "n", "a": "n", "out": "2 n"})
 def _mean_loads(z, a, rule, normal, out):
     for i in range(z.size):
-        out[0, i], out[1, i] = _load_means(z[i], a[i], rule, normal)
+        out[0, i], out[1, i] = load_means(z[i], a[i], rule, normal)
     return 0
 
 
@@ -117,7 +117,7 @@ def mean_normal_force(problem, h, rule):
         a, z = normal_amplitude(paths, i), approach(paths, i, 0.0, Coordinates(-h, 0.0))
         if a != last_a or z != last_z:
             last_a, last_z = a, z
-            force, rate = _load_means(z, a, rule, problem.normal)
+            force, rate = load_means(z, a, rule, problem.normal)
         kappa = problem.stiffness * factors.stiffness[i]
         total += kappa * force
         steepness += kappa * rate

@@ -16,7 +16,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 
 from contact.exceptions import ConvergenceError
 from contact.plane.averaged import Averaged, dragged, held_rest
-from contact.plane.plane_waves import Surface, places, surface_under
+from contact.plane.plane_waves import Surface, SurfaceWaves, places, surface_under
 from contact.plane.scaling import FREE, inertia_of
 from contact.slider import Slider
 
@@ -58,6 +58,8 @@ class AveragedPath:
     scale: np.ndarray  # (6,) of pose and rates, to which the tolerance refers
     evaluations: int = field(default=0, init=False)
     after: bool = field(default=False, init=False)
+    # Level and pose of the mean forces that were found last, and these
+    known: tuple | None = field(default=None, init=False)
 
     def __post_init__(self):
         mass = self.slider.unit_mass
@@ -66,8 +68,12 @@ class AveragedPath:
 
     def means_at(self, t: float, pose: np.ndarray) -> Averaged:
         """Return the mean forces of the slider on the waves at its place."""
-        waves = surface_under(self.slider, self.surface, pose).scaled(self.level(t, self.after))
-        return Averaged.of(turned(self.slider, float(pose[2])), waves)
+        slider, level = self.slider, self.level(t, self.after)
+        at = (level, *(pose[2:] if isinstance(self.surface, SurfaceWaves) else pose).tolist())
+        if self.known is None or self.known[0] != at:
+            waves = surface_under(slider, self.surface, pose).scaled(level)
+            self.known = at, Averaged.of(slider, waves, float(pose[2]))
+        return self.known[1]
 
     def derivative(self, t: float, state: np.ndarray) -> np.ndarray:
         """Return the rates of pose and rates."""

@@ -14,7 +14,7 @@ from contact.choice import Answer
 from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError, InputError
 from contact.passing_wave import refuse_infinite_mass
-from contact.plane.averaged import ANSWER, CHECK
+from contact.plane.averaged import accuracies
 from contact.plane.averaged_path import AveragedPath
 from contact.plane.burst_path import PlaneTrajectory
 from contact.plane.fixed_steps import FixedSteps
@@ -49,6 +49,7 @@ DECAYS = 3.0  # time constants of the bounce that are followed event by event; 5
 # Time for which the mean force differs after a change of the wave, over the period of the bounce over 2 pi: 4.4 on
 # `twente-planar` from rest, where the height changes most
 BOUNCES = 5.0
+INSTANTS = 12  # of a motion, at which two computations of it are compared
 PLACE = 1e-4  # m: a tenth of a wavelength, to which the tolerance of a place refers
 MAX_COAST = 10.0  # s after the burst within which a slider has to stop
 
@@ -142,6 +143,10 @@ class _Question:
         other.at = at
         return other
 
+    def with_more_instants(self):
+        """Return the question with instants in which two computations are compared: they may agree at one by chance."""
+        return self.up_to(np.union1d(self.at, np.linspace(0.0, self.at[-1], INSTANTS + 1)[1:]))
+
     @property
     def follows(self):
         """True if the waves under the contacts change with their place."""
@@ -213,6 +218,7 @@ def _exact(question):
 
 
 def _compared(question, how, other, least):
+    asked, question = question.at, question.with_more_instants()
     (pose, rates, height, motion), (place, rough, _, _) = (_exact_run(question, each) for each in (how, other))
     error, pose_error = np.abs(rates - rough).max(axis=0), np.abs(pose - place).max(axis=0)
     moves = np.isin(range(3), FREE[question.slider.freedom]) / np.array([1.0, 1.0, question.arm or 1.0])
@@ -220,8 +226,8 @@ def _compared(question, how, other, least):
     error += least * speed * moves
     pose_error += least * speed * float(question.at[-1]) * moves
     names = {"segments": int(motion.state.total[2]), "trials": int(motion.state.total[3])}
-    reason = "event by event in the plane"
-    return _Found(question.at, pose, rates, height, error, pose_error, motion.ledger(), reason, names)
+    reason, at = "event by event in the plane", np.searchsorted(question.at, asked)
+    return _Found(asked, pose[at], rates[at], height[at], error, pose_error, motion.ledger(), reason, names)
 
 
 def _exact_run(question, how):
@@ -240,6 +246,7 @@ def _exact_run(question, how):
 
 def _stepped(question):
     """Fixed steps of two sizes."""
+    asked, question = question.at, question.with_more_instants()
     fine, coarse = _levels(STEPS, question.tolerance)
     units = scaled(
         question.slider, question.waves, heavy=False, rise=question.rise_time,
@@ -258,7 +265,8 @@ def _stepped(question):
     for each in (error, pose_error):
         each[:2] = np.maximum(each[:2], 0.5 * each[:2].max())
     reason = f"{coarse} and {fine} fixed steps per cycle, extrapolated"
-    return _Found(question.at, pose, rates, height, error, pose_error, None, reason, {"steps": fine})
+    at = np.searchsorted(question.at, asked)
+    return _Found(asked, pose[at], rates[at], height[at], error, pose_error, None, reason, {"steps": fine})
 
 
 def _followed(question, motion: FullMotion):
@@ -306,8 +314,11 @@ def _averaged(question):
     slider = question.slider
     refuse_slow_beat(slider, question.waves)
     begun = _start(question)
-    fine = _averaged_run(question, ANSWER, max(0.1 * question.tolerance, 1e-9), begun, question.at)
-    rough = _averaged_run(question, CHECK, max(question.tolerance, 1e-9), begun, fine.time)
+    answer, check = accuracies(question.tolerance)
+    path = _path(question, answer, 0.1)
+    fine = _averaged_run(question, path, begun, question.at)
+    rough = _averaged_run(question, _path(question, check, 1.0), begun, fine.time)
+    height = np.append(begun.rows[2], _heights(question, path, fine, len(begun.at)))
     missed = np.abs(fine.state - rough.state).max(axis=0)
     # a relative error of the forces moves each contact, and so turns a slider that hardly turns
     arms = np.array([1.0, 1.0, question.arm or 1.0])
@@ -319,10 +330,10 @@ def _averaged(question):
         if len(way):
             systematic += BOUNCES * (way / time_of).max(axis=0) / (ratio * question.waves.omega)
     error, pose_error = missed[3:] + systematic, missed[:3] + systematic * float(fine.time[-1])
-    names = {"evaluations": fine.evaluations}
+    names = {"evaluations": path.evaluations}
     reason = f"averaged motion in the plane{begun.reason}"
     pose, rates = fine.state[:, :3], fine.state[:, 3:]
-    return _Found(fine.time, pose, rates, fine.height, error, pose_error, None, reason, names, fine.stopped)
+    return _Found(fine.time, pose, rates, height, error, pose_error, None, reason, names, fine.stopped)
 
 
 class _Start(NamedTuple):
@@ -356,12 +367,13 @@ def _start(question):
         found = _exact(question.up_to(at))
     except ConvergenceError:
         return _Start(0.0, np.zeros(6), *none, np.zeros(3), True, "")
-    # without the rise, in which contacts may keep their deformation
-    path = replace(_path(question, ANSWER, max(0.1 * question.tolerance, 1e-9)), level=lambda *_: 1.0, rise_time=0.0)
-    mean = path.follow(np.zeros(6), (0.0, until), np.array([until])).end
-    fall = math.exp(-until / decay)
+    error, fall = found.error, math.exp(-until / decay)
     left = min(fall / max(1.0 - fall, 1e-12), question.duration / until - 1.0)
-    error = found.error + left * np.abs(found.rates[-1] - mean[3:])
+    if left > 0.0:
+        # without the rise, in which contacts may keep their deformation
+        path = replace(_path(question, accuracies(question.tolerance)[1], 1.0), level=lambda *_: 1.0, rise_time=0.0)
+        mean = path.follow(np.zeros(6), (0.0, until), np.array([until])).end
+        error = error + left * np.abs(found.rates[-1] - mean[3:])
     rows = found.pose[:-1], found.rates[:-1], found.height[:-1]
     last = np.concatenate([found.pose[-1], found.rates[-1]])
     reason = f", event by event for the first {until * 1e3:.2g} ms"
@@ -371,13 +383,12 @@ def _start(question):
 class _Run(NamedTuple):
     time: np.ndarray
     state: np.ndarray  # (k, 6)
-    height: np.ndarray
-    evaluations: int
     stopped: float  # s; inf where the slider still moves
 
 
-def _path(question, how, relative) -> AveragedPath:
-    slider = question.slider
+def _path(question, how, share) -> AveragedPath:
+    """Return the averaged motion with means of an accuracy, integrated to a share of the tolerance."""
+    slider, relative = question.slider, max(share * question.tolerance, 1e-9)
     reach, speed = question.arm or 1.0, max(0.1 * question.waves.peak_speed, 1e-9)
     if question.start is not None:
         speed = max(speed, float(np.hypot(*question.start[3:5])), reach * abs(float(question.start[5])))
@@ -385,9 +396,8 @@ def _path(question, how, relative) -> AveragedPath:
     return AveragedPath(slider, question.surface, question.level, how, relative, question.rise_time, scale)
 
 
-def _averaged_run(question, how, relative, begun: _Start, instants) -> _Run:
-    path, duration = _path(question, how, relative), question.duration
-    state, stopped = begun.state, math.inf
+def _averaged_run(question, path: AveragedPath, begun: _Start, instants) -> _Run:
+    duration, state, stopped = question.duration, begun.state, math.inf
     at, states = [begun.at], [np.concatenate(begun.rows[:2], axis=1)]
     during, later = instants[instants <= duration], instants[instants > duration]
     if begun.time < duration:
@@ -410,7 +420,10 @@ def _averaged_run(question, how, relative, begun: _Start, instants) -> _Run:
         at, states, stopped = [*at, run.time], [*states, run.state], run.stopped
         if question.ends and stopped == math.inf:
             raise ConvergenceError("not converged", f"the slider does not stop within {MAX_COAST:g} s after the burst")
-    time_at, found = np.concatenate(at), np.concatenate(states)
-    done = len(begun.at)
-    heights = [path.height(t, state[:3], t > duration) for t, state in zip(time_at[done:], found[done:], strict=True)]
-    return _Run(time_at, found, np.append(begun.rows[2], heights), path.evaluations, stopped)
+    return _Run(np.concatenate(at), np.concatenate(states), stopped)
+
+
+def _heights(question, path: AveragedPath, run: _Run, first: int):
+    """Return the mean heights at the instants of a run from the first that the averaged motion has followed."""
+    later = zip(run.time[first:], run.state[first:, :3], strict=True)
+    return [path.height(t, pose, t > question.duration) for t, pose in later]

@@ -380,7 +380,7 @@ def guard_rate(problem, i, which, length, kind, work):
 @compiled
 def _fill_contact(problem, i, known, state, work):
     """Fill contact i at all nodes of a segment; return True where its equations are solved."""
-    stage, regime, c = work.stage, state.regime[i], problem.limit_slope[i]
+    stage, regime = work.stage, state.regime[i]
     n = stage.shape[0]
     for j in range(n):
         fill_kinematics(problem, i, work.surface[j, i], work.q[j], work.p[j], stage[j, i])
@@ -399,21 +399,25 @@ def _fill_contact(problem, i, known, state, work):
         if not _slip_angles(problem, i, state.alpha[i], state.total[Total.PHASE], known, work):
             return False
     for j in range(n):
-        row = stage[j, i]
-        if regime == Regime.STICK:
-            turn_x, turn_y = turned_by(problem, i, state.q[Body.YAW], work.q[j, Body.YAW])
-            row[Stage.E_X] = state.e[i, 0] + (work.surface[j, i, Surface.X] - work.before[i, Surface.X])
-            row[Stage.E_Y] = state.e[i, 1] + (work.surface[j, i, Surface.Y] - work.before[i, Surface.Y])
-            row[Stage.E_X] -= (work.q[j, Body.X] - state.q[Body.X]) + turn_x
-            row[Stage.E_Y] -= (work.q[j, Body.Y] - state.q[Body.Y]) + turn_y
-        elif regime == Regime.SLIP:
-            row[Stage.E_X] = c * row[Stage.Z] * row[Stage.N_X]
-            row[Stage.E_Y] = c * row[Stage.Z] * row[Stage.N_Y]
-            row[Stage.LAMBDA] = (
-                row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y] - c * row[Stage.Z_RATE]
-            )
-        fill_forces(problem, i, regime, row)
+        _fill_deformation(problem, i, j, state, work)
+        fill_forces(problem, i, regime, stage[j, i])
     return True
+
+
+@compiled
+def _fill_deformation(problem, i, j, state, work):
+    """Fill the deformation of contact i at a node of a segment, and lambda, from the motion of surface and body."""
+    row, surface, before, c = work.stage[j, i], work.surface[j, i], work.before[i], problem.limit_slope[i]
+    if state.regime[i] == Regime.STICK:
+        turn_x, turn_y = turned_by(problem, i, state.q[Body.YAW], work.q[j, Body.YAW])
+        row[Stage.E_X] = state.e[i, 0] + (surface[Surface.X] - before[Surface.X])
+        row[Stage.E_Y] = state.e[i, 1] + (surface[Surface.Y] - before[Surface.Y])
+        row[Stage.E_X] -= (work.q[j, Body.X] - state.q[Body.X]) + turn_x
+        row[Stage.E_Y] -= (work.q[j, Body.Y] - state.q[Body.Y]) + turn_y
+    elif state.regime[i] == Regime.SLIP:
+        row[Stage.E_X] = c * row[Stage.Z] * row[Stage.N_X]
+        row[Stage.E_Y] = c * row[Stage.Z] * row[Stage.N_Y]
+        row[Stage.LAMBDA] = row[Stage.N_X] * row[Stage.W_X] + row[Stage.N_Y] * row[Stage.W_Y] - c * row[Stage.Z_RATE]
 
 
 @compiled
@@ -615,6 +619,7 @@ def grown(error, work):
 def finish_segment(problem, first, last, state, work):
     """Add the integrals of a solved segment and move body and contacts to its end."""
     nodes, n, sums = work.nodes, work.phase.size, state.sums
+    between = work.phase[n - 1] - work.phase[n - 2]  # 0 in a segment that is short beside the rounding of its phase
     for i in range(first, last):
         regime, c = state.regime[i], problem.limit_slope[i]
         for j in range(n if regime != Regime.SEPARATED else 0):
@@ -642,14 +647,16 @@ def finish_segment(problem, first, last, state, work):
                 back = problem.friction * problem.stiffness[i] * c * back_load(z, z - size / c, problem.normal)
                 sums[i, Sum.LEAK] -= d * back * row[Stage.Z_RATE]
         row = work.stage[n - 1, i]
+        # the body has moved on since the forces were filled, by up to `MAX_LAG`: the next segment begins where it is
+        fill_kinematics(problem, i, work.surface[n - 1, i], work.q[n - 1], work.p[n - 1], row)
+        _fill_deformation(problem, i, n - 1, state, work)
         work.bend[i] = 0.0
         if regime == Regime.SLIP:
             for j in range(n):
                 state.alpha[i] += nodes.weight[j] * work.stage[j, i, Stage.TURNING]
-            if work.rate[n - 1] > 0.0:
+            if work.rate[n - 1] > 0.0 and between > 0.0:
                 last = work.stage[n - 2, i, Stage.TURNING] / work.rate[n - 2]
-                work.bend[i] = row[Stage.TURNING] / work.rate[n - 1] - last
-                work.bend[i] /= work.phase[n - 1] - work.phase[n - 2]
+                work.bend[i] = (row[Stage.TURNING] / work.rate[n - 1] - last) / between
         if regime != Regime.SEPARATED:
             state.e[i, 0], state.e[i, 1] = row[Stage.E_X], row[Stage.E_Y]
         state.begins[i] = 0
@@ -663,7 +670,7 @@ def finish_segment(problem, first, last, state, work):
             lost = problem.damping[k] * work.p[j, k] ** 2
             which = Total.LOST_NORMAL if k == 0 else Total.LOST_TANGENTIAL
             state.total[which] += nodes.weight[j] * work.rate[j] * lost
-        work.trend[k] = (work.a[n - 1, k] - work.a[n - 2, k]) / (work.phase[n - 1] - work.phase[n - 2])
+        work.trend[k] = (work.a[n - 1, k] - work.a[n - 2, k]) / between if between > 0.0 else 0.0
     state.total[Total.PHASE] = work.phase[n - 1]
     state.total[Total.STEPS] += 1.0
 
@@ -851,11 +858,12 @@ def _solve_next(problem, first, last, left, state, work):
         rate = guard_rate(problem, target, guard, length, kind, work)
         step = -value / rate if rate < 0.0 else 0.0
         bracket = _narrowed(bracket, length, crossing, value)
-        parted = bracket[2] - bracket[0] >= CLOSE
+        # a contact that has touched with z < 0 would slip at once, for |e| > c z
+        parted = bracket[2] - bracket[0] >= (NEGATIVE if guard == RegimeEnd.TOUCH else CLOSE)
         # an event is passed on its far side, else what it ends would begin again
         close = _closeness(work)
         near = abs(step) < close
-        if work.careful[0] == 0:
+        if work.careful[0] == 0 or guard == RegimeEnd.TOUCH:
             near = rate < 0.0 and abs(step) < (NEGATIVE if value > 0.0 else close)
         least = -max(close, ANGLE_SHARE * work.tolerance) if guard == RegimeEnd.STICK else -close
         ends = crossing != 1 and value > least and (near or abs(value) < 1e-15 or not parted)

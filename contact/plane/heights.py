@@ -7,13 +7,20 @@ point, which a load above the surface shifts.
 
 import numpy as np
 
-from contact.averaged.riding import mean_loads
+from contact.averaged.riding import NODES as QUADRATURE
+from contact.averaged.riding import load_means, mean_loads, quadrature
 from contact.exceptions import ConvergenceError
+from contact.jit.compiled import native
 from contact.law import normal
+from contact.plane.disc_contacts import solve_linear
 from contact.plane.scaling import Scaled
 from contact.slider import Slider
 
 SAMPLES = 128  # per cycle of the fastest wave, to find where contacts touch and open
+MAX_NEWTON = 200
+LONGEST = 0.25  # of the scale of lengths: a step of a body that tilts
+CLOSE, NEAR, PATIENT = 2e-15, 1e-12, 40  # of that scale: the last step, and the last one after so many
+UNFOUND = "no mean height of the contacts carries the preload"
 NODES = 32  # of Gauss and Legendre's rule in half a cycle
 
 
@@ -104,7 +111,15 @@ def approaches(slider: Slider, scaled: Scaled, means: NormalMeans, force=(0.0, 0
     unknown = np.zeros(len(rows))
     unknown[0] = rest - problem.height.min()
     scale = float(reach.max() + abs(unknown[0])) + 1e-300
-    for count in range(200):
+    if means.harmonic:
+        system = np.empty((len(rows), len(rows) + 1))
+        if not _find_unknown(
+            np.ascontiguousarray(problem.height, float), reach, np.ascontiguousarray(problem.stiffness, float), rows,
+            target, quadrature(QUADRATURE), problem.normal, scale, int(slider.tilt != "held"), system, unknown,
+        ):  # fmt: skip
+            raise ConvergenceError("not converged", UNFOUND)
+        return -(unknown @ rows)
+    for count in range(MAX_NEWTON):
         z = problem.height + unknown @ rows
         load, slope = means(z)
         residual = rows @ (problem.stiffness * load) - target
@@ -116,12 +131,48 @@ def approaches(slider: Slider, scaled: Scaled, means: NormalMeans, force=(0.0, 0
         if not np.isfinite(step).all():
             break
         largest = np.abs(step).max()
-        if slider.tilt != "held" and largest > 0.25 * scale:
-            step *= 0.25 * scale / largest
+        if slider.tilt != "held" and largest > LONGEST * scale:
+            step *= LONGEST * scale / largest
         unknown = unknown - step
-        if largest < 2e-15 * scale or (count > 40 and largest < 1e-12 * scale):
+        if largest < CLOSE * scale or (count > PATIENT and largest < NEAR * scale):
             return -(unknown @ rows)
-    raise ConvergenceError("not converged", "no mean height of the contacts carries the preload")
+    raise ConvergenceError("not converged", UNFOUND)
+
+
+@native("f1 f1 f1 f2 f1 t t f i f2 f1", {"height": "n", "reach": "n", "stiffness": "n", "rows": "k n", "target": "k",
+                                         "unknown": "k"})  # fmt: skip
+def _find_unknown(height, reach, stiffness, rows, target, rule, normal, scale, tilts, system, unknown):
+    """Move the unknown heights and tilts to those on one harmonic wave by Newton's method; return 1 where found.
+
+    ``system`` (k, k + 1): work array.
+    """
+    size = target.size
+    for count in range(MAX_NEWTON):
+        for m in range(size):
+            for j in range(size + 1):
+                system[m, j] = -target[m] if j == size else 0.0
+        for i in range(height.size):
+            z = height[i]
+            for m in range(size):
+                z += unknown[m] * rows[m, i]
+            load, slope = load_means(z, reach[i], rule, normal)
+            for m in range(size):
+                system[m, size] += rows[m, i] * (stiffness[i] * load)
+                for j in range(size):
+                    system[m, j] += rows[m, i] * rows[j, i] * (stiffness[i] * slope)
+        if not solve_linear(system):
+            return 0
+        largest = 0.0
+        for m in range(size):
+            largest = max(largest, abs(system[m, size]))
+        if not largest < np.inf:
+            return 0
+        factor = LONGEST * scale / largest if tilts == 1 and largest > LONGEST * scale else 1.0
+        for m in range(size):
+            unknown[m] -= factor * system[m, size]
+        if largest < CLOSE * scale or (count > PATIENT and largest < NEAR * scale):
+            return 1
+    return 0
 
 
 def _from_centre(slider, scaled):

@@ -13,7 +13,7 @@ import numpy as np
 from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, beat_error
 from contact.exceptions import InputError
-from contact.plane.averaged import CHECK, Averaged, balanced, rest_force
+from contact.plane.averaged import ANSWER, CHECK, Averaged, balanced, dragged, rest_force
 from contact.plane.plane_waves import Surface, SurfaceWaves, places, surface_under
 from contact.plane.scaling import refuse_slow_beat, resonance_ratios
 from contact.plane.state import PlaneState
@@ -127,11 +127,15 @@ def drift_per_degree(slider: Slider, surface: Surface, direction=(0.0, 1.0), *, 
     return float(rate) * averaged.scaled.speed * force / averaged.scaled.force
 
 
-def yaw_stability(slider: Slider, surface: Surface, *, step: float = 1e-3) -> float:
+def yaw_stability(
+    slider: Slider, surface: Surface, *, step: float = 1e-4, state: PlaneState | None = None
+) -> float:  # fmt: skip
     """Return d omega/d psi in 1/s: the yaw rate that a small yaw of the slider under its beam adds, per rad.
 
     Negative: the yaw returns. The surface must be known at every place. A slider without another yaw rate than that of
-    its place turns away from psi = 0 where it is positive.
+    its place turns away from psi = 0 where it is positive. With the residual r of the balance and its derivative J in
+    the motion, d omega/d psi = -[J^-1 (r(psi) - r(-psi))/(2 psi)] of the yaw. A slider that turns about a contact which
+    sticks is balanced at both yaws. ``state``: the averaged steady motion, where it is known.
 
     Raises
     ------
@@ -140,11 +144,39 @@ def yaw_stability(slider: Slider, surface: Surface, *, step: float = 1e-3) -> fl
     """
     if isinstance(surface, SurfaceWaves):
         raise InputError("surface", "must be known at every place: give an object with .at(x, y)")
-    rates = []
-    for psi in (-step, step):
-        x, y = places(slider, (0.0, 0.0, psi))
-        rates.append(steady(replace(slider, x=x, y=y), surface.at(x, y), tolerance=1e-6).yaw_rate)
-    return (rates[1] - rates[0]) / (2.0 * step)
+    state = steady(slider, surface, tolerance=1e-6, method="averaged") if state is None else state
+    if state.held:
+        return 0.0
+    at = [places(slider, (0.0, 0.0, psi)) for psi in (-step, step)]
+    if "stick" in state.regimes:
+        turning = [steady(replace(slider, x=x, y=y), surface.at(x, y), tolerance=1e-6).yaw_rate for x, y in at]
+        return (turning[1] - turning[0]) / (2.0 * step)
+    averaged, _ = _unloaded(slider, surface)
+    motion, force = _units(averaged)
+    rates = np.array([*state.velocity, state.yaw_rate])
+    before, after = (
+        _force_left(Averaged.of(slider, surface.at(x, y), psi), rates) / force
+        for (x, y), psi in zip(at, (-step, step), strict=True)
+    )
+    averaged.deformation = dragged(averaged, rates / motion)
+    derivative = averaged.derivative(rates / motion, ANSWER)
+    change = averaged.basis @ np.linalg.solve(derivative, averaged.basis.T @ (after - before)) / (2.0 * step)
+    return -float(change[2] * motion[2])
+
+
+def _units(averaged: Averaged) -> tuple[np.ndarray, np.ndarray]:
+    """Return the units of (V_x, V_y, yaw rate) and of (F_x, F_y, moment)."""
+    own = averaged.scaled
+    motion = np.array([own.speed, own.speed, own.omega / averaged.arm])
+    return motion, own.force * np.array([1.0, 1.0, averaged.arm * own.length])
+
+
+def _force_left(averaged: Averaged, motion: np.ndarray) -> np.ndarray:
+    """Return the forces and the moment that accelerate a slider at a motion, N and N m."""
+    speeds, forces = _units(averaged)
+    unknown = motion / speeds
+    means = averaged.at(unknown, ANSWER, dragged(averaged, unknown))
+    return forces * (means.force - averaged.load - averaged.damping * unknown)
 
 
 def spin_moment(slider: Slider, state: PlaneState) -> np.ndarray:

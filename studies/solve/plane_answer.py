@@ -129,7 +129,8 @@ def _derivatives(motor: PlaneMotor, state) -> Point:
         )
         point |= Point(drift_m_per_s_per_deg=(float(along), float(across)))
     if motor.slider.freedom == "xy yaw":
-        point |= Point(yaw_stability_per_s=float(plane.yaw_stability(motor.slider, motor.surface)))
+        known = state if state.method == "averaged" else None
+        point |= Point(yaw_stability_per_s=float(plane.yaw_stability(motor.slider, motor.surface, state=known)))
     return point
 
 

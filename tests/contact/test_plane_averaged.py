@@ -206,12 +206,13 @@ def test_yaw_is_stable_where_it_returns():
             return replace(even, amplitudes=even.amplitudes * (1.0 - 0.2 * (y / 5e-3) ** 2)[None, :, None])
 
     body = ball(x=X, y=Y, preload=3 * F, tilt="free", freedom="xy yaw")
-    slope = yaw_stability(body, Narrow(), step=1e-3)
+    slope = yaw_stability(body, Narrow(), step=1e-4)
     rates = [
         mean_motion(replace(body, x=x, y=y), Narrow().at(x, y)).yaw_rate
-        for x, y in ((X - psi * Y, Y + psi * X) for psi in (-1e-3, 1e-3))
+        for x, y in ((X - psi * Y, Y + psi * X) for psi in (-1e-4, 1e-4))
     ]
-    assert slope == pytest.approx((rates[1] - rates[0]) / 2e-3, rel=1e-4)
+    assert slope == pytest.approx((rates[1] - rates[0]) / 2e-4, rel=1e-6)
+    assert yaw_stability(body, Narrow(), state=mean_motion(body, Narrow().at(X, Y))) == pytest.approx(slope, rel=1e-6)
     assert slope != 0.0
 
 

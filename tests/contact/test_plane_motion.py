@@ -12,6 +12,7 @@ from contact import burst as burst_along_x
 from contact import steady as steady_along_x
 from contact.exceptions import ConvergenceError, InputError
 from contact.plane import PlaneWave, PlaneWaves, SurfaceWaves, burst, bursts, steady, turned
+from contact.plane.disc_contacts import Count
 from contact.plane.full_motion import motion_at_rest
 from contact.plane.radau import radau
 from tests.contact.plane_motors import R_X, ball, beams, drawn_on_three_balls
@@ -68,6 +69,28 @@ def test_a_contact_that_turns_back_in_stick_passes_its_least_deformation():
     motion = motion_at_rest(slider, surface, bursts.EXACT[1e-6][0], rise=0.0, stop=1.0, warm=True)
     motion.follow(60 * 2 * np.pi)
     assert motion.state.p[1] * motion.units.speed == pytest.approx(scalar.velocity[-1], rel=1e-6)
+
+
+def test_balls_that_stick_within_a_microradian_are_followed():
+    """Three balls under one wave end their slip together: a segment begins where the body is by then."""
+    x, y = np.array([6e-3, -3e-3, -3e-3]), np.array([0.0, 5.19615e-3, -5.19615e-3])
+    slider = ball(x=x, y=y, preload=2.6e-3, mass=2.7e-4, tilt="free", freedom="xy yaw", inertia=2e-9)
+    rows = [[-1j * R_X * a, 0.0, a] for a in 3e-9 * (1.0 + 0.2 * y / y.max())]
+    surface = SurfaceWaves(frequencies=[2.2e6], amplitudes=[rows])
+    for how in ((4, 3e-3), (6, 3e-4)):
+        motion = motion_at_rest(slider, surface, how, rise=0.0, stop=1.0, warm=True)
+        motion.follow(3 * 2 * np.pi)
+        assert motion.state.counts[:, Count.SLIPS].min() > 0
+
+
+def test_the_error_of_a_short_burst_is_that_of_its_whole_way():
+    """At the end alone two computations may agree by chance."""
+    surface = beams(2.0, 2.0, np.pi / 2)
+    given = dict(duration=24 * T, after=0.0, tolerance=1e-3, rise_time=5 * T)
+    for method in ("exact", "stepped"):
+        end, whole = (burst(LIGHT, surface, samples=k, method=method, **given) for k in (1, 12))
+        assert end.error == pytest.approx(whole.error, rel=1e-2)
+        assert len(end.time) == 1
 
 
 def three_balls(**changes):
