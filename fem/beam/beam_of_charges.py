@@ -37,6 +37,9 @@ CHUNK = 2000  # points for which distances are tabulated at a time, to limit mem
 # by more than UNCONVERGED of the motion.  It is too wide where the power of a wave leaves obliquely: such a wave grows
 # along the complex contour, and the more the farther the point is.
 UNCONVERGED, MAX_HALVINGS = 0.03, 4
+# The same for pictures.  On the shipped motor of YZ lithium niobate, where 8 of 100 points of the surface, all beside
+# fingers, then change by more than 2 % and at most 5 %, a map takes 3.2 instead of 13.3 CPU s.
+UNCONVERGED_IN_PICTURES = 0.1
 
 
 class Fingers(NamedTuple):
@@ -237,11 +240,14 @@ class EmittedBeam:
         Of the surface wave, m.
     mirror_width : float or None
         Distance in m of two side faces that reflect like mirrors.
+    unconverged : float
+        Difference between two rules in k_y over the motion, above which finer rules are taken.
     """
 
     emitters: list[Emitter]
     wavelength: float
     mirror_width: float | None
+    unconverged: float = UNCONVERGED
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -284,7 +290,7 @@ class EmittedBeam:
         for halvings in range(MAX_HALVINGS + 1):
             rules = self._modal(x, y, distance, halvings)
             size = abs(rules[0]).max(axis=0)
-            if np.all(abs(rules[0] - rules[1]).max(axis=0) <= UNCONVERGED * np.maximum(size, 0.1 * size.max())):
+            if np.all(abs(rules[0] - rules[1]).max(axis=0) <= self.unconverged * np.maximum(size, 0.1 * size.max())):
                 break
         return rules
 

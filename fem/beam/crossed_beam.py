@@ -86,6 +86,11 @@ class CrossedBeam:
         return replace(self, beams=tuple(each.surface_mode for each in self.beams))
 
     @property
+    def pictured(self) -> "CrossedBeam":
+        """The same beam for a picture, as `SurfaceBeam.pictured`."""
+        return replace(self, beams=tuple(each.pictured for each in self.beams))
+
+    @property
     def _active(self) -> list[tuple[ParallelGroup, SurfaceBeam]]:
         """Groups with a voltage at one port at least, and their beams; the other groups send no wave."""
         pairs = zip(self.rows, self.beams, strict=True)

@@ -112,6 +112,11 @@ class StripBeam:
         )
         return replace(self, beams=tuple(each.surface_mode for each in self.beams), straightened=straightened)
 
+    @property
+    def pictured(self) -> "StripBeam":
+        """The same strips for a picture, as `SurfaceBeam.pictured`."""
+        return replace(self, beams=tuple(each.pictured for each in self.beams))
+
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V at points (x, y) in m, shape (3, *shape of x and y); equation (1)."""
         return self.motion_and_error(x, y)[0]

@@ -20,7 +20,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from fem.beam.beam_of_charges import ChargeSheet, EmittedBeam, Emitter, Strip
+from fem.beam.beam_of_charges import UNCONVERGED, UNCONVERGED_IN_PICTURES, ChargeSheet, EmittedBeam, Emitter, Strip
 from fem.beam.electrode_charges import ElectrodeCharges, all_charges
 from fem.beam.faces import Faces
 from fem.beam.lateral import EVANESCENT, RULES, Points, inverse_transform
@@ -78,6 +78,8 @@ class SurfaceBeam:
         Forces, each with the response of the bare stator to it.
     scattering_error : float
         Relative error of the waves that transducers send in answer to forces.
+    unconverged : float
+        Difference between two rules in k_y over the motion, above which finer rules are taken.
     received_error : float
         Error of the currents that forces send into transducers at a voltage of zero, over the largest of them.
     mirror_width : float or None
@@ -106,6 +108,7 @@ class SurfaceBeam:
     strips: tuple[Strip, ...] = ()
     scattering_error: float = 0.0
     received_error: float = 0.0
+    unconverged: float = UNCONVERGED
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V, or in m under forces.
@@ -297,10 +300,15 @@ class SurfaceBeam:
         """Sources of waves: the charges of all transducers, if there are any, then each force."""
         return self._emitting(self._sheets)
 
+    @property
+    def pictured(self) -> "SurfaceBeam":
+        """The same beam for a picture, to 5 % beside fingers."""
+        return replace(self, unconverged=UNCONVERGED_IN_PICTURES)
+
     @cached_property
     def _emitted(self) -> EmittedBeam:
         """Waves of all charges and forces, without those that the ends reflect."""
-        return EmittedBeam(self.emitters, self.wavelength, self.mirror_width)
+        return EmittedBeam(self.emitters, self.wavelength, self.mirror_width, self.unconverged)
 
     @cached_property
     def _section_emitters(self) -> list[Emitter]:

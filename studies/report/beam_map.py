@@ -20,7 +20,7 @@ def draw_surface_map(beam, scene: Scene, ax, point: Point | None = None):
 
     orange = COLOURS["intermittent"]
     across, up, shade = quantity.x_m, quantity.y_m, quantity.normal_m_per_V
-    x, y, motion = surface_map(beam, scene.stator)
+    x, y, motion = surface_map(beam, scene.stator, picture=True)
     options = {"cmap": "viridis", "shading": "gouraud", "rasterized": True}
     colours = ax.pcolormesh(x * across.scale, y * up.scale, abs(motion[2]).T * shade.scale, **options)
     ax.figure.colorbar(colours, ax=ax, label=f"|{shade.head}| ({shade.shown})")

@@ -33,6 +33,11 @@ class Together:
         """Groups of transducers of the first beam, which has those of all."""
         return self.beams[0].rows
 
+    @property
+    def pictured(self):
+        """The same beams for a picture."""
+        return Together(tuple(each.pictured for each in self.beams))
+
     def motion(self, x, y):
         """Return the root of the sum of the squared sizes of u_x, u_y and u_z at points (x, y) in m, m per V."""
         return np.sqrt(sum(np.abs(each.motion(x, y)) ** 2 for each in self.beams))

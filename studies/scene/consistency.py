@@ -136,7 +136,12 @@ def check_strips(scene) -> Refused:
         if scene.stator.sides == "mirror":
             yield key, "must be absent with stator.sides = mirror: the beams of strips take no images"
         if scene.source.burst is not None:
-            yield key, f"must be absent with {scene.source.block}.burst, whose ring-up is that of one section"
+            yield (
+                key,
+                f"must be absent with {scene.source.block}.burst: each strip rings up by itself and a common circuit "
+                "couples them, so that the growth of the wave would take all strips at some hundred frequencies; drive "
+                "steadily, or burst the plain transducer of the same period and fingers",
+            )
 
 
 def check_turned(scene) -> Refused:

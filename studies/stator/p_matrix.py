@@ -5,7 +5,8 @@ meshed piece (`fem.reflector`), for the surface wave only, at frequencies of the
 stator is compared with the admittances of the whole stator, which also include bulk waves, decaying fields and ends.
 Both describe the plane section with short-circuited terminations. Expected: reciprocity to rounding; the surface wave
 takes at most the whole conductance if the solid is lossless; the cascade agrees with the stator within 30 % in the
-maximum of the transfer admittance. Run time: about 8 s.
+maximum of the transfer admittance. Of a unidirectional transducer (`transducer.cell`) the directivity is stated in dB,
+beside that of coupled modes. Run time: about 8 s.
 """
 
 import logging
@@ -22,7 +23,7 @@ from studies.scene import Scene
 from studies.solve import passband
 from studies.solve.spectrum import port_admittances
 from studies.stator.reflector import from_the_left, stator_beside_pieces
-from studies.study_list import Answered, Panel, judged, of_record, study
+from studies.study_list import Answered, Finding, Panel, judged, of_record, study
 
 LOGGER = logging.getLogger(__name__)
 
@@ -75,9 +76,10 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
     sent = np.array([np.sum(abs(part.excitation) ** 2) for part in first])
     admittance = np.array([part.admittance for part in first])
     uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
+    directivity = directivity_in_dB(first)
     name = "transfer admittance" if last else "admittance"
     reflects = resolved.stator.ends != "absorbing" or any(stator.placement.ends if stator.pieces else ())
-    findings = (
+    findings: tuple[Finding, ...] = (
         judged("A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9),
         judged("The surface wave takes no more than the source gives.",
                "largest share of the conductance that goes into the surface wave", np.max(sent / admittance.real),
@@ -87,17 +89,44 @@ def run(scene: Scene, *, count: int = 25, tolerance: float = 3e-2) -> Answered:
                high=0.3, holds=None if reflects else True, expected="below 0.3 between absorbing ends",
                remark="the ends reflect, and the cascade has no ends" if reflects else ""),
     )  # fmt: skip
+    if row[ports[0]].cell != "plain":
+        findings += (_directivity_found(first, directivity),)
     panels = (
         Panel(name="p_matrix", title=f"{resolved.title}: transducer {row[ports[0]].name!r} alone", data=dict(
             frequency_Hz=at, reflection_shorted=np.array([abs(part.scattering[0, 0]) for part in first]),
             reflection_open=np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
-            excitation_squared_S=sent, admittance_S=admittance,
+            excitation_squared_S=sent, admittance_S=admittance, directivity_dB=directivity,
         )),
         Panel(name="cascade", title=f"{resolved.title}: {name}", data=dict(
             frequency_Hz=at, cascade_S=joined, stator_S=whole,
         )),
     )  # fmt: skip
     return panels + _of_pieces(resolved.title, at, pieces), findings
+
+
+def directivity_in_dB(parts: list[fem.PMatrix]) -> np.ndarray:
+    """Return the power that P-matrices send to the right over that to the left, dB, shape (parts,)."""
+    left, right = np.moveaxis(np.array([np.split(abs(part.excitation) ** 2, 2) for part in parts]).sum(axis=2), 1, 0)
+    return 10 * np.log10(right / left)
+
+
+def _directivity_found(parts: list[fem.PMatrix], directivity: np.ndarray) -> Finding:
+    """Return the directivity where the fingers reflect most, beside that of coupled modes.
+
+    A row whose reflections are in best phase with its sources sends exp(kappa L) times as much one way as the other,
+    at the centre of its stop band, where |P11| = tanh(kappa L) (Hartmann, Wright, Kansy and Garber, Proc. IEEE
+    Ultrasonics Symp. 1982, 40).
+    """
+    reflected = np.array([abs(part.scattering[0, 0]) for part in parts])
+    peak = int(np.argmax(reflected))
+    limit = 20 / np.log(10) * np.arctanh(min(reflected[peak], 1 - 1e-12))
+    return judged(
+        "Reflections in best phase with the sources send exp(kappa L) times as much one way, |P11| = tanh(kappa L).",
+        f"directivity, right over left, at {parts[peak].frequency / 1e6:.5g} MHz where |P11| is largest, dB",
+        directivity[peak],
+        holds=None,
+        expected=f"{limit:.3g} dB to one side by coupled modes",
+    )
 
 
 def _of_pieces(title: str, at: np.ndarray, pieces: list[fem.Reflector]) -> tuple[Panel, ...]:

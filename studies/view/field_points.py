@@ -150,7 +150,7 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
     rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
     refuse_if(name not in MOTIONS, "--quantity", f"{rule}: --show field has it in the section")
     paired = envelope and run.crossed is None
-    x, y, motion = surface_map(run.beam, run.scene.stator, PAIRED if paired else PER_WAVELENGTH)
+    x, y, motion = surface_map(run.beam, run.scene.stator, PAIRED if paired else PER_WAVELENGTH, picture=True)
     moved = np.moveaxis(motion, 0, -1)
     size = moved[..., MOTIONS.index(name), None]
     drawn = QUANTITIES[name]

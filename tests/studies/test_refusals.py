@@ -128,6 +128,7 @@ transducer.0.apodisation=[1, 2] | transducer.0.apodisation.1 must be between 0 a
 transducer.0.apodisation=cosine; drive.burst=1 ms | transducer.0.apodisation must be absent with drive.burst
 transducer.0.slant=0.1; stator.sides=mirror | transducer.0.slant must be absent with stator.sides = mirror
 transducer.0.slant=0.1; transducer.1.angle=30; stator.ends=absorbing | transducer.0.slant must be absent where
+transducer.0.slant=0.1; drive.burst=1 ms | transducer.0.slant ... each strip rings up by itself ... drive steadily
 transducer.0.slant_strips=0 | transducer.0.slant_strips must be an integer from 1 to 256
 transducer.0.chirp=1.2 | transducer.0.chirp must be between -1 and 1, got 1.2
 transducer.0.patern=+-+- | transducer.0.patern ... did you mean pattern?

@@ -6,7 +6,9 @@ Properties: one and the same comb written in two ways, combs that change places,
 import tomllib
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from studies import Scene
@@ -16,6 +18,7 @@ from studies.refusal import SceneError
 from studies.runs import run
 from studies.scene import read_table
 from studies.scene.toml import document
+from studies.stator import p_matrix
 from studies.view.run_field import run_field
 from tests.studies.settings import assigned
 
@@ -174,3 +177,28 @@ def test_apodised_and_slanted_transducers_run_are_written_and_swept():
     assert abs(off_axis[2, 1]) < 0.5 * abs(off_axis[2, 0])  # beside the aperture of 20 mm
     cells = chip("transducer.0.slant=0.1", "transducer.0.slant_strips=3", "transducer.0.cell=DART")
     assert run(replace(cells, stator=spread.scene.stator), tolerance=3e-2).electrical["power_residual"] < 1e-6
+
+
+@pytest.fixture(scope="module")
+def unidirectional():
+    """P-matrices of 20 cells on 128YX lithium niobate at both ends of the main lobe and in the stop band."""
+    scene = Scene.load("lithium-niobate-128yx")
+    row = replace(scene.transducer[0], cell="DART")
+    return p_matrix.run(replace(scene, transducer=(row,), slider=None), count=3, tolerance=0.2)
+
+
+def test_the_directivity_is_stated_in_decibels_beside_that_of_coupled_modes(unidirectional):
+    """20 log10 exp(kappa L) with |P11| = tanh(kappa L), of fingers that reflect electrically: 0.82 dB."""
+    data, finding = unidirectional.panels[0].data, unidirectional.findings[-1]
+    assert finding.quantity == "directivity, right over left, at 9.6 MHz where |P11| is largest, dB"
+    assert finding.found == data.directivity_dB[1]
+    limit = 20 * np.log10(np.exp(np.arctanh(data.reflection_shorted[1])))
+    assert abs(finding.found) == pytest.approx(limit, rel=0.1)
+    assert finding.expected == f"{limit:.3g} dB to one side by coupled modes"
+    assert abs(finding.found) > 0.5
+
+
+def test_the_directivity_is_the_power_to_the_right_over_that_to_the_left():
+    """Of two modes on either side: 10 log10((9 + 1) / (0.5^2 + 0.75))."""
+    parts = [SimpleNamespace(excitation=np.array([0.5, 0.75**0.5, 3j, -1.0]))]
+    np.testing.assert_allclose(p_matrix.directivity_in_dB(parts), [10.0], rtol=1e-12)

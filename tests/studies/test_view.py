@@ -66,10 +66,10 @@ def _the_map_of_a_beam_is_computed_once():
     """Three pictures show the same beam, whose motion over the surface takes most of their time."""
     of_surface, known = field_points.surface_map, {}
 
-    def once(beam, stator, *arguments):
+    def once(beam, stator, *arguments, **options):
         key = id(beam), stator, arguments
         if key not in known:
-            known[key] = beam, of_surface(beam, stator, *arguments)
+            known[key] = beam, of_surface(beam, stator, *arguments, **options)
         return known[key][1]
 
     with pytest.MonkeyPatch.context() as patch:
@@ -580,7 +580,7 @@ def test_the_map_of_the_beam_has_room_for_its_texts(monkeypatch, length, width):
     scene = Scene.load("lithium-niobate-yz").replace(stator={"length": length, "width": width})
     x, y = np.linspace(0, scene.stator.length, 9), np.linspace(-0.5, 0.5, 5) * scene.stator.width
     field = np.multiply.outer(np.ones(3), np.outer(np.cos(3e3 * x), y + scene.stator.width)) * 1e-9
-    monkeypatch.setattr(beam_map, "surface_map", lambda beam, stator: (x, y, field))
+    monkeypatch.setattr(beam_map, "surface_map", lambda beam, stator, *, picture: (x, y, field))
     wide, high = (each / 150 for each in beam_map.pixels(scene.stator))
     figure = Figure(figsize=(wide, high), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)

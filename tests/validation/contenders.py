@@ -129,7 +129,7 @@ CURVES = {
         ("ngsolve",),
     ),
     "structured": (_structured, tuple({"level": level} for level in range(6)), ()),
-    "band": (_band, tuple({"tolerance": tolerance} for tolerance in (1e-3, 1e-4, 1e-5)), ()),
+    "band": (_band, tuple({"tolerance": tolerance} for tolerance in (1e-2, 1e-3, 1e-4, 1e-5)), ()),
 }
 
 
