@@ -71,7 +71,8 @@ def test_the_energies_of_a_run_balance(roughness, law):
     found = [dict(each.entries) for each in balances(record)]
     for powers, point, balance in zip(found, moving, balances(record), strict=True):
         assert balance.residual < 1e-10
-        assert powers["work against the load"] == pytest.approx(5e-6 * abs(point.velocity_m_per_s), rel=1e-2)
+        # the load drives the stop of a mean field back
+        assert powers["work against the load"] == pytest.approx(5e-6 * point.velocity_m_per_s, rel=1e-2)
         spent = powers["lost in slip"] + powers["work against the load"] + powers["not conserved by the elastic law"]
         assert spent == pytest.approx(powers["wave, friction force"], rel=1e-9)
     if not roughness:
@@ -189,12 +190,14 @@ def test_balls_with_memory_take_bursts_and_loads(roughness):
     assert line["value"]["8 nm"][0] == pytest.approx(abs(steady.velocity_m_per_s), rel=5e-4)
     stall = line["blocked_thrust_N"]["8 nm"]
     assert 0.0 < stall < 0.08 * 0.87309e-3
-    # the heavy slider on the walls of depths moves just below that load, and rests just above it
-    below, above = (
-        run(rough.replace(slider={"load": share * stall}), tolerance=1e-3).points[0] for share in (0.99, 1.01)
-    )
-    assert abs(below.velocity_m_per_s) > 0.0
-    assert above.regime == "stick"
+    # the heavy slider on the walls of depths moves just below that load, and back just above it, for it hops
+    for share, way in ((0.99, 1.0), (1.01, -1.0)):
+        loaded = rough.replace(slider={"load": share * stall})
+        found, driven = run(loaded, tolerance=1e-3).points[0].velocity_m_per_s, Contact.prescribed(build(loaded))
+        assert way * found > 0.0
+        assert found == pytest.approx(
+            float(contact.steady(driven.slider, driven.at(8e-9), tolerance=1e-4).velocity), rel=2e-3
+        )
 
 
 def test_a_mean_field_is_near_the_middle_of_samples(sampled):
