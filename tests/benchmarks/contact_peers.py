@@ -3,10 +3,10 @@
     python -m tests.benchmarks.contact_peers
 
 The seed's slider from rest through 200 cycles; error of the velocity at the end against the event-exact method at its
-finest, over run time, all compiled beforehand.  Peers: ``scipy.integrate.solve_ivp`` (RK45, DOP853, LSODA, Radau) and
-SUNDIALS CVODE (Adams, BDF; left out where scikit-sundae is not installed) with events or root functions and compiled
-right-hand sides, free in their steps and held to a twentieth of a cycle; the paper's algorithm in fixed steps with DV
-of 1 mm/s.  Run time: about 2 min.
+finest, over CPU time of one thread, all compiled beforehand.  Peers: ``scipy.integrate.solve_ivp`` (RK45, DOP853,
+LSODA, Radau) and SUNDIALS CVODE (Adams, BDF; left out where scikit-sundae is not installed) with events or root
+functions and compiled right-hand sides, free in their steps and held to a twentieth of a cycle; the paper's algorithm
+in fixed steps with DV of 1 mm/s.  About 2 minutes of one processor.
 """
 
 import math
@@ -72,9 +72,9 @@ def rows_of(
     def add(curve, setting, work, repeats=3):
         seconds, complaint = math.inf, ""
         for _ in range(repeats):
-            at = time.perf_counter()
+            at = time.process_time()
             answer = work()
-            seconds = min(seconds, time.perf_counter() - at)
+            seconds = min(seconds, time.process_time() - at)
         if isinstance(answer, tuple):
             answer, complaint = answer[0], answer[2]
         error = abs(answer / truth - 1.0)
