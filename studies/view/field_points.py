@@ -6,11 +6,11 @@ further points are evaluated from the modes and the elements' polynomials.  No v
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 
 from studies.model.model import model_of
 from studies.record.surface_map import surface_map
@@ -165,7 +165,23 @@ def beam_sheet(run: RunField, name: str, *, envelope: bool = False) -> tuple[Sha
     rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
     mean = abs(amplitude) if envelope else 0.0 * amplitude.real
     sheet = Sheet("surface", rest, moved[:, :, None], mean, 0.0 * amplitude if envelope else amplitude)
-    return shading, sheet, RegularGridInterpolator((x, y), moved)
+    return shading, sheet, partial(between_lines, x, y, moved)
+
+
+def between_lines(x: np.ndarray, y: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Interpolate values on a grid, (x, y, ...), linearly in x and y at points (n, 2) on it; shape (n, ...).
+
+    `scipy.interpolate` does the same, and its import takes a tenth of the time of a picture.
+    """
+    cells, shares = [], []
+    for axis, along in zip((x, y), points.T, strict=True):
+        cell = np.clip(np.searchsorted(axis, along, side="right") - 1, 0, len(axis) - 2)
+        share = (along - axis[cell]) / (axis[cell + 1] - axis[cell])
+        cells.append(cell)
+        shares.append(share.reshape(-1, *[1] * (values.ndim - 2)))
+    (i, j), (s, t) = cells, shares
+    below, above = (1 - s) * values[i, j] + s * values[i + 1, j], (1 - s) * values[i, j + 1] + s * values[i + 1, j + 1]
+    return (1 - t) * below + t * above
 
 
 def strips(run: RunField, electrode, *, spreads: bool) -> np.ndarray:

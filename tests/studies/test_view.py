@@ -895,3 +895,16 @@ def test_the_motion_at_a_height_lies_between_the_nodes():
     at = np.array([[0.5, 0.0]])
     assert part.at_height(at, -0.5)[0] == pytest.approx([1.5 * 2.5, 0.0, 0.5 * 3.5])
     assert part.surface(at)[0] == pytest.approx([1.5 * 3.0, 0.0, 0.5 * 4.0])
+
+
+def test_motions_between_lines_are_those_of_scipy():
+    """Bilinear interpolation of three complex components on uneven lines, ends included."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    draw = np.random.default_rng(3)
+    x, y = np.sort(draw.uniform(size=7)), np.sort(draw.uniform(size=5))
+    values = draw.normal(size=(7, 5, 3)) + 1j * draw.normal(size=(7, 5, 3))
+    points = np.stack([draw.uniform(x[0], x[-1], 40), draw.uniform(y[0], y[-1], 40)], axis=-1)
+    points[:2] = (x[0], y[-1]), (x[-1], y[0])
+    found = field_points.between_lines(x, y, values, points)
+    np.testing.assert_allclose(found, RegularGridInterpolator((x, y), values)(points), rtol=1e-12, atol=1e-14)
