@@ -75,12 +75,13 @@ def test_a_drawn_steady_motion_is_within_its_error(seed):
     assert over is None or over < 1.0
 
 
-def test_contacts_that_nearly_hold_a_load_move():
-    """Three contacts that always touch: their forces of rest fall short of the load in one direction alone."""
-    slider, waves = drawn(22)
+@pytest.mark.parametrize("seed", [14, 22])
+def test_contacts_that_nearly_hold_a_load_move(seed):
+    """Three contacts that always touch: about the third the slider nearly turns, or rest falls short one way alone."""
+    slider, waves = drawn(seed)
     state = steady(slider, waves, tolerance=1e-6)
     assert not state.held
-    miss, stated, own = deviation(22, 1e-6, 1e-8)
+    miss, stated, own = deviation(seed, 1e-6, 1e-8)
     assert miss < 2.0 * stated + own < 1e-7 * waves.peak_speed
 
 
