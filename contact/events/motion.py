@@ -114,7 +114,7 @@ class Motion:
         deformation from the present state of each contact. `problem` is that of the motion from here on, in the same
         units; None keeps it.
         """
-        before = self.approaches(self.state[At.POSITION])
+        before = None if self.memory is None else self.approaches(self.state[At.POSITION])
         self.problem = problem or self.problem
         self.lost[:] = 0.0
         if self.memory is not None:
