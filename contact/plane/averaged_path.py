@@ -9,6 +9,8 @@ stops, and stays where friction holds its load.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +20,12 @@ from contact.exceptions import ConvergenceError
 from contact.plane.averaged import Averaged, dragged, held_rest
 from contact.plane.plane_waves import Surface, SurfaceWaves, places, surface_under
 from contact.plane.scaling import FREE, inertia_of
+from contact.plane.wave_shape import WaveShape
 from contact.slider import Slider
 
 STOPPED = 1e-6  # of the energy with which a coast begins; at it the slider stops, 1e-6 of its way before it would
 STORED = 0.6  # energy of a contact at its limit over mu P c z, at most
+RELEASE = 1e-3  # of a part of a burst: to which the time is known at which waves that grow move the slider
 POSE, RATES = slice(0, 3), slice(3, 6)
 
 
@@ -31,6 +35,18 @@ def turned(slider: Slider, yaw: float) -> Slider:
         return slider
     x, y = places(slider, (0.0, 0.0, yaw))
     return replace(slider, x=x, y=y)
+
+
+class Rest(NamedTuple):
+    """A time in which friction holds the slider, as a solution of the equations of motion."""
+
+    t_min: float
+    t_max: float
+    state: np.ndarray  # (6,)
+
+    def __call__(self, t: np.ndarray) -> np.ndarray:
+        """Return the states at times (k,): (6, k)."""
+        return np.tile(self.state[:, None], (1, len(t)))
 
 
 class Stretch(NamedTuple):
@@ -44,9 +60,9 @@ class Stretch(NamedTuple):
 
 @dataclass
 class AveragedPath:
-    """The averaged equations of motion of a slider on a surface whose waves have the factor `level(t, after)`.
+    """The averaged equations of motion of a slider on a surface whose waves have the factor `level(t, after)`, or a shape.
 
-    `after`: True after the burst. Without a rise time the factor is 1 during a burst and 0 after it.
+    `after`: True after the burst. Without rise time and shape the factor is 1 during a burst and 0 after it.
     """
 
     slider: Slider
@@ -56,6 +72,7 @@ class AveragedPath:
     tolerance: float  # of the integration, relative
     rise_time: float  # s
     scale: np.ndarray  # (6,) of pose and rates, to which the tolerance refers
+    shape: WaveShape | None = None  # takes the place of `level`
     evaluations: int = field(default=0, init=False)
     after: bool = field(default=False, init=False)
     # Level and pose of the mean forces that were found last, and these
@@ -68,10 +85,12 @@ class AveragedPath:
 
     def means_at(self, t: float, pose: np.ndarray) -> Averaged:
         """Return the mean forces of the slider on the waves at its place."""
-        slider, level = self.slider, self.level(t, self.after)
+        slider, shape = self.slider, self.shape
+        level = self.level(t, self.after) if shape is None else (t, self.after)
         at = (level, *(pose[2:] if isinstance(self.surface, SurfaceWaves) else pose).tolist())
         if self.known is None or self.known[0] != at:
-            waves = surface_under(slider, self.surface, pose).scaled(level)
+            waves = surface_under(slider, self.surface, pose)
+            waves = waves.scaled(level) if shape is None else shape.on(waves, t, self.after)
             self.known = at, Averaged.of(slider, waves, float(pose[2]))
         return self.known[1]
 
@@ -109,11 +128,13 @@ class AveragedPath:
         """
         self.after = after
         begin, end = span
+        parts: list[OdeSolution | Rest] = []
+        if self.shape is not None and not coasts:
+            return self._shaped(start, span, at, parts)
         if (after or self.rise_time == 0.0 or begin > 0.0) and self.rests(begin, start):
             at = np.linspace(begin, end, at + 1)[1:] if isinstance(at, int) else at
             start = np.append(start[POSE], np.zeros(3))
             return Stretch(at, np.tile(start, (len(at), 1)), start, begin)
-        parts: list[OdeSolution] = []
         if coasts:
             last, until = self._coast(start, span, parts)
             stopped = until if until < end and self.holds(until, last[POSE]) else math.inf
@@ -123,14 +144,43 @@ class AveragedPath:
             last, until, stopped = self._integrated(start, span, parts), end, math.inf
         if isinstance(at, int):
             at = np.linspace(begin, until, at + 1)[1:]
-        states = np.tile(np.append(last[POSE], np.zeros(3)), (len(at), 1))
-        for solution in parts:
-            inside = (at >= solution.t_min) & (at <= solution.t_max)
-            states[inside] = solution(at[inside]).T if inside.any() else states[inside]
+        states = _states(parts, at, last)
         if stopped < math.inf:
             last = np.append(last[POSE], np.zeros(3))
             states[at >= stopped] = last
         return Stretch(at, states, last, stopped)
+
+    def _shaped(self, start: np.ndarray, span: tuple[float, float], at: np.ndarray, parts: list) -> Stretch:
+        """Return the motion on waves that may become too weak to move the slider, and move it again."""
+        last = start
+        for part in pairwise(self.shape.parts(*span)):
+            last = self._through(last, part, parts)
+        return Stretch(at, _states(parts, at, last), last, math.inf)
+
+    def _through(self, state: np.ndarray, span: tuple[float, float], parts: list) -> np.ndarray:
+        """Return the state at the end of a part of the burst in which the waves change little."""
+        (t, end), watched = span, True
+        while t < end:
+            if self.rests(t, state):
+                state, until = np.append(state[POSE], np.zeros(3)), self._released(t, end, state[POSE])
+                parts.append(Rest(t, until, state))
+                t = until
+                if t == end:
+                    break
+            state = self._integrated(state, (t, end), parts, stops=watched)
+            # once it is slow and not held there, it is followed on
+            t, watched = float(parts[-1].t_max), False
+        return state
+
+    def _released(self, begin: float, end: float, pose: np.ndarray) -> float:
+        """Return the first time up to `end` at which friction no longer holds a slider that it holds at `begin`, s."""
+        if self.holds(end, pose):
+            return end
+        held, free = begin, end
+        while free - held > RELEASE * (end - begin):
+            middle = 0.5 * (held + free)
+            held, free = (middle, free) if self.holds(middle, pose) else (held, middle)
+        return free
 
     def _coast(self, start: np.ndarray, span: tuple[float, float], parts: list) -> tuple[np.ndarray, float]:
         """Return the state and the time at which the slider has lost all but `STOPPED` of its energy, or the end.
@@ -155,20 +205,44 @@ class AveragedPath:
 
         A contact of a sphere stores 3/5 mu P c z at its limit, a punch 1/2.
         """
+        return self.energy(state) <= self.stored and self.holds(t, state[POSE])
+
+    @cached_property
+    def stored(self) -> float:
+        """The energy that the contacts store at their limits, J."""
         slider = self.slider
         limits = slider.contacts(slider.count).limit_slope * slider.rest_approaches(slider.count)
-        stored = STORED * slider.friction_coefficient * slider.preload * float(np.mean(limits))
-        return self.energy(state) <= stored and self.holds(t, state[POSE])
+        return STORED * slider.friction_coefficient * slider.preload * float(np.mean(limits))
 
-    def _integrated(self, start: np.ndarray, span: tuple[float, float], parts: list) -> np.ndarray:
-        """Return the state at the end of a time span; its interpolation is appended to the parts."""
+    def _integrated(
+        self, start: np.ndarray, span: tuple[float, float], parts: list, *, stops: bool = False
+    ) -> np.ndarray:  # fmt: skip
+        """Return the state at the end of a time span; its interpolation is appended to the parts.
+
+        ``stops``: it ends where the slider has become so slow that friction may hold it.
+        """
+
+        def slows(_, state):
+            return self.energy(state) - self.stored
+
+        slows.terminal, slows.direction = True, -1
         # the first step must not jump over the rise
         first = min(0.1 * self.rise_time, 0.5 * (span[1] - span[0])) or None
         found = solve_ivp(
             self.derivative, span, start, method="RK23", rtol=max(self.tolerance, 1e-9),
             atol=self.tolerance * self.scale, dense_output=True, first_step=first,
+            events=slows if stops else None,
         )  # fmt: skip
         if not found.success or not np.isfinite(found.y).all():
             raise ConvergenceError("not converged", "the averaged motion in the plane was not followed; method exact")
         parts.append(found.sol)
         return found.y[:, -1]
+
+
+def _states(parts: list, at: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """Return the states (k, 6) at instants; outside the parts the slider rests at the last place."""
+    states = np.tile(np.append(last[POSE], np.zeros(3)), (len(at), 1))
+    for solution in parts:
+        inside = (at >= solution.t_min) & (at <= solution.t_max)
+        states[inside] = solution(at[inside]).T if inside.any() else states[inside]
+    return states

@@ -3,6 +3,7 @@
 import copy
 import math
 import time
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -14,15 +15,16 @@ from contact.choice import Answer
 from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError, InputError
 from contact.passing_wave import refuse_infinite_mass
-from contact.plane.averaged import accuracies
+from contact.plane.averaged import Averaged, accuracies
 from contact.plane.averaged_path import AveragedPath
 from contact.plane.burst_path import PlaneTrajectory
 from contact.plane.fixed_steps import FixedSteps
-from contact.plane.full_motion import SATURATED, FullMotion, begun_later, motion_at_rest, with_heights
+from contact.plane.full_motion import SATURATED, FullMotion, begun_later, motion_at_rest, units_at_rest
 from contact.plane.plane_equations import Body
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
-from contact.plane.scaling import FREE, averaging_error, beats_slowly, refuse_slow_beat, resonance_ratios, scaled
+from contact.plane.scaling import FREE, averaging_error, beats_slowly, refuse_slow_beat, resonance_ratios
 from contact.plane.steady_state import refuse
+from contact.plane.wave_shape import Shape, WaveShape
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "stepped", "averaged")
@@ -40,23 +42,30 @@ STEPS = {1e-2: (192, 128), 1e-3: (768, 512), 0.0: (3072, 2048)}  # per cycle of 
 # contacts stick at the touch; a component is not known better than half of the other one
 LEFT = 1.0
 RESTART = 300  # cycles after which phases and places are counted anew
+# Change of the rate of a wave's factor at a knot, over omega and the tolerance, from which on no segment goes across it:
+# energies miss 1e-5 at the tolerance 1e-6 where segments cross knots whose rates change by 1e-3
+CORNER = 1.0
 CLOSE = 1e-9  # of a phase: instants that are one
 MOVED = 1e-6  # m: way of a contact after which the waves under it are taken anew; 6e-3 of the phase of a wave of 1 mm
 # Cycles of the fastest wave times contacts up to which `auto` follows the events: 0.02 ms each at a tolerance of 1e-3,
 # 0.04 ms at 1e-6, in both computations (`tests/benchmarks/plane_cost.py`)
 MAX_EXACT = 20_000
+MAX_SHAPED = 200_000  # the same where the waves' shape is too fast for their means
+LAG = 0.5  # error of a velocity over the lag of the height that a shape of the waves makes, relative to the load
 DECAYS = 3.0  # time constants of the bounce that are followed event by event; 5 % of its size are left then
 # Time for which the mean force differs after a change of the wave, over the period of the bounce over 2 pi: 4.4 on
 # `twente-planar` from rest, where the height changes most
 BOUNCES = 5.0
 INSTANTS = 12  # of a motion, at which two computations of it are compared
+MAX_LAGS, LEVELS = 100_000, 17  # instants and levels of the waves at which a lag of the height is known
 PLACE = 1e-4  # m: a tenth of a wavelength, to which the tolerance of a place refers
 MAX_COAST = 10.0  # s after the burst within which a slider has to stop
 
 
 def burst(
     slider: Slider, surface: Surface, *, duration: float, after: float, tolerance: float, samples: int,
-    method: str = "auto", rise_time: float = 0.0, start: tuple | None = None,
+    method: str = "auto", rise_time: float = 0.0, start: tuple | None = None, envelope: Shape | None = None,
+    ring_down: Shape | None = None,
 ) -> PlaneTrajectory:  # fmt: skip
     """Return the motion from rest during a burst and after it.
 
@@ -80,6 +89,10 @@ def burst(
         Time constant of the waves' rise, 1 - exp(-t/rise_time), and of their fall after the burst, s.
     start : (pose, rates), optional
         (x, y, yaw) in m and rad and their rates at the beginning, by the averaged motion. Absent: at rest.
+    envelope : Envelope or mapping of float to Envelope, optional
+        Factor on the waves during the burst, of all or by frequency in Hz, without a rise time.
+    ring_down : Envelope or mapping of float to Envelope, optional
+        The same after the burst, with the time from its end. Absent: the surface is at rest then.
 
     Examples
     --------
@@ -109,11 +122,14 @@ def burst(
         rule = 'must be "averaged" or "auto" until the slider has stopped, and from a start in motion'
         raise InputError("method", rule, method)
     waves = surface_under(slider, surface)
+    shape = WaveShape.of(waves, duration, envelope, ring_down)
+    if shape is not None and rise_time > 0.0:
+        raise InputError("rise_time", "must be 0 with an envelope", rise_time, "s")
     at = np.linspace(0.0, duration if ends else duration + after, samples + 1)[1:]
     if 0.0 < after:
         at = np.union1d(at, [duration])
     begins = None if start is None else np.concatenate([np.asarray(each, float) for each in start])
-    question = _Question(slider, surface, waves, at, duration, rise_time, tolerance, begins, ends, samples)
+    question = _Question(slider, surface, waves, at, duration, rise_time, tolerance, begins, ends, samples, shape)
     if method == "auto":
         cycles = (duration + after) * waves.omega / (2.0 * math.pi)
         by_events = cycles * waves.count <= MAX_EXACT or beats_slowly(slider, waves)
@@ -123,6 +139,9 @@ def burst(
                 return _answered(question, method, _exact(question), begun)
             except ConvergenceError:
                 method = "stepped"
+        elif shape is not None and not ends and start is None and cycles * waves.count <= MAX_SHAPED:
+            method, found = _averaged_or_exact(question)
+            return _answered(question, method, found, begun)
     found = {"exact": _exact, "stepped": _stepped, "averaged": _averaged}[method](question)
     return _answered(question, method, found, begun)
 
@@ -130,10 +149,10 @@ def burst(
 class _Question:
     """What every method takes."""
 
-    def __init__(self, slider, surface, waves, at, duration, rise_time, tolerance, start, ends, samples):
+    def __init__(self, slider, surface, waves, at, duration, rise_time, tolerance, start, ends, samples, shape):
         self.slider, self.surface, self.waves, self.at = slider, surface, waves, at
         self.duration, self.rise_time, self.tolerance = duration, rise_time, tolerance
-        self.start, self.ends, self.samples = start, ends, samples
+        self.start, self.ends, self.samples, self.shape = start, ends, samples, shape
         arms = np.hypot(np.subtract(slider.x, slider.axis[0]), np.subtract(slider.y, slider.axis[1]))
         self.arm = float(np.max(arms)) if slider.freedom == "axle" else float(np.max(np.hypot(slider.x, slider.y)))
 
@@ -152,8 +171,15 @@ class _Question:
         """True if the waves under the contacts change with their place."""
         return not isinstance(self.surface, SurfaceWaves)
 
+    @property
+    def at_rest_from(self):
+        """The time at which the surface falls to rest at once, s; inf where it fades with the rise time."""
+        if self.shape is not None:
+            return self.shape.end
+        return self.duration if self.rise_time == 0.0 else math.inf
+
     def level(self, t, after):
-        """Return the envelope at a time; `after`: True after the burst."""
+        """Return the factor on waves without a shape at a time; `after`: True after the burst."""
         if self.rise_time == 0.0:
             return 0.0 if after else 1.0
         up = 1.0 - math.exp(-min(t, self.duration) / self.rise_time)
@@ -184,7 +210,7 @@ class _Found(NamedTuple):
 
 
 def _answered(question, method, found: _Found, begun):
-    end = min(int(np.searchsorted(found.time, question.duration * (1.0 - 1e-12))), len(found.time) - 1)
+    end = _at_end(question, found)
     speed, reference = question.size_of(found.rates[end]), question.reference(found.rates[end])
     answer = Answer(value=speed, error=question.size_of(found.error), reasons=(found.reason,))
     answer = answer.judged(question.tolerance, reference)
@@ -193,6 +219,25 @@ def _answered(question, method, found: _Found, begun):
         pose_error=found.pose_error, duration=question.duration, stopped=found.stopped, reference=reference,
         ledger=found.ledger, method=method, statistics=found.statistics, seconds=time.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _averaged_or_exact(question):
+    """Return method and motion of a burst whose waves may change too fast for their means."""
+    if _relative_error(question, _bounces_until(question)) <= question.tolerance:
+        with suppress(ConvergenceError):
+            found = _averaged(question)
+            end = found.rates[_at_end(question, found)]
+            if question.size_of(found.error) <= question.tolerance * question.reference(end):
+                return "averaged", found
+    try:
+        return "exact", _exact(question)
+    except ConvergenceError:
+        return "stepped", _stepped(question)
+
+
+def _at_end(question, found):
+    """Return the index of the instant at which the burst ends."""
+    return min(int(np.searchsorted(found.time, question.duration * (1.0 - 1e-12))), len(found.time) - 1)
 
 
 def _levels(table, tolerance):
@@ -234,8 +279,9 @@ def _exact_run(question, how):
     """Return the motion of one accuracy; a warm start saves three quarters of the time, and fails rarely."""
     for warm in (True, False):
         begun = motion_at_rest(
-            question.slider, question.waves, how, rise=question.rise_time, stop=question.duration, warm=warm
-        )
+            question.slider, question.waves, how, rise=question.rise_time, stop=question.duration, warm=warm,
+            shape=question.shape,
+        )  # fmt: skip
         try:
             return _followed(question, begun)
         except ConvergenceError:
@@ -248,11 +294,9 @@ def _stepped(question):
     """Fixed steps of two sizes."""
     asked, question = question.at, question.with_more_instants()
     fine, coarse = _levels(STEPS, question.tolerance)
-    units = scaled(
-        question.slider, question.waves, heavy=False, rise=question.rise_time,
-        stop=question.duration if question.rise_time > 0.0 else math.inf, commensurable=False,
-    )  # fmt: skip
-    units = with_heights(question.slider, question.waves, units)
+    units = units_at_rest(
+        question.slider, question.waves, rise=question.rise_time, stop=question.duration, shape=question.shape
+    )
     (pose, rates, height, _), (rough_pose, rough, _, _) = (
         _followed(question, FixedSteps.at_rest(units, steps)) for steps in (fine, coarse)
     )
@@ -275,13 +319,21 @@ def _followed(question, motion: FullMotion):
     pose, rates, height = np.zeros((k, 3)), np.zeros((k, 3)), np.zeros(k)
     scale = np.array([units.length, units.length, 1.0])
     place, cycle = np.zeros(3), 2.0 * math.pi
-    stop, silent = question.duration * units.omega, question.rise_time > 0.0
+    stop, rests = question.duration * units.omega, question.at_rest_from * units.omega
+    silent = rests == math.inf
+    corners = (
+        np.zeros(0) if question.shape is None else question.shape.corners(CORNER * question.tolerance) * units.omega
+    )
     for j, t in enumerate(question.at):
         until = t * units.omega
         while motion.phase < until - CLOSE:
             here = motion.phase
             to = min(until, stop) if here < stop - CLOSE else until
+            to = min(to, rests) if here < rests - CLOSE else to
             to = min(to, here + RESTART * cycle)
+            ahead = int(np.searchsorted(corners, here + 2.0 * CLOSE))
+            if ahead < len(corners):
+                to = min(to, corners[ahead] - CLOSE)
             if question.follows:
                 # so that the waves change in small steps
                 speed = max(np.abs(motion.state.p[1:3]).max(), abs(motion.state.p[3]) * question.arm / units.length)
@@ -289,9 +341,9 @@ def _followed(question, motion: FullMotion):
             motion.follow(to - here + motion.state.total[0])
             if motion.state.total[0] > RESTART * cycle:
                 motion = motion.restarted()
-            if not silent and motion.phase >= stop - CLOSE:
+            if not silent and motion.phase >= rests - CLOSE:
                 motion, silent = motion.silenced(), True
-            if question.follows and not (silent and question.rise_time == 0.0):
+            if question.follows and not (silent and rests < math.inf):
                 now = motion.place * scale
                 if np.abs(now - place)[:2].max() > MOVED or abs(now[2] - place[2]) * question.arm > MOVED:
                     motion, place = _on_waves_at(question, motion, now), now
@@ -323,7 +375,7 @@ def _averaged(question):
     # a relative error of the forces moves each contact, and so turns a slider that hardly turns
     arms = np.array([1.0, 1.0, question.arm or 1.0])
     speed = float(np.abs(fine.state[:, 3:] * arms).max())
-    systematic = begun.error + averaging_error(slider, question.waves) * speed / arms
+    systematic = begun.error + _relative_error(question, begun.time) * speed / arms
     if begun.moves:  # the height comes to its mean within some bounces, through which the force differs
         ratio, _ = resonance_ratios(slider, question.waves)
         way, time_of = np.abs(np.diff(fine.state[:, 3:], axis=0)), np.diff(fine.time)[:, None]
@@ -334,6 +386,39 @@ def _averaged(question):
     reason = f"averaged motion in the plane{begun.reason}"
     pose, rates = fine.state[:, :3], fine.state[:, 3:]
     return _Found(fine.time, pose, rates, height, error, pose_error, None, reason, names, fine.stopped)
+
+
+def _relative_error(question, begin):
+    """Return the relative error of a velocity by averaging from a time, s, to the end."""
+    error = averaging_error(question.slider, question.waves)
+    if question.shape is not None:
+        error += question.shape.spread(question.waves) + LAG * _height_lag(question, begin)
+    return error
+
+
+def _height_lag(question, begin):
+    """Return the largest relative change of the load, after a time, by which the height lags behind the waves."""
+    slider, shape, waves = question.slider, question.shape, question.waves
+    time = shape.time if shape.time.size < MAX_LAGS else np.linspace(0.0, shape.end, MAX_LAGS)
+    levels = np.sqrt(np.mean([np.interp(time, shape.time, each) ** 2 for each in shape.amplitude], axis=0))
+    if np.ptp(levels) == 0.0:
+        return 0.0
+    grid = np.linspace(levels.min(), levels.max(), LEVELS)
+    means = [Averaged.of(slider, waves.scaled(each)) for each in grid]
+    at_rest = np.interp(levels, grid, [float(each.height.mean()) * each.scaled.length for each in means])
+    resonance = 2.0 * math.pi * slider.normal_resonance(slider.count)
+    damping = (slider.normal_damping + slider.contact_damping * slider.preload) / (2.0 * slider.unit_mass)
+    pole = complex(-damping, math.sqrt(max(resonance**2 - damping**2, 0.0)))
+    width = np.diff(time)
+    # its speed at a knot changes by that of the height at which it would rest
+    jumps, turns = np.diff(np.diff(at_rest) / width), np.exp(pole * width[1:])
+    state, largest = 0j, 0.0
+    for t, jump, turn in zip(time[1:-1], jumps, turns, strict=True):
+        state -= jump
+        if t + 1.0 / resonance >= begin:
+            largest = max(largest, abs(state))
+        state *= turn
+    return slider.unit_mass * resonance * largest / slider.preload
 
 
 class _Start(NamedTuple):
@@ -358,10 +443,7 @@ def _start(question):
     none = np.zeros(0), (np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     if begun is not None:
         return _Start(0.0, begun, *none, np.zeros(3), True, "")
-    damping = slider.normal_damping + slider.contact_damping * slider.preload
-    decay = 2.0 * slider.unit_mass / damping if damping > 0.0 else math.inf
-    most = MAX_EXACT * 2.0 * math.pi / (question.waves.omega * question.waves.count)
-    until = min(DECAYS * decay, most, question.duration)
+    decay, until = _decay(slider), _bounces_until(question)
     at = np.union1d(question.at[question.at < until], [until])
     try:
         found = _exact(question.up_to(at))
@@ -380,6 +462,18 @@ def _start(question):
     return _Start(until, last, at[:-1], rows, error, False, reason)
 
 
+def _decay(slider):
+    """Return the time constant of a slider's bounce, s."""
+    damping = slider.normal_damping + slider.contact_damping * slider.preload
+    return 2.0 * slider.unit_mass / damping if damping > 0.0 else math.inf
+
+
+def _bounces_until(question):
+    """Return the time up to which a start from rest is followed event by event, s."""
+    most = MAX_EXACT * 2.0 * math.pi / (question.waves.omega * question.waves.count)
+    return min(DECAYS * _decay(question.slider), most, question.duration)
+
+
 class _Run(NamedTuple):
     time: np.ndarray
     state: np.ndarray  # (k, 6)
@@ -393,7 +487,9 @@ def _path(question, how, share) -> AveragedPath:
     if question.start is not None:
         speed = max(speed, float(np.hypot(*question.start[3:5])), reach * abs(float(question.start[5])))
     scale = np.array([PLACE, PLACE, PLACE / reach, speed, speed, speed / reach])
-    return AveragedPath(slider, question.surface, question.level, how, relative, question.rise_time, scale)
+    return AveragedPath(
+        slider, question.surface, question.level, how, relative, question.rise_time, scale, question.shape
+    )
 
 
 def _averaged_run(question, path: AveragedPath, begun: _Start, instants) -> _Run:
@@ -409,7 +505,8 @@ def _averaged_run(question, path: AveragedPath, begun: _Start, instants) -> _Run
         end, later = duration + MAX_COAST, later if len(later) else question.samples
     else:
         end = float(instants[-1])
-    faded = min(duration + SATURATED * question.rise_time, end)
+    fades = SATURATED * question.rise_time if question.shape is None else question.shape.end - duration
+    faded = min(duration + fades, end)
     if faded > duration:
         fading = np.linspace(duration, faded, 5)[1:] if isinstance(later, int) else later[later <= faded]
         later = later if isinstance(later, int) else later[later > faded]

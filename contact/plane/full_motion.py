@@ -16,9 +16,10 @@ from contact.law import normal
 from contact.law.elastic import spring_work
 from contact.plane.averaged import Averaged
 from contact.plane.disc_contacts import State, Sum, Total, Work, follow, state_of, work_of
-from contact.plane.plane_equations import Body, PlaneProblem, Surface, fill_surface
+from contact.plane.plane_equations import Body, Knots, PlaneProblem, Surface, fill_surface
 from contact.plane.plane_waves import SurfaceWaves
 from contact.plane.scaling import Scaled, scaled
+from contact.plane.wave_shape import WaveShape
 from contact.roots import bracketed
 from contact.slider import Slider
 
@@ -31,7 +32,7 @@ def with_heights(slider: Slider, waves: SurfaceWaves, units: Scaled) -> Scaled:
         return units
     averaged = Averaged.of(slider, waves)
     tilted = averaged.problem.height - averaged.height
-    height = tilted - tilted.mean()
+    height = (tilted - tilted.mean()) * (averaged.scaled.length / units.length)
     return units._replace(problem=units.problem._replace(height=np.ascontiguousarray(height)))
 
 
@@ -141,7 +142,7 @@ class FullMotion:
         state.q[Body.X :] -= moved
         self.from_place[Body.X :] -= moved
         cos, sin = begun_later(problem, shift)
-        problem = problem._replace(cos=cos, sin=sin, stop=problem.stop - shift)
+        problem = problem._replace(cos=cos, sin=sin, stop=problem.stop - shift, knots=_later(problem.knots, shift))
         return replace(
             self, units=self.units._replace(problem=problem), phase_before=self.phase_before + shift,
             place_before=self.place_before + moved,
@@ -195,12 +196,33 @@ class FullMotion:
         return Ledger(**{name: float(unit * value) for name, value in parts.items()})
 
 
+def _later(knots: Knots, shift: float) -> Knots:
+    """Return the knots with the phase counted from a later one, but for those that have passed."""
+    past = max(int(np.searchsorted(knots.at, shift, side="right")) - 1, 0)
+    return Knots(
+        knots.at[past:] - shift, *(np.ascontiguousarray(each[:, past:]) for each in (knots.amplitude, knots.angle))
+    )
+
+
 def motion_at_rest(
-    slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float, warm: bool = False
-) -> FullMotion:
+    slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float, warm: bool = False,
+    shape: WaveShape | None = None,
+) -> FullMotion:  # fmt: skip
     """Return the full motion of a slider at rest on waves that begin at time 0; rise time and stop in s.
 
     Without a rise time the waves go on: `FullMotion.silenced` ends them.
     """
-    units = scaled(slider, waves, heavy=False, rise=rise, stop=stop if rise > 0.0 else math.inf, commensurable=False)
-    return FullMotion.at_rest(with_heights(slider, waves, units), how, warm=warm)
+    return FullMotion.at_rest(units_at_rest(slider, waves, rise=rise, stop=stop, shape=shape), how, warm=warm)
+
+
+def units_at_rest(
+    slider: Slider, waves: SurfaceWaves, *, rise: float, stop: float, shape: WaveShape | None
+) -> Scaled:  # fmt: skip
+    """Return the problem of `motion_at_rest`; a free tilt is that of the mean square of shaped waves."""
+    units = scaled(
+        slider, waves, heavy=False, rise=rise, stop=stop if rise > 0.0 else math.inf, commensurable=False,
+        knots=None if shape is None else shape.knots,
+    )  # fmt: skip
+    if shape is not None:
+        waves = replace(waves, amplitudes=waves.amplitudes * shape.root_mean_square[:, None, None])
+    return with_heights(slider, waves, units)

@@ -40,6 +40,20 @@ class Surface(IntEnum):
     Z_RATE = 5
 
 
+ENDS = 1e-9  # phase behind the last knot up to which a segment that ends there reaches
+
+
+class Knots(NamedTuple):
+    """Factors on the waves of w frequencies, a exp(i p): linear between k knots, constant beyond; none: 1."""
+
+    at: np.ndarray  # (k,): phase, rad, rising
+    amplitude: np.ndarray  # (w, k)
+    angle: np.ndarray  # (w, k), rad
+
+
+UNSHAPED = Knots(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+
+
 class PlaneProblem(NamedTuple):
     """A dimensionless problem; n contacts, w frequencies."""
 
@@ -62,6 +76,7 @@ class PlaneProblem(NamedTuple):
     # The envelope e: 1 - exp(-phase/rise) up to `stop`, then falling with the same constant; 1 and 0 where rise is 0
     rise: float
     stop: float
+    knots: Knots  # times this factor on the wave of each frequency, a exp(i p)
 
 
 @compiled
@@ -77,21 +92,56 @@ def envelope(problem, phase):
 
 
 @compiled
+def factor_of(knots, j, phase):
+    """Return (amplitude, its rate, angle, its rate) of the factor on the wave of frequency j.
+
+    At a knot the rates are those behind it, at the last one those before it.
+    """
+    at = knots.at
+    low, high = 0, at.size - 1
+    if phase < at[0] or phase > at[high] + ENDS or high == 0:
+        k = 0 if phase < at[0] else high
+        return knots.amplitude[j, k], 0.0, knots.angle[j, k], 0.0
+    while high - low > 1:
+        middle = (low + high) // 2
+        if at[middle] <= phase:
+            low = middle
+        else:
+            high = middle
+    width = at[high] - at[low]
+    a, p = knots.amplitude[j, low], knots.angle[j, low]
+    a_rate, p_rate = (knots.amplitude[j, high] - a) / width, (knots.angle[j, high] - p) / width
+    return a + a_rate * (phase - at[low]), a_rate, p + p_rate * (phase - at[low]), p_rate
+
+
+@compiled
+def _add_wave(problem, j, first, last, angle, nu, e, e_rate, out):
+    """Add the wave of frequency j at an angle that grows at the rate nu, times a factor e."""
+    c, s = np.cos(angle), np.sin(angle)
+    for i in range(first, last):
+        for k in range(3):
+            a, b = problem.cos[j, i, k], problem.sin[j, i, k]
+            u = a * c + b * s
+            out[i, k] += e * u
+            out[i, 3 + k] += e * nu * (b * c - a * s) + e_rate * u
+
+
+@compiled
 def fill_surface(problem, first, last, phase, out):
     """Fill displacement and velocity of the surface (`Surface`) under contacts `first` to `last` at a phase."""
     e, e_rate = envelope(problem, phase)
     for i in range(first, last):
         for k in range(6):
             out[i, k] = 0.0
+    if problem.knots.at.size > 0:
+        for j in range(problem.ratio.size):
+            a, a_rate, p, p_rate = factor_of(problem.knots, j, phase)
+            nu = problem.ratio[j]
+            _add_wave(problem, j, first, last, nu * phase + p, nu + p_rate, e * a, e_rate * a + e * a_rate, out)
+        return
     for j in range(problem.ratio.size):
         nu = problem.ratio[j]
-        c, s = np.cos(nu * phase), np.sin(nu * phase)
-        for i in range(first, last):
-            for k in range(3):
-                a, b = problem.cos[j, i, k], problem.sin[j, i, k]
-                u = a * c + b * s
-                out[i, k] += e * u
-                out[i, 3 + k] += e * nu * (b * c - a * s) + e_rate * u
+        _add_wave(problem, j, first, last, nu * phase, nu, e, e_rate, out)
 
 
 @compiled

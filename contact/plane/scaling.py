@@ -9,7 +9,7 @@ import numpy as np
 from contact.error_estimate import beat_error, first_order_error
 from contact.exceptions import ConvergenceError, InputError
 from contact.law import normal
-from contact.plane.plane_equations import PlaneProblem
+from contact.plane.plane_equations import UNSHAPED, Knots, PlaneProblem
 from contact.plane.plane_waves import SurfaceWaves
 from contact.slider import Slider
 
@@ -59,8 +59,9 @@ def slowest_beat(frequencies: np.ndarray) -> float:
 
 
 def scaled(
-    slider: Slider, waves: SurfaceWaves, *, heavy: bool, rise: float = 0.0, stop: float = math.inf, commensurable=True
-) -> Scaled:
+    slider: Slider, waves: SurfaceWaves, *, heavy: bool, rise: float = 0.0, stop: float = math.inf, commensurable=True,
+    knots: Knots | None = None,
+) -> Scaled:  # fmt: skip
     """Return the problem; `heavy`: no coordinate answers the forces. `rise` and `stop` of the envelope are in s."""
     n = waves.count
     if slider.count not in (1, n):
@@ -89,6 +90,7 @@ def scaled(
         height=own.height / length, stiffness=stiffness, limit_slope=np.array(own.limit_slope, float), ratio=ratio,
         cos=np.ascontiguousarray(waves.amplitudes.real / length),
         sin=np.ascontiguousarray(-waves.amplitudes.imag / length), rise=rise * omega, stop=stop * omega,
+        knots=UNSHAPED if knots is None else knots,
     )  # fmt: skip
     return Scaled(problem, length, omega, force, period, change)
 

@@ -26,8 +26,10 @@ def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> E
     refuse_other(fmi, FMI_VERSIONS, "--fmi")
     if scene.planar:
         model = _planar(scene, tolerance)
+        inputs = drive_input(scene, name, _drives(model))
         content, remark = fmu_of(model, fmi)
-        return Exported(files={f"{name}.fmu": content}, answer=_lines(model.lines), remarks=(remark,) * bool(remark))
+        files = inputs | {f"{name}.fmu": content}
+        return Exported(files=files, answer=_lines(model.lines), remarks=(remark,) * bool(remark))
     inputs = drive_input(scene, name)
     motor = averaged_motor(scene, tolerance=tolerance)
     content, remark = fmu(motor, fmi)
@@ -38,15 +40,16 @@ def c_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return motor.c and motor.h of a scene with a slider."""
     if scene.planar:
         model = _planar(scene, tolerance)
-        files: dict[str, bytes | str] = {file: model.sources[file] for file in ("motor.c", "motor.h")}
+        files = drive_input(scene, name, _drives(model))
+        files |= {file: model.sources[file] for file in ("motor.c", "motor.h")}
         return Exported(files=files, answer=_lines(model.lines))
     inputs = drive_input(scene, name)
     motor = averaged_motor(scene, tolerance=tolerance)
     return Exported(files=inputs | {"motor.c": source(motor), "motor.h": header(motor)}, answer=_answer(motor))
 
 
-def drive_input(scene: Scene, name: str) -> dict[str, bytes | str]:
-    """Return the input ``drive`` over time of a scene with a waveform, at its largest level, as NAME.drive.csv.
+def drive_input(scene: Scene, name: str, drives: Sequence[str] = ("drive",)) -> dict[str, bytes | str]:
+    """Return the inputs of the drives over time of a scene with a waveform, at its largest level, as NAME.drive.csv.
 
     Raises
     ------
@@ -62,8 +65,9 @@ def drive_input(scene: Scene, name: str) -> dict[str, bytes | str]:
     duration, level = scene.burst, max(scene.levels)
     time = instants(shape.envelope, duration)
     drive = level * abs(shape.envelope.at(time))
-    rows = np.column_stack([np.append(time, duration), np.append(drive, 0.0)])  # a step down at the burst's end
-    return {f"{name}.drive.csv": "time,drive\n" + _rows(rows)}
+    column = np.append(drive, 0.0)  # a step down at the burst's end
+    rows = np.column_stack([np.append(time, duration), *[column] * len(drives)])
+    return {f"{name}.drive.csv": ",".join(("time", *drives)) + "\n" + _rows(rows)}
 
 
 def tables(motor: AveragedMotor) -> dict[str, str]:
@@ -163,6 +167,11 @@ def _planar(scene: Scene, tolerance: float) -> FmuModel:
     from studies.export.planar_source import planar_model
 
     return planar_model(planar_motor(scene, tolerance=tolerance))
+
+
+def _drives(model: FmuModel) -> list[str]:
+    """Return the names of the inputs that are drives."""
+    return [each.name for each in model.variables if each.causality == "input" and each.name.startswith("drive")]
 
 
 def _answer(motor: AveragedMotor) -> tuple:

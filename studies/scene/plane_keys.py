@@ -104,5 +104,3 @@ def check_scene(scene: Any) -> Refused:
         yield "wave.sources", f"needs a slider in the plane: {_freer()}"
     if scene.drive is not None and scene.drive.source_frequencies and not planar:
         yield "drive.source_frequencies", f"must be absent where nothing moves in the plane: {_freer()}"
-    if planar and scene.source is not None and scene.source.waveform is not None:
-        yield f"{scene.source.block}.waveform", "must be absent in the plane: it shapes the burst along x"

@@ -14,11 +14,13 @@ from typing import Any
 
 import numpy as np
 
+import contact
 import fem
 from contact import plane
 from studies.model.plane import StatorSurface
 from studies.model.wave_to_contact import Contact
 from studies.record.point import Point
+from studies.record.waveform import modulation
 from studies.scene.plane_keys import AXLE
 from studies.solve.mapped_surface import travelled
 from studies.solve.ring_up import RingUp
@@ -39,12 +41,13 @@ class Rise:
 
     rings: tuple[RingUp, ...]  # of each frequency
     duration: float  # s, of the burst
+    shaped: tuple[float, ...] = ()  # frequencies in Hz of the rings, whose envelopes are those of a waveform
 
     @property
     def time(self) -> float:
-        """Mean time constant of the rise, s; 0 where a ring-up was too long to be computed."""
+        """Mean time constant of the rise, s; 0 where a ring-up was too long to be computed, and of a waveform."""
         known = [each.envelope for each in self.rings if each.envelope is not None]
-        if len(known) < len(self.rings):
+        if len(known) < len(self.rings) or self.shaped:
             return 0.0
         return max(float(np.mean([np.trapezoid(1.0 - each.amplitude, each.time) for each in known])), 0.0)
 
@@ -52,7 +55,15 @@ class Rise:
     def error(self) -> float:
         """Relative error of the velocity at the end of the burst by the ring-up."""
         own = max(each.error for each in self.rings)
-        return own + SHAPE * min(self.time / self.duration, 1.0)
+        return own if self.shaped else own + SHAPE * min(self.time / self.duration, 1.0)
+
+    @property
+    def envelopes(self) -> dict[str, dict[float, contact.Envelope]]:
+        """The factors on the waves of each frequency of a waveform, as `contact.plane.burst` takes them."""
+        return {
+            name: {f: getattr(each, name) for f, each in zip(self.shaped, self.rings, strict=True)}
+            for name in ("envelope", "ring_down")
+        }
 
     @property
     def slowest(self) -> RingUp:
@@ -69,6 +80,7 @@ def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, 
     ``speed``: in the steady state, m/s.
     """
     scene, rise = driven.scene, 0.0 if driven.ringing is None else driven.ringing.time
+    shape = envelopes_of(driven)
     method = method_of(scene, "a burst", METHODS)
     after = _after(slider, speed, scene.burst)
     surface = plane.from_upward_zero(slider, travelled(driven, level))
@@ -77,15 +89,25 @@ def followed_in_plane(driven: Contact, slider: Any, level: float, speed: float, 
     duration = max(1, round(scene.burst * fastest)) / fastest
     cycles = (duration + after) * fastest * slider.count
     slow = plane.beats_slowly(slider, waves)
-    if method == "averaged" or (method == "auto" and cycles > EVENTS and not slow):
+    if method == "averaged" or (method == "auto" and cycles > EVENTS and not slow and not shape):
         after = math.inf
     motion = plane.burst(
         slider, surface, duration=duration, after=after, tolerance=tolerance, samples=SAMPLES, method=method,
-        rise_time=rise,
+        rise_time=rise, **shape,
     )  # fmt: skip
     motion, end = on_free_surface(driven, slider, motion)
     sway = (0.0, 0.0) if end is not None else _sway(slider, motion)
     return motion, _values(scene.slider, motion, sway) | Point(way_ends_after_s=end)
+
+
+def envelopes_of(driven: Contact) -> dict[str, Any]:
+    """Return what `contact.plane.burst` takes of the waveform of a burst; empty of a rectangular one."""
+    shaped = modulation(driven.scene)
+    if shaped is None:
+        return {}
+    if driven.ringing is None:
+        return {"envelope": shaped.envelope}
+    return driven.ringing.envelopes
 
 
 def _after(slider, speed: float, duration: float) -> float:

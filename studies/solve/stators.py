@@ -16,6 +16,7 @@ from typing import Any
 import fem
 from studies.model.model import Model
 from studies.model.wave_to_contact import Contact
+from studies.record.waveform import modulation
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.solve.nearby_motion import POINTS
@@ -145,21 +146,21 @@ class Stators:
 
         center, drive, start_time = driven.scene.slider.center, driven.scene.drive, time.perf_counter()
         if driven.solved.at[driven.scene.positions[0]].covered:
+            _refuse_waveform(driven)
             return driven
         rings = []
         for each in (driven.model.alone_with(drive.at_frequency(frequency)) for frequency in drive.frequencies):
-            bursting = each.with_blocks(drive=replace(each.scene.drive, burst=drive.burst))
+            bursting = each.with_blocks(drive=replace(each.scene.drive, burst=drive.burst, waveform=drive.waveform))
             rings.append(self._ring_up(bursting, center))
         self.seconds += time.perf_counter() - start_time
-        return replace(driven, ringing=Rise(rings=tuple(rings), duration=driven.scene.burst))
+        shaped = () if modulation(driven.scene) is None else drive.frequencies
+        return replace(driven, ringing=Rise(rings=tuple(rings), duration=driven.scene.burst, shaped=shaped))
 
     def ring_up(self, driven: Contact) -> RingUp | None:
         """Return the ring-up of a burst; None under a transducer."""
         center, alone = driven.scene.slider.center, driven.model.alone
         if driven.solved.at[center].covered:
-            if driven.scene.drive.waveform is not None:
-                rule = "must be absent where the slider stands over a transducer or a meshed piece"
-                driven.scene.refuse("drive.waveform", f"{rule}: the response there is not computed over a band")
+            _refuse_waveform(driven)
             return None
         drive = replace(alone.scene.drive, burst=driven.scene.burst, waveform=driven.scene.drive.waveform)
         return self._ring_up(alone.with_blocks(drive=drive), center)
@@ -238,3 +239,10 @@ class Stators:
         """Return whether a stator is solved as one of a band: with frequency limits and without finite apertures."""
         plain = bool(self.limits) and not (stator.scene.crossed or stator.scene.in_strips or stator.scene.piece)
         return plain and not stator.spreads(positions if self.slider else None)
+
+
+def _refuse_waveform(driven: Contact) -> None:
+    """Raise a SceneError where a burst has a waveform and the response under the slider is not known over a band."""
+    if driven.scene.drive.waveform is not None:
+        rule = "must be absent where the slider stands over a transducer or a meshed piece"
+        driven.scene.refuse("drive.waveform", f"{rule}: the response there is not computed over a band")

@@ -239,13 +239,15 @@ def mean_load(contact: PlaneContact, period: float) -> float:
 
 
 @njit(cache=True)
-def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed, state):
+def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed, state, times, factors):
     """Move state (z, x, y, psi, rates) for so many cycles of the first frequency; return 0.
+
+    times (k,), factors (2, w, k): amplitude and phase of a factor on each wave, linear between the times.
 
     fixed: x and y are held by an axle; body: mass, 1/inertia, preload, F_x, F_y, M, R_n, R_t, chi;
     balls (n, 6): x, y, height, k, c, mu.
     """
-    n, h = balls.shape[0], 2.0 * math.pi / omega[0] / per_cycle
+    knot, n, h = 0, balls.shape[0], 2.0 * math.pi / omega[0] / per_cycle
     old, z_old = np.zeros((n, 2)), np.zeros(n)
     e, force = np.zeros((n, 2)), np.zeros(4)
     inverse = np.array([1.0 / body[0], 0.0 if fixed else 1.0 / body[0], 0.0 if fixed else 1.0 / body[0], body[1]])
@@ -257,17 +259,25 @@ def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed
                 state[4 + k] += 0.5 * h * inverse[k] * (force[k] + push[k] - damping[k] * state[4 + k])
                 state[k] += h * state[4 + k]
         envelope = 1.0 - math.exp(-t / rise) if rise > 0.0 else 1.0
+        while knot + 2 < times.size and times[knot + 1] < t:
+            knot += 1
+        width = times[knot + 1] - times[knot]
+        part = min(max((t - times[knot]) / width, 0.0), 1.0)
         force[:] = 0.0
         for i in range(n):
             x, y = balls[i, 0], balls[i, 1]
             a, b = math.cos(state[3]) * x - math.sin(state[3]) * y, math.sin(state[3]) * x + math.cos(state[3]) * y
             u_x = u_y = u_z = w_z = 0.0
             for j in range(omega.size):
-                turn = complex(math.cos(omega[j] * t), math.sin(omega[j] * t))
-                u_x += envelope * (amplitudes[j, i, 0] * turn).real
-                u_y += envelope * (amplitudes[j, i, 1] * turn).real
-                u_z += envelope * (amplitudes[j, i, 2] * turn).real
-                w_z += envelope * (1j * omega[j] * amplitudes[j, i, 2] * turn).real
+                size = factors[0, j, knot] + part * (factors[0, j, knot + 1] - factors[0, j, knot])
+                angle = omega[j] * t + factors[1, j, knot] + part * (factors[1, j, knot + 1] - factors[1, j, knot])
+                turn = complex(math.cos(angle), math.sin(angle))
+                u_x += envelope * size * (amplitudes[j, i, 0] * turn).real
+                u_y += envelope * size * (amplitudes[j, i, 1] * turn).real
+                u_z += envelope * size * (amplitudes[j, i, 2] * turn).real
+                growth = (factors[0, j, knot + 1] - factors[0, j, knot]) / width if 0.0 < part < 1.0 else 0.0
+                shift = (factors[1, j, knot + 1] - factors[1, j, knot]) / width if 0.0 < part < 1.0 else 0.0
+                w_z += envelope * (amplitudes[j, i, 2] * (1j * (omega[j] + shift) * size + growth) * turn).real
             place_x, place_y = u_x - state[1] - a, u_y - state[2] - b
             z = balls[i, 2] + u_z - state[0]
             if step > 0 and z > 0.0:
@@ -297,18 +307,24 @@ def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed
     return 0
 
 
-def in_steps(cycles, frequencies, amplitudes, rise, body, balls, punch, start, sizes=(1024, 2048, 4096), fixed=False):
+def in_steps(
+    cycles, frequencies, amplitudes, rise, body, balls, punch, start, sizes=(1024, 2048, 4096), fixed=False, shape=None
+):
     """Return (state, error) after so many cycles from `start` (8,), extrapolated over the step size.
 
     The rule is of first order, with terms of h^1.5 where events fall within a step; the error is the change by the last
-    extrapolation and a share of its correction.
+    extrapolation and a share of its correction. ``shape``: times (k,)
+    in s, and amplitude and phase (w, k) of a factor on the waves there.
     """
+    ones = np.ones((len(frequencies), 2))
+    times, *factors = (np.array([0.0, 1.0]), ones, 0.0 * ones) if shape is None else shape
     runs = []
     for per_cycle in sizes:
         state = np.array(start, float)
         _steps(
             cycles, per_cycle, 2.0 * np.pi * np.array(frequencies), np.ascontiguousarray(amplitudes), rise,
             np.array(body, float), np.array(balls, float), punch, fixed, state,
+            np.array(times, float), np.array(factors, float),
         )  # fmt: skip
         runs.append(state)
     first, second = 2.0 * runs[1] - runs[0], 2.0 * runs[2] - runs[1]

@@ -24,6 +24,7 @@ from studies.export.planar_tables import Forces, Grid, packed, speeds, tables_of
 from studies.export.reduced_plane import plane_index as index
 from studies.export.reduced_plane.plane_cycle import force_on_waves
 from studies.export.reduced_plane.plane_force_tables import angle_position, speed_position
+from studies.export.simulators import drive_input
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.study_list import driven_contact
@@ -348,3 +349,15 @@ def test_the_rotor_is_exported_by_the_command(tmp_path, monkeypatch, capsys):
     assert {"yaw", "rotation"} <= set(result.dtype.names)
     assert not {"x", "velocity_x", "force_x"} & set(result.dtype.names)
     assert result["rotation"][-1] == pytest.approx(-200.4 * math.pi / 30, rel=3e-2)
+
+
+def test_a_waveform_stands_beside_the_model_as_a_table_of_all_drives():
+    given = scene({}, {"direction": 90}, levels=("5 nm", "10 nm"), freedom="xy").to_table()
+    given["wave"] |= {"burst": "4 ms", "waveform": {"shape": "ramp", "rise": "1 ms", "fall": "2 ms"}}
+    text = drive_input(Scene.from_table("", given), "stage", ["drive_a", "drive_b"])["stage.drive.csv"]
+    head, *rows = text.splitlines()
+    assert head == "time,drive_a,drive_b"
+    table = np.array([[float(each) for each in row.split(",")] for row in rows])
+    assert table == pytest.approx(
+        np.array([[0, 0, 0], [1e-3, 1e-8, 1e-8], [2e-3, 1e-8, 1e-8], [4e-3, 0, 0], [4e-3, 0, 0]]), abs=1e-20
+    )

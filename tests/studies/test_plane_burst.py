@@ -55,6 +55,36 @@ def test_along_one_wave_it_is_the_burst_of_a_slider_that_moves_along_x(burst, ph
     assert own.status == "ok"
 
 
+@pytest.mark.parametrize(
+    "waveform",
+    [
+        {"shape": "ramp", "rise": "50 us", "fall": "30 us"},
+        {"shape": "modulated", "depth": 0.6, "frequency": "9 kHz"},
+        {"shape": "chirp", "sweep": ["-20 kHz", "30 kHz"]},
+        "time_us,amplitude,phase_deg\n0,0.5,0\n80,1,0\n90,1,90\n200,0.8,90\n",
+    ],
+    ids=["ramp", "modulated", "chirp", "file"],
+)
+def test_a_waveform_along_one_wave_is_that_of_a_slider_that_moves_along_x(waveform, tmp_path):
+    """Events in the plane against fixed steps of the scalar kernels."""
+    if isinstance(waveform, str):
+        (tmp_path / "shape.csv").write_text(waveform, encoding="utf-8")
+        waveform = {"file": str(tmp_path / "shape.csv")}
+    table = burst_scene({"phase": 30}, burst="0.2 ms").to_table()
+    table["wave"]["waveform"] = waveform
+    plane_run = run(Scene.from_table("", table), tolerance=1e-4)
+    table["slider"].pop("freedom")
+    table["wave"].pop("sources")
+    line_run = run(Scene.from_table("", table), tolerance=1e-4)
+    (own,), (other,), ((_, motion),) = plane_run.points, line_run.points, plane_run.trajectories
+    miss = abs(own.velocity_at_burst_end_m_per_s - other.velocity_at_burst_end_m_per_s)
+    assert miss < 1e-5 * motion.reference
+    assert (own.burst_method, own.status) == ("exact", "ok")
+    rectangular = run(burst_scene({"phase": 30}, burst="0.2 ms"), tolerance=1e-4).points[0]
+    changed = abs(own.velocity_at_burst_end_m_per_s - rectangular.velocity_at_burst_end_m_per_s)
+    assert changed > 20 * miss or "sweep" in waveform  # as many cycles of another frequency push as much
+
+
 @pytest.mark.slow
 def test_the_burst_that_is_advised_on_a_slow_beat_has_an_answer():
     """Over a whole beat of 5 kHz, against fixed steps of an integrator that shares nothing."""
@@ -233,6 +263,19 @@ def test_the_rise_costs_the_time_of_the_ring_up():
     assert rise.error == pytest.approx(3e-4 + 0.015, rel=1e-2)
     too_long = Rise(rings=(ramps[0], RingUp(error=0.4)), duration=1e-3)
     assert (too_long.time, too_long.error) == (0.0, 0.4)
+
+
+def test_the_ring_ups_of_a_waveform_are_followed_as_they_are():
+    """On a stator the waveform of each frequency is what reaches the slider, without an error of its shape."""
+    time = np.linspace(0.0, 1e-4, 11)
+    shapes = [Envelope(time=time, amplitude=np.minimum(time / t, 1.0), phase=t * time) for t in (2e-5, 4e-5, 6e-5)]
+    rings = tuple(
+        RingUp(error=e, envelope=one, ring_down=shapes[2]) for e, one in zip((1e-3, 2e-3), shapes, strict=False)
+    )
+    rise = Rise(rings=rings, duration=1e-4, shaped=(2.2e6, 2.3e6))
+    assert (rise.time, rise.error) == (0.0, 2e-3)
+    assert rise.envelopes["envelope"] == {2.2e6: shapes[0], 2.3e6: shapes[1]}
+    assert rise.envelopes["ring_down"] == {2.2e6: shapes[2], 2.3e6: shapes[2]}
 
 
 def test_an_unknown_way_of_solution_is_refused():
