@@ -60,7 +60,7 @@ class Stretch(NamedTuple):
 
 @dataclass
 class AveragedPath:
-    """The averaged equations of motion of a slider on a surface whose waves have the factor `level(t, after)`, or a shape.
+    """The averaged equations of motion of a slider on waves with a factor `level(t, after)`, or with a shape.
 
     `after`: True after the burst. Without rise time and shape the factor is 1 during a burst and 0 after it.
     """
@@ -129,8 +129,8 @@ class AveragedPath:
         self.after = after
         begin, end = span
         parts: list[OdeSolution | Rest] = []
-        if self.shape is not None and not coasts:
-            return self._shaped(start, span, at, parts)
+        if self.shape is not None and not isinstance(at, int) and not coasts:
+            return self._shaped(start, self.shape.parts(*span), at, parts)
         if (after or self.rise_time == 0.0 or begin > 0.0) and self.rests(begin, start):
             at = np.linspace(begin, end, at + 1)[1:] if isinstance(at, int) else at
             start = np.append(start[POSE], np.zeros(3))
@@ -150,10 +150,10 @@ class AveragedPath:
             states[at >= stopped] = last
         return Stretch(at, states, last, stopped)
 
-    def _shaped(self, start: np.ndarray, span: tuple[float, float], at: np.ndarray, parts: list) -> Stretch:
-        """Return the motion on waves that may become too weak to move the slider, and move it again."""
+    def _shaped(self, start: np.ndarray, times: np.ndarray, at: np.ndarray, parts: list) -> Stretch:
+        """Return the motion through times on waves that may become too weak to move the slider, and move it again."""
         last = start
-        for part in pairwise(self.shape.parts(*span)):
+        for part in pairwise(times.tolist()):
             last = self._through(last, part, parts)
         return Stretch(at, _states(parts, at, last), last, math.inf)
 
@@ -222,10 +222,10 @@ class AveragedPath:
         ``stops``: it ends where the slider has become so slow that friction may hold it.
         """
 
-        def slows(_, state):
+        def slows(_: float, state: np.ndarray) -> float:
             return self.energy(state) - self.stored
 
-        slows.terminal, slows.direction = True, -1
+        vars(slows).update(terminal=True, direction=-1)
         # the first step must not jump over the rise
         first = min(0.1 * self.rise_time, 0.5 * (span[1] - span[0])) or None
         found = solve_ivp(

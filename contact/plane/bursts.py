@@ -42,7 +42,7 @@ STEPS = {1e-2: (192, 128), 1e-3: (768, 512), 0.0: (3072, 2048)}  # per cycle of 
 # contacts stick at the touch; a component is not known better than half of the other one
 LEFT = 1.0
 RESTART = 300  # cycles after which phases and places are counted anew
-# Change of the rate of a wave's factor at a knot, over omega and the tolerance, from which on no segment goes across it:
+# Change of the rate of a wave's factor at a knot, over omega and the tolerance, from which on no segment goes across:
 # energies miss 1e-5 at the tolerance 1e-6 where segments cross knots whose rates change by 1e-3
 CORNER = 1.0
 CLOSE = 1e-9  # of a phase: instants that are one

@@ -127,6 +127,15 @@ def _add_wave(problem, j, first, last, angle, nu, e, e_rate, out):
 
 
 @compiled
+def _add_shaped(problem, first, last, phase, e, e_rate, out):
+    """Add the waves with the factors of the knots, times a factor e."""
+    for j in range(problem.ratio.size):
+        a, a_rate, p, p_rate = factor_of(problem.knots, j, phase)
+        nu = problem.ratio[j]
+        _add_wave(problem, j, first, last, nu * phase + p, nu + p_rate, e * a, e_rate * a + e * a_rate, out)
+
+
+@compiled
 def fill_surface(problem, first, last, phase, out):
     """Fill displacement and velocity of the surface (`Surface`) under contacts `first` to `last` at a phase."""
     e, e_rate = envelope(problem, phase)
@@ -134,10 +143,7 @@ def fill_surface(problem, first, last, phase, out):
         for k in range(6):
             out[i, k] = 0.0
     if problem.knots.at.size > 0:
-        for j in range(problem.ratio.size):
-            a, a_rate, p, p_rate = factor_of(problem.knots, j, phase)
-            nu = problem.ratio[j]
-            _add_wave(problem, j, first, last, nu * phase + p, nu + p_rate, e * a, e_rate * a + e * a_rate, out)
+        _add_shaped(problem, first, last, phase, e, e_rate, out)
         return
     for j in range(problem.ratio.size):
         nu = problem.ratio[j]

@@ -59,8 +59,8 @@ class WaveShape:
             if ring_down is not None:
                 raise InputError("ring_down", "needs an envelope")
             return None
-        during, fading = _of_each(waves, "envelope", envelope), ()
-        stop = duration
+        during, stop = _of_each(waves, "envelope", envelope), duration
+        fading: tuple[Envelope, ...] = ()
         if ring_down is not None:
             fading = _of_each(waves, "ring_down", ring_down)
             stop = duration - min(0.5 * 2.0 * math.pi / waves.omega, 0.5 * duration)

@@ -55,7 +55,7 @@ class Rise:
     def error(self) -> float:
         """Relative error of the velocity at the end of the burst by the ring-up."""
         own = max(each.error for each in self.rings)
-        return own if self.shaped else own + SHAPE * min(self.time / self.duration, 1.0)
+        return own + SHAPE * min(self.time / self.duration, 1.0)
 
     @property
     def envelopes(self) -> dict[str, dict[float, contact.Envelope]]:

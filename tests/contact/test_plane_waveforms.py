@@ -130,11 +130,11 @@ def test_a_slider_waits_until_a_slow_ramp_reaches_its_threshold():
     """Held by friction before, it moves when the amplitude passes the threshold of steady waves."""
     slider, waves = ball(mass=0.089e-3, normal_damping=20.0), beams(3, 0)
     factor = threshold_factor(slider, waves)
-    ramp = Envelope(time=[0.0, 0.04], amplitude=[0.0, 1.0], phase=[0.0, 0.0])
+    ramp = Envelope(time=[0.0, 0.04], amplitude=[0.0, 0.8], phase=[0.0, 0.0])
     run = burst(slider, waves, duration=0.04, after=0.0, tolerance=1e-2, samples=400, method="averaged", envelope=ramp)
     begins = run.time[np.flatnonzero(run.velocity[:, 0] > 1e-4 * run.velocity[-1, 0])[0]]
-    assert 0.1 < factor < 0.9
-    assert factor * 0.04 <= begins <= (factor + 0.015) * 0.04
+    assert 0.1 < factor < 0.7
+    assert factor <= 0.8 * begins / 0.04 <= factor + 0.015
 
 
 def test_the_method_follows_from_how_fast_the_waves_change(monkeypatch):
@@ -153,8 +153,8 @@ def test_the_method_follows_from_how_fast_the_waves_change(monkeypatch):
 @pytest.mark.parametrize("method", ["exact", "averaged"])
 def test_a_phase_that_grows_steadily_is_a_wave_of_another_frequency(method):
     waves, by_mean = beams(2.5, 1.25, np.pi / 3), method == "averaged"
-    slider = ball(mass=0.089e-3, normal_damping=50.0) if by_mean else LIGHT
-    duration, begin = (4e-4, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) if by_mean else (CYCLES * T, None)
+    slider = ball(mass=5e-6, normal_damping=5.0) if by_mean else LIGHT
+    duration, begin = (4e-3, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) if by_mean else (CYCLES * T, None)
     time = np.array([0.0, duration])
     higher, there = (
         shaped(1.0, 2.0 * np.pi * 0.05 * time / T, time),
@@ -164,7 +164,7 @@ def test_a_phase_that_grows_steadily_is_a_wave_of_another_frequency(method):
         duration=duration, after=0.0, samples=1, start=begin, method=method, tolerance=1e-2 if by_mean else 1e-6
     )
     one, other = burst(slider, waves, envelope=higher, **given), burst(slider, there, **given)
-    assert one.velocity[-1] == pytest.approx(other.velocity[-1], rel=1e-4 if by_mean else 1e-6)
+    assert one.velocity[-1] == pytest.approx(other.velocity[-1], rel=1e-3 if by_mean else 1e-6)
     plain = burst(slider, waves, **given)
     assert np.hypot(*(plain.velocity[-1] - one.velocity[-1])) > 5e-3 * np.hypot(*one.velocity[-1])
 
@@ -176,7 +176,7 @@ def test_a_free_tilt_is_that_of_the_shaped_waves():
     waves = SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-1j * R_X * a, 0.0, a] for a in (9e-9, 3e-9, 5e-9)]])
     given = dict(duration=20 * T, after=0.0, samples=1, tolerance=1e-6, method="exact")
     half = burst(slider, waves, envelope=shaped(0.5), **given)
-    assert half.rates[-1] == pytest.approx(burst(slider, waves.scaled(0.5), **given).rates[-1], rel=1e-9)
+    assert half.rates[-1] == pytest.approx(burst(slider, waves.scaled(0.5), **given).rates[-1], rel=1e-9, abs=1e-15)
 
 
 def test_corners_and_parts_of_a_shape():
