@@ -86,8 +86,9 @@ class AveragedPath:
     def means_at(self, t: float, pose: np.ndarray) -> Averaged:
         """Return the mean forces of the slider on the waves at its place."""
         slider, shape = self.slider, self.shape
-        level = self.level(t, self.after) if shape is None else (t, self.after)
-        at = (level, *(pose[2:] if isinstance(self.surface, SurfaceWaves) else pose).tolist())
+        level = 1.0 if shape is not None else self.level(t, self.after)
+        at = (level, *((t, self.after) if shape is not None else ()))
+        at += tuple((pose[2:] if isinstance(self.surface, SurfaceWaves) else pose).tolist())
         if self.known is None or self.known[0] != at:
             waves = surface_under(slider, self.surface, pose)
             waves = waves.scaled(level) if shape is None else shape.on(waves, t, self.after)
