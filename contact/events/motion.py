@@ -14,12 +14,12 @@ from contact.body import Coordinates, Point, approach
 from contact.codes import At, Event, Recorded, Regime, Status, WorkCount
 from contact.events import event_driven, segment
 from contact.events.collocation import Collocation
-from contact.events.energy import EnergySum, spring_energy
+from contact.events.energy import EnergySum, potential, spring_energy
 from contact.events.many_contacts import MANY
 from contact.events.segment import SampleColumn
 from contact.events.transitions import open_regimes
 from contact.exceptions import ConvergenceError
-from contact.law import holding, hysteretic, normal
+from contact.law import holding, hysteretic
 from contact.problem import Problem, contact_parameters
 from contact.slider import Slider
 
@@ -221,7 +221,7 @@ class Motion:
         approaches = self.approaches(height)
         hold = problem.normal.hold
         if hold is None:
-            work = normal.energy(approaches, problem.normal) - problem.normal.pull * np.maximum(approaches, 0.0)
+            work = potential(approaches, problem.normal, hold)
         else:
             closed = np.where(self.regime != Regime.SEPARATED, approaches, math.nan)
             work = np.array([0.0 if math.isnan(z) else holding.stored(holding.depth(z, hold), hold) for z in closed])
