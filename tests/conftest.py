@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported, which reads it once
+
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -18,8 +20,6 @@ from hypothesis import settings
 # no test measures time: an example may take long on a machine that is busy
 settings.register_profile("thorough", deadline=None)
 settings.register_profile("quick", deadline=None, max_examples=25)
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _approx = pytest.approx
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import sys
 import threading
@@ -185,6 +186,13 @@ def test_the_parts_of_the_time_add_up(driven, record):
 
 def blas_threads():
     return {each["num_threads"] for each in threadpoolctl.threadpool_info() if each["user_api"] == "blas"}
+
+
+def test_the_tests_have_one_blas_thread():
+    """More of them wait for each other: `test_cut_source.py` takes 10 s, and with two more than 200 s on a busy machine."""
+    import scipy.linalg  # noqa: F401
+
+    assert blas_threads() == {int(os.environ["OPENBLAS_NUM_THREADS"])}
 
 
 def test_a_run_has_one_blas_thread_and_restores_what_was(contact):
