@@ -189,7 +189,7 @@ def blas_threads():
 
 
 def test_the_tests_have_one_blas_thread():
-    """More of them wait for each other: `test_cut_source.py` takes 10 s, and with two more than 200 s on a busy machine."""
+    """More of them wait for each other: 200 s instead of 10 for `test_cut_source.py` on a busy machine."""
     import scipy.linalg  # noqa: F401
 
     assert blas_threads() == {int(os.environ["OPENBLAS_NUM_THREADS"])}
