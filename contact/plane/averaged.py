@@ -269,9 +269,9 @@ def _root(averaged, search, tolerance):
 def _moving_near(averaged: Averaged, unknown: np.ndarray, tolerance: float) -> Root | None:
     """Return the balance of a motion that is found from one near it, None where there is none."""
     search = search_of(averaged.body, unknown, dragged(averaged, unknown))
-    accuracies = _accuracies(len(averaged.start), tolerance >= COARSE)
+    tools = _accuracies(len(averaged.start), SEARCH, tolerance >= COARSE)
     close = max(1e-13, 1e-4 * tolerance)
-    found = find_balance(averaged.problem, averaged.body, accuracies, search, close, int(Task.MOTION))
+    found = find_balance(averaged.problem, averaged.body, tools, search, close, int(Task.MOTION))
     averaged.evaluations += int(search.done[0])
     return _root(averaged, search, tolerance) if found == Found.BALANCE else None
 
