@@ -104,11 +104,11 @@ class Stops:
         return self._solve(waves, doubling - 1, doubling, near)
 
     def _solve(self, waves, coarse: int, fine: int, near: Balanced | None) -> tuple[float, Balanced]:
-        motions = np.array([motion_of(self.slider, each) for each in waves])
-        heights = np.empty((2, len(waves)))
+        rows = [motion_of(self.slider, each) for each in waves]
+        motions, heights = np.array(rows), np.empty((2, len(waves)))
         found = np.array([near.velocity, 0.0, near.rate, 0.0] if near else [0.0] * 4)
         (coarse_force, coarse_table), (fine_force, fine_table) = self._at(coarse), self._at(fine)
-        if np.any(motions[:, 0] > 0.0):
+        if any(row[0] > 0.0 for row in rows):
             stops_motion(
                 coarse_force, fine_force, coarse_table, fine_table, self._which, motions,
                 heavy_slider(self.slider, waves), PANELS * 2**fine, heights, np.empty(4), found,

@@ -40,10 +40,10 @@ class Memory:
         return self._solve(waves, doubling - 1, doubling, near)
 
     def _solve(self, waves, coarse: int, fine: int, near: Balanced | None) -> tuple[float, Balanced]:
-        motions = np.array([motion_of(self.slider, each) for each in waves])
-        heights = np.empty((2, len(waves)))
+        rows = [motion_of(self.slider, each) for each in waves]
+        motions, heights = np.array(rows), np.empty((2, len(waves)))
         found = np.array([near.velocity, 0.0, near.rate, 0.0] if near else [0.0] * 4)
-        if np.any(motions[:, 0] > 0.0):
+        if any(row[0] > 0.0 for row in rows):
             numbers = self._at(coarse), self._at(fine), self._which, motions, self._numbers(waves)
             memory_motion(*numbers, CELLS * 2**fine, heights, found)
             if not any(wave.normal for wave in waves):

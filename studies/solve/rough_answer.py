@@ -12,11 +12,12 @@ from studies.record.point import Point
 from studies.record.status import Status
 from studies.scene.roughness_keys import STARTS
 from studies.solve.point_answer import PointAnswer
+from studies.solve.refinement import SHARE
 from studies.solve.velocity_error import held_height_error, judged, velocity_sensitivities
 
-# Fraction of the tolerance for the ball.  A smaller one than that of smooth balls (`refinement.SHARE`), whose error is
+# Fraction of the tolerance for the ball on a stator.  A smaller one than that of smooth balls (`SHARE`), whose error is
 # far below their share: with the stator's error near the tolerance it would ask for a second stator, which costs more
-SHARE = 0.1
+SHARE_BESIDE_STATOR = 0.1
 SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
 
 
@@ -28,7 +29,7 @@ def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bo
     orbits = scaled(orbits_of_each(driven.scene.slider, driven.orbits), level)
     with slider_keys():
         own = _balls(driven)[0]
-        state = own.motion(orbits, tolerance=SHARE * tolerance)
+        state = own.motion(orbits, tolerance=_share(driven) * tolerance)
         residual = None
         if balance and state.answer.value != 0.0:
             residual = contact.rough_ledger(own, orbits, state).relative_residual
@@ -75,7 +76,7 @@ def rough_ledger(driven: Contact, level: float, tolerance: float):
     slider = driven.scene.slider
     orbits, own = scaled(orbits_of_each(slider, driven.orbits), level), _balls(driven)[0]
     with slider_keys():
-        return contact.rough_ledger(own, orbits, own.motion(orbits, tolerance=SHARE * tolerance))
+        return contact.rough_ledger(own, orbits, own.motion(orbits, tolerance=_share(driven) * tolerance))
 
 
 def rough_limits(driven: Contact) -> tuple[float, float]:
@@ -91,6 +92,11 @@ def rough_limits(driven: Contact) -> tuple[float, float]:
             driven.scene.slider, driven.orbits, _amplitude(driven), STARTS, tolerance=SCATTER, count=1
         )
     return threshold, release
+
+
+def _share(driven: Contact) -> float:
+    """Return the fraction of the tolerance for the ball."""
+    return SHARE_BESIDE_STATOR if driven.stator_error > 0 else SHARE
 
 
 def _balls(driven: Contact) -> tuple:
