@@ -37,7 +37,7 @@ CHUNK = 2000  # points for which distances are tabulated at a time, to limit mem
 # by more than UNCONVERGED of the motion.  It is too wide where the power of a wave leaves obliquely: such a wave grows
 # along the complex contour, and the more the farther the point is.
 UNCONVERGED, MAX_HALVINGS = 0.03, 4
-# The same for pictures.  On the shipped motor of YZ lithium niobate, where 8 of 100 points of the surface, all beside
+# The same for pictures.  On the shipped motor of YZ lithium niobate, where 4 of 100 points of the surface, all beside
 # fingers, then change by more than 2 % and at most 5 %, a map takes 3.2 instead of 13.3 CPU s.
 UNCONVERGED_IN_PICTURES = 0.1
 
