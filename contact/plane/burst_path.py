@@ -25,7 +25,7 @@ class PlaneTrajectory(HasAnswer):
     error : (3,) array
         Largest error of the rates over the whole way, m/s and rad/s.
     pose_error : (3,) array
-        The same of the pose, m and rad.
+        The same of the pose, m and rad; of a slider that friction has stopped with what its contacts' springs move it.
     duration : float
         Of the burst, s.
     stopped : float

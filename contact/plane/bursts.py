@@ -382,10 +382,23 @@ def _averaged(question):
         if len(way):
             systematic += BOUNCES * (way / time_of).max(axis=0) / (ratio * question.waves.omega)
     error, pose_error = missed[3:] + systematic, missed[:3] + systematic * float(fine.time[-1])
+    if fine.stopped < math.inf:
+        pose_error += _spring_back(slider)
     names = {"evaluations": path.evaluations}
     reason = f"averaged motion in the plane{begun.reason}"
     pose, rates = fine.state[:, :3], fine.state[:, 3:]
     return _Found(fine.time, pose, rates, height, error, pose_error, None, reason, names, fine.stopped)
+
+
+def _spring_back(slider):
+    """Return how far a slider that friction has stopped moves while its contacts spring back, shape (3,), m and rad.
+
+    The averaged motion ends before: from their slip limit c z the contacts swing to -c z at most.
+    """
+    swing = 2.0 * float(np.max(slider.limit_slope * slider.rest_approaches(slider.count)))
+    squares = np.subtract(slider.x, slider.axis[0]) ** 2 + np.subtract(slider.y, slider.axis[1]) ** 2
+    arm = math.sqrt(float(np.mean(squares)))
+    return np.array([swing, swing, swing / arm if arm > 0.0 else 0.0])
 
 
 def _relative_error(question, begin):

@@ -120,17 +120,14 @@ def _after(slider, speed: float, duration: float) -> float:
 def _sway(slider, motion: plane.PlaneTrajectory) -> tuple[float, float]:
     """Return how far from the motion's end the slider may come to rest in its contacts' springs, m, and rad of yaw.
 
-    Of a motion followed through its cycles half the range of the last part of the ring. The averaged motion ends where
-    friction has stopped it, before the contacts spring back: from their slip limit c z they swing to -c z at most.
+    Of a motion followed through its cycles half the range of the last part of the ring; the error of the averaged
+    motion contains it.
     """
-    if motion.stopped == math.inf:
-        last = motion.time >= motion.time[-1] - 0.5 * RINGS / slider.tangential_resonance(slider.count)
-        x, y, yaw = 0.5 * np.ptp(motion.pose[last], axis=0)
-        return float(np.hypot(x, y)), float(yaw)
-    swing = 2.0 * float(np.max(slider.limit_slope * slider.rest_approaches(slider.count)))
-    squares = np.subtract(slider.x, slider.axis[0]) ** 2 + np.subtract(slider.y, slider.axis[1]) ** 2
-    arm = math.sqrt(float(np.mean(squares)))
-    return swing, swing / arm if arm > 0.0 else 0.0
+    if motion.stopped < math.inf:
+        return 0.0, 0.0
+    last = motion.time >= motion.time[-1] - 0.5 * RINGS / slider.tangential_resonance(slider.count)
+    x, y, yaw = 0.5 * np.ptp(motion.pose[last], axis=0)
+    return float(np.hypot(x, y)), float(yaw)
 
 
 def on_free_surface(driven: Contact, slider, motion: plane.PlaneTrajectory):

@@ -170,7 +170,7 @@ def test_the_pose_of_an_averaged_burst_is_within_its_error_of_that_by_events():
     assert np.all(np.abs(motion.pose[motion.burst_end] - exact.pose[-1]) <= 2.0 * motion.pose_error)
     assert own.turn_rad != 0.0
     swing = 2.0 * 0.08 * 64.0 / (4.0 * 12.0) * (0.87309e-3 / (4.0 / 3.0 * 64e9 * math.sqrt(1e-3))) ** (2.0 / 3.0)
-    assert own.turn_error_rad == pytest.approx(motion.pose_error[2] + swing / 6e-3, rel=1e-4)  # arms of 6 mm
+    assert own.turn_error_rad == motion.pose_error[2] > swing / 6e-3  # arms of 6 mm
 
 
 def rung_out(method):
@@ -184,7 +184,7 @@ def rung_out(method):
 def test_an_averaged_place_is_within_its_error_of_a_motion_that_rings_after_the_stop():
     (averaged, motion, _), (_, _, ringing) = rung_out("averaged"), rung_out("stepped")
     missed = np.abs(ringing - averaged.displacement_m).max()
-    assert 10.0 * motion.pose_error[0] < missed <= averaged.displacement_error_m
+    assert missed <= motion.pose_error[0] <= averaged.displacement_error_m < 5.0 * missed
 
 
 def test_the_place_where_the_ring_would_die_out_is_within_the_error_of_its_last_instant():
