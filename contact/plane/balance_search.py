@@ -21,6 +21,7 @@ from contact.plane.disc_contacts import State, Sum, Work, solve_linear
 MAX_NEWTON = 60
 LINEAR = 1e-4  # of the surface's largest speed: a step that is taken without comparing the residuals
 LAG = 1e3  # times what a step may leave: the means, and the powers among them, are those before the step
+MAX_LAG = 1e-6  # of that speed: the last step of all, so that powers close to about as much
 ROUNDING = 1e-9  # of that speed: a step below which only the rounding of the means is left
 # What a step leaves, over that speed, at which the search goes over from its first means, and to those of the answer
 ROUGH, MIDDLE = 1e-3, 1e-5
@@ -259,6 +260,7 @@ def _seek(problem, body, tools, search, close, answers):
     for k in range(3):
         search.trial[k] = search.unknown[k]
     top, derive = body.top_speed, 0 if answers else 1
+    lag = LAG * close if close >= MIDDLE else min(LAG * close, MAX_LAG)
     reach = 0.7 * top  # of a step; farther while steps go on as far
     _evaluate(problem, body, tools, derive, search, search.residual)
     for _ in range(MAX_NEWTON):
@@ -267,7 +269,7 @@ def _seek(problem, body, tools, search, close, answers):
         last, largest = search.sizes[0], _step(search)
         search.sizes[0], search.sizes[1] = largest, last
         left = largest * min(largest / last, 1.0) if last < np.inf else largest
-        if (left < close * top and largest < LAG * close * top) or (largest < ROUNDING * top and largest > 0.5 * last):
+        if (left < close * top and largest < lag * top) or (largest < ROUNDING * top and largest > 0.5 * last):
             return Found.BALANCE
         if not largest < np.inf:
             return Found.NOTHING
