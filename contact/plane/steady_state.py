@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact import parameter_check
+from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer
 from contact.error_estimate import speed_scale
 from contact.exceptions import ConvergenceError, InputError
 from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
 from contact.plane.cycle import Extra
 from contact.plane.disc_contacts import Sum
+from contact.plane.from_rest import SAME, mean_from_rest
 from contact.plane.plane_shooting import CHECK as CHECK_SHOOTING
 from contact.plane.plane_shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
-from contact.plane.scaling import averaging_error, beats_slowly, refuse_slow_beat, slowest_beat
+from contact.plane.scaling import FREE, averaging_error, beats_slowly, refuse_slow_beat, resonance_ratios, slowest_beat
 from contact.plane.state import Band, PlaneState, Powers
 from contact.slider import Slider
 
@@ -118,9 +120,11 @@ def _exact(averaged, waves, root, mean: PlaneState, tolerance, begun) -> PlaneSt
     speed = float(np.linalg.norm(averaged.rigid @ unknown, axis=1).max()) * units.speed
     speed = speed if slider.freedom == "axle" else float(np.hypot(*velocity))
     reference = speed_scale(speed, waves.peak_speed)
-    sums, load = sums_of(fine), -averaged.problem.force[1:] @ fine.velocity
     reasons = ("the full motion in the plane that repeats, by shooting",)
-    answer = Answer(value=speed, error=float(np.linalg.norm(change)) * units.speed, reasons=reasons)
+    missed, note = _missed_from_rest(averaged, waves, np.append(velocity, yaw_rate), reference)
+    change = change + missed / units.speed
+    sums, load = sums_of(fine), -averaged.problem.force[1:] @ fine.velocity
+    answer = Answer(value=speed, error=float(np.linalg.norm(change)) * units.speed, reasons=reasons + note)
     wave = float(sums[:, [Sum.WAVE_NORMAL, Sum.WAVE_TANGENTIAL]].sum())
     powers = Powers(
         wave=wave * units.power, slip=float(sums[:, Sum.SLIP].sum()) * units.power,
@@ -136,6 +140,26 @@ def _exact(averaged, waves, root, mean: PlaneState, tolerance, begun) -> PlaneSt
         statistics=mean.statistics | {"multiplier": float(np.abs(fine.multipliers[0]))},
         seconds=time.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _missed_from_rest(averaged, waves, rates, reference):
+    """Return by how much a light slider from rest misses rates (v_x, v_y, yaw rate), (3,) m/s, and a note about it."""
+    slider, units = averaged.slider, averaged.scaled
+    ratio, _ = resonance_ratios(slider, waves)
+    if ratio <= MAX_RATIO_HELD:
+        return np.zeros(3), ()
+    arm = averaged.arm * units.length
+    rates = np.where(np.isin(range(3), FREE[slider.freedom]), rates, 0.0)
+    try:
+        seen, change, turn = mean_from_rest(slider, waves, rates, units.period / units.omega, reference, arm)
+    except ConvergenceError:
+        return np.zeros(3), ("whether a slider from rest comes to it was not found",)
+    missed = np.abs(seen - rates) * [1.0, 1.0, arm]
+    if np.linalg.norm(missed) <= (SAME + turn) * reference:
+        return np.zeros(3), ()
+    settles = "comes to" if change <= SAME * reference else "still changes at"
+    yaw = f" and {seen[2]:.4g} rad/s" if slider.freedom in ("xy yaw", "axle") else ""
+    return missed, (f"a slider from rest {settles} ({seen[0]:.4g}, {seen[1]:.4g}) m/s{yaw} in the mean",)
 
 
 def mean_motion(slider: Slider, surface: Surface) -> PlaneState:

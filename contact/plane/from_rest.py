@@ -1,0 +1,95 @@
+"""Whether a light slider that starts from rest comes to the motion in the plane that repeats, which shooting finds.
+
+A slider whose contacts resonate near or above the frequency of the waves has several steady motions, which differ in
+how it bounces; which of them it takes depends on the start. From its height at rest it is followed event by event until
+the mean velocity of two stretches of cycles agrees. It begins with the velocity of the motion that repeats: friction
+hardly acts on the bounce, and to come to that velocity takes far longer.
+"""
+
+import math
+
+import numpy as np
+
+from contact.exceptions import ConvergenceError
+from contact.plane.full_motion import motion_at_rest
+from contact.plane.plane_equations import Body
+from contact.plane.plane_waves import SurfaceWaves
+from contact.plane.scaling import FREE
+from contact.slider import Slider
+
+HOW = (4, 1e-2)  # nodes and tolerance of a segment: velocities to less than 1e-3 (`bursts.EXACT`)
+STRETCH = 40  # least number of cycles whose mean velocity is taken
+MOST = 1500  # cycles after which a motion that has not settled is left
+SETTLED = 1e-4  # change of the mean from one stretch to the next, over the reference speed, at which it is taken
+SAME = 1e-3  # of the reference speed: two means that differ by less belong to the same motion
+
+
+def mean_from_rest(
+    slider: Slider, waves: SurfaceWaves, rates: np.ndarray, period: float, reference: float, arm: float
+) -> tuple[np.ndarray, float, float]:  # fmt: skip
+    """Return the mean rates that a slider from its height at rest settles to, and how much the last ones differ.
+
+    Parameters
+    ----------
+    rates : (3,) array
+        (v_x, v_y, yaw rate) at the start, m/s and rad/s.
+    period : float
+        After which the waves repeat, s.
+    reference : float
+        Speed to which errors refer, m/s.
+    arm : float
+        By which a yaw rate becomes a speed, m.
+
+    Returns
+    -------
+    means : (3,) array
+        As `rates`, those of the last stretch of whole periods.
+    change : float
+        Speed by which they differ from those of the stretch before, m/s.
+    turn : float
+        Angle by which the slider turns in a stretch, rad, while the waves under its contacts stay: relative
+        differences of this size say nothing.
+
+    Raises
+    ------
+    ConvergenceError
+        If a segment of the motion is not solved.
+    """
+    for warm in (True, False):
+        try:
+            begun = motion_at_rest(slider, waves, HOW, rise=0.0, stop=math.inf, warm=warm)
+            free = np.isin(range(3), FREE[slider.freedom])  # the centre of an axle has no velocity of its own
+            begun.state.p[1:] = free * rates / [begun.units.speed, begun.units.speed, begun.units.omega]
+            return _followed(begun, period, reference, arm)
+        except ConvergenceError:
+            if not warm:
+                raise
+    raise AssertionError
+
+
+def _followed(motion, period, reference, arm):
+    units = motion.units
+    cycle = period * units.omega
+    periods = math.ceil(STRETCH * 2.0 * math.pi / cycle)
+    scale = np.array([units.length, units.length, 1.0]) / (periods * period)
+    place, before, change = np.zeros(3), np.full(3, np.inf), np.inf
+    rates = before
+    for _ in range(max(2, math.ceil(MOST * 2.0 * math.pi / (periods * cycle)))):
+        motion.follow(periods * cycle + motion.state.total[0])
+        here = motion.place.copy()
+        rates, place = (here - place) * scale, here
+        motion = motion.restarted()
+        # the waves under each contact are those of the start, and so is the yaw: turned contacts would meet others
+        turn, motion.state.q[Body.YAW] = motion.state.q[Body.YAW], 0.0
+        motion.from_place[Body.YAW] -= turn
+        place[2] -= turn
+        change = speed_of(rates - before, arm)
+        if change <= SETTLED * reference:
+            break
+        before = rates
+    return rates, change, abs(float(rates[2])) * periods * period
+
+
+def speed_of(rates: np.ndarray, arm: float) -> float:
+    """Return the size of rates (v_x, v_y, yaw rate), m/s."""
+    return float(np.linalg.norm(rates * [1.0, 1.0, arm]))
