@@ -286,15 +286,15 @@ class EmittedBeam:
         return np.searchsorted(np.multiply(GROUPS, self.wavelength), self.distances(x))
 
     def _converged(self, x: np.ndarray, y: np.ndarray, distance: float) -> np.ndarray:
-        """`_modal` with as many nodes in k_y as the points need."""
+        """`modal` with as many nodes in k_y as the points need."""
         for halvings in range(MAX_HALVINGS + 1):
-            rules = self._modal(x, y, distance, halvings)
+            rules = self.modal(x, y, distance, halvings)
             size = abs(rules[0]).max(axis=0)
             if np.all(abs(rules[0] - rules[1]).max(axis=0) <= self.unconverged * np.maximum(size, 0.1 * size.max())):
                 break
         return rules
 
-    def _modal(self, x: np.ndarray, y: np.ndarray, distance: float, halvings: int) -> np.ndarray:
+    def modal(self, x: np.ndarray, y: np.ndarray, distance: float, halvings: int) -> np.ndarray:
         """Sum of the modes at points no nearer than ``distance`` to any charge, shape (RULES, 3, points)."""
         points, reach = Points.of(x, y), self.reach(y)
         total = np.zeros((RULES, 3, len(x)), dtype=complex)

@@ -23,8 +23,9 @@ def test_stated_errors_hold_on_random_motors():
     assert {each.way for each in found} == set(WAYS)
     assert min(kept(found).values()) >= 0.9  # of two draws; 0.95 of two hundred
     stated = pessimism(found)
-    for way in ("burst, exact", "steady, exact"):  # of errors of 1e-12: what is stated is the coarser run's
-        assert stated.pop(way) < 1000.0, way
+    # of errors of 1e-12 and, of a motion that repeats, 1e-14: what is stated is the coarser run's
+    for way, most in (("burst, exact", 1e3), ("steady, exact", 1e4)):
+        assert stated.pop(way) < most, way
     assert max(stated.values()) < 60.0
 
 
@@ -45,8 +46,8 @@ def test_stated_errors_hold_on_two_hundred():
     found = [each for block in range(4) for each in fifty(block)]
     assert min(kept(found).values()) >= 0.95
     stated = pessimism(found)
-    for way in ("burst, exact", "steady, exact"):  # of errors of 1e-12
-        assert stated.pop(way) < 1000.0, way
+    for way, most in (("burst, exact", 1e3), ("steady, exact", 1e4)):
+        assert stated.pop(way) < most, way
     assert max(stated.values()) < 11.0
 
 

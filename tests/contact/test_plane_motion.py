@@ -15,7 +15,9 @@ from contact.plane import PlaneWave, PlaneWaves, SurfaceWaves, burst, bursts, st
 from contact.plane.disc_contacts import Count
 from contact.plane.full_motion import motion_at_rest
 from contact.plane.radau import radau
+from tests.contact.motors import slider
 from tests.contact.plane_motors import R_X, ball, beams, drawn_on_three_balls
+from tests.contact.test_reached_from_rest import SLOW_WAVE, WANDERS, F
 
 T = 1 / 2.2e6
 LIGHT = ball(mass=1e-7, normal_damping=0.05)
@@ -345,3 +347,28 @@ def test_tables_of_collocation_are_the_same_bits_in_every_process_and_those_of_f
             float(sum(c * end ** (k + 1) / (k + 1) for k, c in enumerate(powers))) for end in (*nodes, Fraction(1))
         ]
         np.testing.assert_allclose(np.append(own.integral[:, j], own.weight[j]), exact, atol=3e-15)
+
+
+def test_a_light_slider_that_misses_the_motion_that_repeats_has_that_in_its_error():
+    """Truth: from rest along the line, on the same wave, where it wanders about 0.4 of that velocity."""
+    light = replace(slider(**WANDERS), freedom="xy", load=(0.0, 0.0))
+    waves = SurfaceWaves(frequencies=[F], amplitudes=[[[SLOW_WAVE.tangential, 0.0, SLOW_WAVE.normal]]])
+    state = steady(light, waves, tolerance=1e-3, method="exact")
+    from_rest = burst_along_x(
+        slider(**WANDERS), SLOW_WAVE, duration=2000 / F, after=0.0, tolerance=1e-6, samples=2000, method="exact"
+    )  # fmt: skip
+    missed = abs(state.velocity[0] - from_rest.velocity[500:].mean())
+    assert 0.3 * state.reference < missed < 2.0 * state.error[0]
+    assert state.status == "above tolerance"
+    assert "a slider from rest" in str(state.answer)
+
+
+def test_a_light_slider_that_comes_to_the_motion_that_repeats_has_no_doubt():
+    resonant = ball(mass=1e-6)
+    mass = 1e-6 * (resonant.normal_resonance(1) / 2.2e6 / 0.3) ** 2
+    light = replace(resonant, mass=mass, normal_damping=0.3 * mass * 2.2e6, tangential_damping=1e-5)
+    height = 3.0 * light.rest_approach(1)
+    state = steady(light, SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-0.67j * height, 0.0, height]]]),
+                   tolerance=1e-4, method="exact")  # fmt: skip
+    assert state.status == "ok"
+    assert state.answer.error < 1e-8 * state.reference

@@ -101,6 +101,7 @@ def test_the_map_shows_turned_frames(crossing):
     from matplotlib.figure import Figure
 
     still = SimpleNamespace(wave=crossing.surface_wave, rows=(), motion=lambda x, y: np.zeros((3, len(x), len(y))))
+    still.pictured = still
     ax = draw_surface_map(still, crossing.scene, Figure().add_subplot())
     left, front = (patch.get_path().vertices[:4] for patch in ax.patches)
     assert np.ptp(front[:, 0]) == pytest.approx(5.0)

@@ -286,6 +286,6 @@ def test_a_picture_takes_a_coarser_rule(lossy, monkeypatch, pictured, halvings):
         taken.append(number)
         return np.multiply.outer([1.0, 1.0 + (0.4, 0.084, 0.035, 0.018)[number], 1.0, 1.0], np.ones((3, len(x))))
 
-    monkeypatch.setattr(EmittedBeam, "_modal", modal)
+    monkeypatch.setattr(EmittedBeam, "modal", modal)
     (lossy.pictured if pictured else lossy).motion(0.8 * lossy.wave.length)
     assert taken == list(range(halvings + 1))
