@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.jit.compiled import compiled
+from contact.jit.compiled import compiled, native
 from contact.law.normal import NormalLaw
 
 
@@ -135,19 +135,24 @@ def _add_shaped(problem, first, last, phase, e, e_rate, out):
         _add_wave(problem, j, first, last, nu * phase + p, nu + p_rate, e * a, e_rate * a + e * a_rate, out)
 
 
-@compiled
+@native("t i i f f2")
 def fill_surface(problem, first, last, phase, out):
-    """Fill displacement and velocity of the surface (`Surface`) under contacts `first` to `last` at a phase."""
+    """Fill displacement and velocity of the surface (`Surface`) under contacts `first` to `last` at a phase; return 0.
+
+    Machine code of its own, for it is called from Python: numba's cache knows the law's functions in no other process,
+    and its index, which grew by every process, could not be written any more after some twenty.
+    """
     e, e_rate = envelope(problem, phase)
     for i in range(first, last):
         for k in range(6):
             out[i, k] = 0.0
     if problem.knots.at.size > 0:
         _add_shaped(problem, first, last, phase, e, e_rate, out)
-        return
+        return 0
     for j in range(problem.ratio.size):
         nu = problem.ratio[j]
         _add_wave(problem, j, first, last, nu * phase, nu, e, e_rate, out)
+    return 0
 
 
 @compiled

@@ -17,9 +17,12 @@ import llvmlite
 import numpy as np
 import pytest
 
+from contact import plane, steady
 from contact.events.collocation import collocation
 from contact.jit import compiled, compiler, kernels
+from contact.plane import SurfaceWaves
 from contact.roots import interpolate
+from tests.contact import motors, plane_motors
 
 NOWHERE = Path("/proc/nowhere")  # where nobody can write, not even the superuser
 
@@ -436,3 +439,23 @@ def test_kernels_of_another_package_follow_its_constants(tmp_path):
         command = [sys.executable, "-B", "-m", "own.kernel"]
         found = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
         assert float(found.stdout) == 2.0 * factor
+
+
+def test_numba_caches_no_kernel_that_takes_the_functions_of_a_law():
+    """It knows them in no other process: each compiles again, and after some twenty the index cannot be written."""
+    wave = SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-3e-9j, 1e-9, 5e-9]]])
+    light = plane_motors.ball(mass=1e-7, normal_damping=0.05)
+    plane.steady(light, wave, tolerance=1e-3, method="exact")
+    for method in ("exact", "stepped"):
+        plane.burst(light, wave, duration=2e-6, after=0.0, tolerance=1e-2, samples=1, method=method)
+    steady(motors.slider(), motors.orbit(5e-9), tolerance=1e-3, method="exact")
+    kept, seen = {}, set()
+    for name in [name for name in sys.modules if name.startswith("contact.")]:
+        for kernel in vars(sys.modules[name]).values():
+            if not isinstance(kernel, compiled.Kernel):
+                continue
+            seen.add(kernel.word)
+            if "dispatcher" in vars(kernel):
+                kept[kernel.word] = str(kernel.dispatcher.signatures)
+    assert "contact.plane.plane_equations.fill_surface" in seen
+    assert {word for word, signatures in kept.items() if "Dispatcher" in signatures} == set()
