@@ -26,7 +26,7 @@ import numpy as np
 from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import reference_speed
-from contact.exceptions import RUNAWAY, ConvergenceError, InputError
+from contact.exceptions import ConvergenceError, InputError
 from contact.jit.compiled import native
 from contact.law.adhesion import AdhesiveSphere
 from contact.law.maugis import MaugisSphere
@@ -369,6 +369,8 @@ class AdhesiveBalls:
 
         if way * left(way * top) > 0.0:  # the load pulls harder than friction that slips everywhere
             if slider.tangential_damping == 0.0:
+                from contact.averaged.event_equilibrium import RUNAWAY  # which imports this module
+
                 raise ConvergenceError("runaway", RUNAWAY)
             top += abs(load) / slider.tangential_damping
         return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)

@@ -24,7 +24,7 @@ from contact.codes import Status, Tangential
 from contact.events.collocation import collocation
 from contact.events.energy import EnergySum
 from contact.events.motion import Motion
-from contact.exceptions import RUNAWAY, ConvergenceError
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits
 from contact.problem import Problem, full_friction, immobile, scaled
 from contact.roots import bracketed
@@ -32,6 +32,10 @@ from contact.slider import Slider
 
 NODES, TRUNCATION = 14, 1e-11  # of a segment in the cycles
 CLOSE = 1e-12  # tolerance of the velocity, relative to the velocity of full slip
+RUNAWAY = (
+    "friction cannot balance the load at any speed and no tangential damping bounds it; "
+    "lower slider.load or give slider.damping.tangential"
+)
 
 
 @dataclass(frozen=True, kw_only=True)

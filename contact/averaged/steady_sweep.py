@@ -26,11 +26,12 @@ from contact.averaged.coupled_motion import coupled_motion, unloaded
 from contact.averaged.cycle_mean import ContactMean, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import FORWARD, cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
+from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.codes import Status, SteadyRegime
 from contact.error_estimate import averaged_stall_error, first_order_error, reference_speed
-from contact.exceptions import RUNAWAY, ConvergenceError
+from contact.exceptions import ConvergenceError
 from contact.orbit import Orbits, as_orbits, crest_velocities, towards_plus
 from contact.passing_wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
 from contact.problem import numbers, paths_of, scaled
