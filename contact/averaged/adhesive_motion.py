@@ -26,7 +26,7 @@ import numpy as np
 from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import reference_speed
-from contact.exceptions import ConvergenceError, InputError
+from contact.exceptions import InputError
 from contact.jit.compiled import native
 from contact.law.adhesion import AdhesiveSphere
 from contact.law.maugis import MaugisSphere
@@ -355,41 +355,21 @@ class AdhesiveBalls:
     def _velocity(self, waves, cycles) -> float:
         """Return the velocity at which no mean force is left."""
         slider, c, omega = self.slider, self.slider.limit_slope, waves[0].omega
-        way, drive, load = self._drive(waves, cycles)
-        if way == 0.0:
+        lowest, highest = self._held(waves, cycles)
+        drive = lowest if lowest > 0.0 else highest if highest < 0.0 else 0.0
+        if abs(drive) - slider.load <= STARTS * self._friction:
             return 0.0
+        way = math.copysign(1.0, drive)
         deepest = max(float(each.radii.max()) for each in cycles if each is not None) ** 2 / self.ball.radius
         top = omega * (
             max(abs(each.tangential) for each in waves) + c * (max(abs(each.normal) for each in waves) + deepest)
         )
 
         def left(v):
-            pull = way * drive if v == 0.0 else self._pull(waves, cycles, v)[0]
-            return pull - way * load - slider.tangential_damping * v
+            pull = drive if v == 0.0 else self._pull(waves, cycles, v)[0]
+            return pull - way * slider.load - slider.tangential_damping * v
 
-        if way * left(way * top) > 0.0:  # the load pulls harder than friction that slips everywhere
-            if slider.tangential_damping == 0.0:
-                from contact.averaged.event_equilibrium import RUNAWAY  # which imports this module
-
-                raise ConvergenceError("runaway", RUNAWAY)
-            top += abs(load) / slider.tangential_damping
         return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)
-
-    def _drive(self, waves, cycles) -> tuple[float, float, float]:
-        """Return the direction of motion, 0 at rest, the least force in it at rest, and the load against it.
-
-        The load opposes the motion without it (`equilibrium.load_direction`); negative, it drives the slider.
-        """
-        lowest, highest = self._held(waves, cycles)
-        drives, nothing = {1.0: lowest, -1.0: -highest}, STARTS * self._friction
-        moves = [way for way, drive in drives.items() if drive > nothing]
-        # at the crest u_x' is -omega times the part of u_x a quarter period before u_z
-        crest = sum((each.tangential * (abs(each.normal) / each.normal if each.normal else 1.0)).imag for each in waves)
-        against = moves[0] if moves else -1.0 if crest > 0.0 else 1.0
-        for sign in (1.0, -1.0):
-            if drives[sign * against] - sign * self.slider.load > nothing:
-                return sign * against, drives[sign * against], sign * self.slider.load
-        return 0.0, 0.0, 0.0
 
 
 def adhesive_motion(
