@@ -19,7 +19,7 @@ from contact.plane.averaged import Averaged, accuracies
 from contact.plane.averaged_path import AveragedPath
 from contact.plane.burst_path import PlaneTrajectory
 from contact.plane.fixed_steps import FixedSteps
-from contact.plane.full_motion import SATURATED, FullMotion, begun_later, motion_at_rest, units_at_rest
+from contact.plane.full_motion import SATURATED, FullMotion, begun_later, followed_from_rest, units_at_rest
 from contact.plane.plane_equations import Body
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
 from contact.plane.scaling import FREE, averaging_error, beats_slowly, refuse_slow_beat, resonance_ratios
@@ -276,18 +276,11 @@ def _compared(question, how, other, least):
 
 
 def _exact_run(question, how):
-    """Return the motion of one accuracy; a warm start saves three quarters of the time, and fails rarely."""
-    for warm in (True, False):
-        begun = motion_at_rest(
-            question.slider, question.waves, how, rise=question.rise_time, stop=question.duration, warm=warm,
-            shape=question.shape,
-        )  # fmt: skip
-        try:
-            return _followed(question, begun)
-        except ConvergenceError:
-            if not warm:
-                raise
-    raise AssertionError
+    """Return the motion of one accuracy."""
+    return followed_from_rest(
+        lambda begun: _followed(question, begun), question.slider, question.waves, how, rise=question.rise_time,
+        stop=question.duration, shape=question.shape,
+    )  # fmt: skip
 
 
 def _stepped(question):

@@ -10,11 +10,9 @@ import math
 
 import numpy as np
 
-from contact.exceptions import ConvergenceError
-from contact.plane.full_motion import motion_at_rest
+from contact.plane.full_motion import followed_from_rest
 from contact.plane.plane_equations import Body
 from contact.plane.plane_waves import SurfaceWaves
-from contact.plane.scaling import FREE
 from contact.slider import Slider
 
 HOW = (4, 1e-2)  # nodes and tolerance of a segment: velocities to less than 1e-3 (`bursts.EXACT`)
@@ -32,7 +30,7 @@ def mean_from_rest(
     Parameters
     ----------
     rates : (3,) array
-        (v_x, v_y, yaw rate) at the start, m/s and rad/s.
+        (v_x, v_y, yaw rate) at the start, m/s and rad/s; 0 for what is not free.
     period : float
         After which the waves repeat, s.
     reference : float
@@ -55,16 +53,12 @@ def mean_from_rest(
     ConvergenceError
         If a segment of the motion is not solved.
     """
-    for warm in (True, False):
-        try:
-            begun = motion_at_rest(slider, waves, HOW, rise=0.0, stop=math.inf, warm=warm)
-            free = np.isin(range(3), FREE[slider.freedom])  # the centre of an axle has no velocity of its own
-            begun.state.p[1:] = free * rates / [begun.units.speed, begun.units.speed, begun.units.omega]
-            return _followed(begun, period, reference, arm)
-        except ConvergenceError:
-            if not warm:
-                raise
-    raise AssertionError
+
+    def follow(motion):
+        motion.state.p[1:] = rates / np.array([motion.units.speed, motion.units.speed, motion.units.omega])
+        return _followed(motion, period, reference, arm)
+
+    return followed_from_rest(follow, slider, waves, HOW, rise=0.0, stop=math.inf)
 
 
 def _followed(motion, period, reference, arm):

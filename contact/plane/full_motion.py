@@ -5,7 +5,9 @@ motion within a cycle is left out.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -213,6 +215,17 @@ def motion_at_rest(
     Without a rise time the waves go on: `FullMotion.silenced` ends them.
     """
     return FullMotion.at_rest(units_at_rest(slider, waves, rise=rise, stop=stop, shape=shape), how, warm=warm)
+
+
+def followed_from_rest(
+    follow: Callable[["FullMotion"], Any], slider: Slider, waves: SurfaceWaves, how, *, rise: float, stop: float,
+    shape: WaveShape | None = None,
+) -> Any:  # fmt: skip
+    """Return what `follow` makes of `motion_at_rest`; a warm start saves 3/4 of the time, and fails rarely."""
+    try:
+        return follow(motion_at_rest(slider, waves, how, rise=rise, stop=stop, warm=True, shape=shape))
+    except ConvergenceError:
+        return follow(motion_at_rest(slider, waves, how, rise=rise, stop=stop, shape=shape))
 
 
 def units_at_rest(

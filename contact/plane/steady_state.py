@@ -14,7 +14,7 @@ from contact.exceptions import ConvergenceError, InputError
 from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
 from contact.plane.cycle import Extra
 from contact.plane.disc_contacts import Sum
-from contact.plane.from_rest import SAME, mean_from_rest
+from contact.plane.from_rest import SAME, mean_from_rest, speed_of
 from contact.plane.plane_shooting import CHECK as CHECK_SHOOTING
 from contact.plane.plane_shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
@@ -149,16 +149,17 @@ def _missed_from_rest(averaged, waves, rates, reference):
     if ratio <= MAX_RATIO_HELD:
         return np.zeros(3), ()
     arm = averaged.arm * units.length
+    # the centre of an axle has no velocity of its own
     rates = np.where(np.isin(range(3), FREE[slider.freedom]), rates, 0.0)
     try:
         seen, change, turn = mean_from_rest(slider, waves, rates, units.period / units.omega, reference, arm)
     except ConvergenceError:
         return np.zeros(3), ("whether a slider from rest comes to it was not found",)
-    missed = np.abs(seen - rates) * [1.0, 1.0, arm]
-    if np.linalg.norm(missed) <= (SAME + turn) * reference:
+    if speed_of(seen - rates, arm) <= (SAME + turn) * reference:
         return np.zeros(3), ()
     settles = "comes to" if change <= SAME * reference else "still changes at"
     yaw = f" and {seen[2]:.4g} rad/s" if slider.freedom in ("xy yaw", "axle") else ""
+    missed = np.abs(seen - rates) * [1.0, 1.0, arm]
     return missed, (f"a slider from rest {settles} ({seen[0]:.4g}, {seen[1]:.4g}) m/s{yaw} in the mean",)
 
 

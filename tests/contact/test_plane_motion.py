@@ -233,7 +233,7 @@ def test_fixed_steps_answer_where_the_events_are_not_solved(monkeypatch):
     def fails(*given, **more):
         raise ConvergenceError("not converged", "a segment of the motion in the plane was not solved")
 
-    monkeypatch.setattr(bursts, "motion_at_rest", fails)
+    monkeypatch.setattr(bursts, "followed_from_rest", fails)
     with pytest.raises(ConvergenceError, match="a segment of the motion in the plane was not solved"):
         burst(*three_in_one_wave(), **given, method="exact")
     run, mean = (burst(*three_in_one_wave(), **given, method=each) for each in ("auto", "averaged"))
