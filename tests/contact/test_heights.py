@@ -76,7 +76,9 @@ def test_a_burst_passes_over_a_contact_that_never_touches(method):
         )
     )  # fmt: skip
     assert found.velocity == pytest.approx(expected.velocity, rel=1e-6, abs=1e-12)
-    assert found.position == pytest.approx(expected.position, rel=1e-6)
+    # a turning point of the position is as exact as the whole path, not as its own small value
+    path = np.max(np.abs(expected.position))
+    assert found.position == pytest.approx(expected.position, rel=1e-6, abs=1e-8 * path)
 
 
 def test_a_step_ends_though_a_contact_never_touches():
