@@ -29,10 +29,14 @@ FRICTION = 0.18  # steel on lithium niobate (Kurosawa, Takahashi and Higuchi 199
 RISE = 10e-9  # m: normal amplitude of a motor without a wanted speed
 SHARE_OF_CREST = 0.5  # speed of a slider over that of the wave's crests, where it presses half of its time
 PRESSED = 0.5  # approach of a ball at rest over the normal amplitude
-SHARE_OF_FRICTION = 0.9  # force at the stall over mu times the preload, of a slider that hops
-BALLS = "steel"
+# Force at the stall over mu times the preload: of balls that hop, and of pillars, which load the wave
+SHARE_OF_FRICTION, SHARE_OF_PILLARS = 0.9, 0.75
+BALLS, PILLARS = "steel", "silicon"
 RADIUS, SLENDER = 1e-3, 16.0  # largest radius of a ball in m, and the aperture over the largest radius
 PITCH = 3.0  # distance of neighbouring balls, in radii
+# Pillars of published motors: diameter in m and at most in wavelengths, height and least pitch over it; the chip, m
+PILLAR, PILLAR_OF_WAVE, PILLAR_HEIGHT, PILLAR_PITCH, CHIP = 20e-6, 0.05, 0.1, 2.0, 0.5e-3
+SPREAD = 0.4  # wavelengths: largest pitch of pillars, whose stiffness over their area makes the wave faster
 BEAM = 0.5  # part of the aperture over which the balls stand, and of the way to the fingers on both sides of the centre
 DAMPED = 0.1  # of the bounce, over its critical damping
 SAMPLES = 8  # voltages
@@ -93,7 +97,8 @@ def first_scene(
     Raises
     ------
     SceneError
-        If a value is refused, the material is not piezoelectric, or balls do not bear the force.
+        If a value is refused, the material is not piezoelectric, or neither balls nor pillars on the beam bear the
+        force.
 
     Examples
     --------
@@ -133,8 +138,8 @@ def first_scene(
     amplitude = RISE
     if speed is not None:
         amplitude = _read("--speed", speed, "m/s") / (SHARE_OF_CREST * 2.0 * math.pi * frequency * ratio)
-    slider, why = _slider(solid, _length(place), wavelength, aperture, amplitude, thrust)
-    table["slider"] = slider
+    slider, why = _slider(solid, wavelength, aperture, amplitude, thrust)
+    table["slider"] = {"position": _length(place)} | slider
     volts = _volts(table, amplitude)
     table["drive"]["voltage"] = [f"{volts * (k + 1) / (SAMPLES - 2):.3g} V" for k in range(SAMPLES)]
     of_wave = f"{wavelength * 1e3:.4g} mm, the wavelength of {wave.velocity:.0f} m/s"
@@ -184,7 +189,7 @@ def hard_to_get(length: float, slider: dict) -> Iterator[str]:
     """Yield a line for each size by the rules that is hard to get."""
     if length > USUAL:
         yield f"The stator is longer than usual blocks and wafers of {USUAL * 1e3:g} mm: put the slider nearer."
-    if (radius := si_value("", slider["radius"], "m")) < SMALLEST_BALL:
+    if "radius" in slider and (radius := si_value("", slider["radius"], "m")) < SMALLEST_BALL:
         yield (
             f"Balls of {radius * 1e6:.3g} um are smaller than bearing balls: published motors of such frequencies have "
             "sliders of silicon pillars (sawmotor scenes --copy silicon-slider)."
@@ -214,37 +219,84 @@ def _cut(text: str) -> tuple:
     return material if isinstance(material, str) else name, cut, rotated
 
 
-def _slider(solid, place: str, wavelength: float, aperture: float, amplitude: float, thrust) -> tuple[dict, dict]:
-    """Return the slider's block and the rules of its keys; lengths in m."""
+def _slider(solid, wavelength: float, aperture: float, amplitude: float, thrust) -> tuple[dict, dict]:
+    """Return the slider's block and the rules of its keys; lengths in m.
+
+    Balls, or pillars where the balls that a thrust needs do not fit on the beam.
+    """
     radius, approach = min(RADIUS, _round(aperture / SLENDER)), PRESSED * amplitude
     per_ball = 4.0 / 3.0 * pair_moduli(BALLS, solid)[0] * math.sqrt(radius) * approach**1.5
-    preload, balls = 3.0 * per_ball, 3
     rows, columns = (int(BEAM * length / (PITCH * radius)) + 1 for length in (aperture, 2.0 * AWAY * wavelength))
+    preload, rule, balls = 3.0 * per_ball, None, 3
     if thrust is not None:
-        thrust = _read("--thrust", thrust, "N")
-        preload = thrust / (SHARE_OF_FRICTION * FRICTION)
+        wanted = _read("--thrust", thrust, "N")
+        preload, rule = _preload(wanted, SHARE_OF_FRICTION)
         balls = max(3, math.ceil(preload / per_ball))
-        rule = f"asks for {balls} balls that approach by {approach * 1e9:.2g} nm each, of which {rows * columns} fit"
-        remedy = "on the beam; a slider of silicon pillars carries more: sawmotor scenes --copy silicon-slider"
-        refuse_if(balls > rows * columns, "--thrust", f"{rule} {remedy}")
+        if balls > rows * columns:
+            return _pillars(solid, wavelength, aperture, approach, wanted)
     along = (2 * math.ceil(2.0 * PITCH * radius / wavelength - 0.5) + 1) * wavelength / 4.0
+    places = ball_places(balls, rows, along, PITCH * radius)
+    return _balls(radius, places, preload, approach, rule)
+
+
+def _preload(thrust: float, share: float) -> tuple[float, str]:
+    """Return the preload for a thrust at the stall, both in N, and its rule."""
+    return thrust / (share * FRICTION), f"{thrust * 1e3:.3g} mN over {share:g} mu"
+
+
+def _pillars(solid, wavelength: float, aperture: float, approach: float, thrust: float) -> tuple[dict, dict]:
+    """Return the block and the rules of a slider on pillars for a thrust in N; lengths in m."""
+    diameter = _round(min(PILLAR, PILLAR_OF_WAVE * wavelength))
+    preload, rule = _preload(thrust, SHARE_OF_PILLARS)
+    per_pillar = pair_moduli(PILLARS, solid)[0] * diameter * approach  # flat punch, P = 2 a E* z
+    side = math.ceil(math.sqrt(preload / per_pillar))
+    fits = int(BEAM * aperture / (PILLAR_PITCH * diameter))
+    refuse_if(
+        side > fits, "--thrust",
+        f"must be at most {SHARE_OF_PILLARS * FRICTION * per_pillar * fits**2:.2g} N here, got {thrust:g} N: "
+        f"{side} x {side} pillars that approach by {approach * 1e9:.2g} nm each, of which {fits} x {fits} fit on the "
+        "beam",
+    )  # fmt: skip
+    pitch = max(PILLAR_PITCH * diameter, min(SPREAD * wavelength, BEAM * aperture / side))
+    block = {
+        "ball": PILLARS, "mass": f"{(side * pitch) ** 2 * CHIP * fem.material(PILLARS).density * 1e3:.3g} g",
+        "preload": f"{preload:.3g} N", "friction_coefficient": FRICTION,
+        "pillars": {
+            "diameter": _micrometres(diameter), "height": _micrometres(PILLAR_HEIGHT * diameter),
+            "pitch": _micrometres(pitch), "rows": side, "columns": side,
+        },
+    }  # fmt: skip
+    why = {
+        "slider.mass": f"a chip of silicon of {CHIP * 1e3:g} mm",
+        "slider.preload": f"{rule}, by a spring",
+        "slider.friction_coefficient": "steel on lithium niobate, Kurosawa et al. 1998: measure yours",
+        "slider.pillars.diameter": f"as in published motors, at most {PILLAR_OF_WAVE:g} of a wavelength",
+        "slider.pillars.height": "equal heights: measure their scatter, and give it as height_scatter",
+        "slider.pillars.pitch": f"over half the aperture, at most {SPREAD:g} of a wavelength: they load the wave less",
+        "slider.pillars.rows": f"with the columns {side**2} pillars: each approaches by half the amplitude, "
+        f"{approach * 1e9:.3g} nm; balls on the beam would not bear the preload",
+    }
+    return block, why
+
+
+def _balls(radius: float, places: list, preload: float, approach: float, rule: str | None) -> tuple[dict, dict]:
+    """Return the block and the rules of a slider on balls; ``rule`` is that of a preload in N for a thrust."""
     mass = _round(preload / Slider.gravity, 3)
     stiffness = 1.5 * preload / approach  # dP/dz = 1.5 P/z
     damping = 2.0 * DAMPED * math.sqrt(stiffness * mass)
     block = {
-        "position": place, "ball": BALLS, "radius": _length(radius),
-        "contacts": ball_places(balls, rows, along, PITCH * radius),
+        "ball": BALLS, "radius": _length(radius),
+        "contacts": places,
         "mass": f"{mass * 1e3:.3g} g", "preload": "weight", "friction_coefficient": FRICTION,
         "damping": {"normal": f"{damping:.2g} N s/m"},
     }  # fmt: skip
     goal = f"approaches by half the amplitude, {approach * 1e9:.3g} nm"
     why = {
         "slider.radius": f"at most 1 mm and 1/{SLENDER:g} of the aperture",
-        "slider.contacts": f"{balls} balls"
-        + (f", so that each {goal}" if thrust is not None else "")
+        "slider.contacts": f"{len(places)} balls"
+        + (f", so that each {goal}" if rule else "")
         + ": [x, y] from the centre, columns an odd number of quarter wavelengths apart against a standing wave",
-        "slider.preload": f"{preload * 1e3:.3g} mN: "
-        + (f"a ball at rest {goal}" if thrust is None else f"{thrust * 1e3:.3g} mN over {SHARE_OF_FRICTION:g} mu"),
+        "slider.preload": f"{preload * 1e3:.3g} mN: " + (rule or f"a ball at rest {goal}"),
         "slider.friction_coefficient": "steel on lithium niobate, Kurosawa et al. 1998: measure yours",
         "slider.damping.normal": "a tenth of critical for the bounce at rest",
     }
@@ -274,6 +326,10 @@ def _volts(table: dict, amplitude: float) -> float:
 
 def _round(value: float, digits: int = 2) -> float:
     return float(f"{value:.{digits}g}")
+
+
+def _micrometres(value: float) -> str:
+    return f"{value * 1e6:.3g} um"
 
 
 def _length(value: float) -> str:

@@ -60,6 +60,21 @@ def test_motor_has_about_the_wanted_thrust():
     assert len(motor.table["slider"]["contacts"]) > 3
 
 
+def test_thrust_beyond_balls_is_that_of_pillars():
+    motor = first_scene("10 MHz", "128YX", thrust="0.1 N")
+    pillars = motor.table["slider"]["pillars"]
+    # 0.1 N/(0.75 0.18) of preload on flat punches, 20 um 68 GPa 5 nm = 6.8 to 7.6 mN each: 98 to 109, in a square
+    assert (pillars["rows"], pillars["columns"], pillars["diameter"]) == (10, 10, "20 um")
+    # 0.4 of a wavelength of 0.3979 mm; a chip of (10 pitches)^2, 0.5 mm of silicon (2330 kg/m3)
+    assert (pillars["pitch"], motor.table["slider"]["mass"]) == ("159 um", "0.00295 g")
+    volts = float(motor.reasons["drive.voltage"].split()[0])
+    driven = motor.scene.replace(drive={"voltage": volts})
+    rows = sweep(driven, {"slider.load": [0.0, 0.1, 0.13]}, tolerance=1e-2).to_dataframe()
+    free, wanted, beyond = -rows["velocity_m_per_s"]
+    assert 0.1 * free < wanted < 0.3 * free
+    assert not beyond > 0.0
+
+
 def test_command_writes_a_new_file_only(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     call = ["new", "--frequency", "10 MHz", "--material", "128YX", "--out", "mine.toml"]
@@ -109,7 +124,7 @@ def test_balls_stand_about_the_centre_and_their_weight_is_the_preload(ceramic):
 
 
 @pytest.mark.parametrize("balls", [3, 4, 5, 7, 12, 29])
-def testball_places_of_balls(balls):
+def test_places_of_balls(balls):
     places = np.array([[si_value("x", each, "m") for each in pair] for pair in ball_places(balls, 3, 2e-3, 1.5e-3)])
     apart = np.linalg.norm(places[:, None] - places, axis=-1) + np.eye(balls)
     assert (len(places), apart.min() >= 1.5e-3 * (1 - 1e-9)) == (balls, True)
@@ -125,7 +140,10 @@ def testball_places_of_balls(balls):
         ({"material": "unobtainium"}, r"--material must be in the catalogue \(.*\), got 'unobtainium'"),
         ({"speed": "-1 m/s"}, "--speed must be positive"),
         ({"thrust": "5 V"}, "--thrust must be a force"),
-        ({"thrust": "1 N"}, r"--thrust asks for \d+ balls that approach by 5 nm each, of which 33 fit on the beam"),
+        (
+            {"thrust": "100 N"},
+            r"--thrust must be at most 12 N here, got 100 N: \d+ x \d+ pillars .*, of which 100 x 100 fit on the beam",
+        ),
     ],
 )
 def test_refusals(given, sentence):
