@@ -28,6 +28,7 @@ from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.lab.touchstone import TOUCHSTONE
 
 YAW_RATES = {"rad_per_s": 1.0}
+DEVIATIONS = ("deviation", "std", "stdev", "sd", "sigma", "uncertainty", "err")  # words in heads of standard deviations
 
 
 def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
@@ -90,10 +91,14 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         "position": (("position_standard_deviation",), DISPLACEMENTS),
         "yaw rate": (("yaw_rate_standard_deviation",), YAW_RATES),
     }
-    deviations = table.deviation(*nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES)))
+    named, units = nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES))
+    deviations = table.deviation(named, units)
+    remarks = _left_out(table, quantity)
+    if deviations is None:
+        remarks = (*remarks, *_no_deviation(table, f"{named[-1]}_{next(iter(units))}"))
     return Measurement(
         name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
-        values=values, deviations=deviations, remarks=_left_out(table, quantity),
+        values=values, deviations=deviations, remarks=remarks,
     )  # fmt: skip
 
 
@@ -107,6 +112,12 @@ def _left_out(table: CsvColumns, quantity: str) -> tuple[str, ...]:
     if not further:
         return ()
     return (f"{', '.join(further)} left out: the {quantity} is read; give each other quantity a file of its own",)
+
+
+def _no_deviation(table: CsvColumns, name: str) -> tuple[str, ...]:
+    """Return the remark on columns that look like standard deviations, of a file without the column ``name``."""
+    heads = [head for head in table.names if any(word in head.lower().split("_") for word in DEVIATIONS)]
+    return (f"{', '.join(heads)} not read: standard deviations are those of the column {name}",) if heads else ()
 
 
 def measured_network(data: NetworkData) -> Measurement:

@@ -186,3 +186,19 @@ def test_a_refusal_names_the_line_of_the_file_and_the_unit(text, said, tmp_path)
     with pytest.raises(SceneError) as caught:
         read_measured(file)
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("head", "read"),
+    [
+        ("standard_deviation_m_per_s", ""), ("std_m_per_s", ""), ("normal_amplitude_standard_deviation_nm", ""),
+        ("velocity_standard_deviation_m_per_s", "it"), ("error_m_per_s", "it"), ("ripple_relative_error", "nothing"),
+    ],
+)  # fmt: skip
+def test_standard_deviations_that_are_not_read_are_named(head, read, tmp_path):
+    file = tmp_path / "v.csv"
+    file.write_text(f"voltage_V,velocity_m_per_s,{head}\n10,0.1,0.01\n")
+    measured = read_measured(file)
+    own = "velocity_standard_deviation_m_per_s"
+    expected = () if read else (f"{head} not read: standard deviations are those of the column {own}",)
+    assert (measured.remarks, measured.deviations) == (expected, (0.01,) if read == "it" else None)
