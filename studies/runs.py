@@ -28,6 +28,7 @@ from pathlib import Path
 import fem
 from studies.model.model import Model
 from studies.model.resolve import build
+from studies.model.wave_to_contact import Contact
 from studies.progress import reported_to
 from studies.record import Record
 from studies.record.blocks import ErrorBlock, WaveBlock
@@ -37,7 +38,7 @@ from studies.remarks.neglected_effects import left_out
 from studies.remarks.run_warnings import warnings_of
 from studies.scene import Scene
 from studies.scene.numbers import Quantity
-from studies.solve.contact_at_level import slider_answer
+from studies.solve.contact_at_level import slider_answer, velocity_answer
 from studies.solve.electrical import electrical_block, with_powers
 from studies.solve.free_wave import free_wave_record
 from studies.solve.heat import heat_block
@@ -45,7 +46,7 @@ from studies.solve.point_answer import SliderAnswer
 from studies.solve.refinement import refined
 from studies.solve.ring_up import RingUp
 from studies.solve.ripple import with_ripple
-from studies.solve.solved_stator import SolvedStator
+from studies.solve.solved_stator import SolvedStator, contact_of_run
 from studies.solve.stators import Stators
 from studies.solve.steady_temperature import at_own_temperature
 from studies.solve.surface_blocks import amplitude_points, node, surface_columns, wave_block
@@ -96,6 +97,19 @@ def run(
     return replace(record, seconds={"total": total, **parts})
 
 
+def solved_contact(scene: Scene, *, tolerance: float = 1e-3) -> Contact:
+    """Return the contact of a scene with a slider, its stator solved as accurately as in a run.
+
+    The blocks of a run that neither the contact nor its stator needs are not computed: threshold and release,
+    velocities nearby, bands, model errors and warnings.
+    """
+    tolerance = Quantity(below=1.0).read("tolerance", tolerance)
+    with fem.blas_on_one_thread():
+        model, heated = at_own_temperature(build(scene), tolerance)
+        record = _with_slider(model, Stators(tolerance=tolerance, slider=True), velocity_answer)
+        return contact_of_run(replace(record, heat=record.heat | heated))
+
+
 def _run(scene: Scene, tolerance: float) -> Record:
     model, heated = at_own_temperature(build(scene), tolerance)
     record = _solved(model, tolerance)
@@ -116,16 +130,19 @@ def _solved(model: Model, tolerance: float) -> Record:
     return replace(free_wave_record(model, tolerance), left_out=left_out(model))
 
 
-def _with_slider(model: Model, stators: Stators) -> Record:
-    """Return the record of a slider on a driven stator or a prescribed wave."""
+def _with_slider(model: Model, stators: Stators, answer_of: Callable[..., SliderAnswer] = slider_answer) -> Record:
+    """Return the record of a slider on a driven stator or a prescribed wave.
+
+    ``answer_of``: `slider_answer`, or `velocity_answer`, which leaves out the velocities nearby too.
+    """
     start_time, tolerance = time.perf_counter(), stators.tolerance
-    (answer,) = refined(partial(_answers, stators), [model], tolerance)
+    (answer,) = refined(partial(_answers, stators, answer_of), [model], tolerance)
     driven, motion, refusal = answer.driven, None, ""
     if driven.solved is not None:
         motion = stators.motion_under(driven)
         # of a passing wave, the centre is one place of many
         refusal = ("" if driven.passing else node(motion, driven.scene.positions)) or driven.refusal
-    if not refusal:
+    if not refusal and answer_of is slider_answer:
         answer = _with_ripple(answer, motion, tolerance)
     record = Record(
         scene=model.scene, tolerance=tolerance, points=answer.points, summary=answer.summary,
@@ -141,7 +158,9 @@ def _with_slider(model: Model, stators: Stators) -> Record:
     return replace(record, wave=wave, left_out=left_out(model))
 
 
-def _answers(stators: Stators, models: list[Model], goals: list[float | None]) -> list[SliderAnswer]:
+def _answers(
+    stators: Stators, answer_of: Callable[..., SliderAnswer], models: list[Model], goals: list[float | None]
+) -> list[SliderAnswer]:
     """Return the answers of models at all their levels, on stators solved to some goals."""
     answers = []
     for model, goal in zip(models, goals, strict=True):
@@ -152,7 +171,7 @@ def _answers(stators: Stators, models: list[Model], goals: list[float | None]) -
                 raise
             answers.append(SliderAnswer(answers=()))  # that of the round before is recorded, with its error
         else:
-            answers.append(slider_answer(driven, tolerance=stators.tolerance))
+            answers.append(answer_of(driven, tolerance=stators.tolerance))
     return answers
 
 

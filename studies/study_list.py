@@ -27,9 +27,8 @@ from studies.record.values import Columns
 from studies.refusal import SceneError, refuse_if, refuse_unknown
 from studies.report.explanation import plan
 from studies.results.content import plain, provenance, write_json
-from studies.runs import run as run_chain
+from studies.runs import solved_contact
 from studies.scene import Scene
-from studies.solve.solved_stator import contact_of_run
 
 LOGGER = logging.getLogger(__name__)
 
@@ -210,7 +209,7 @@ def contact_of_study(scene: str | Scene, *, tolerance: float = 1e-3, planar: boo
     if not resolved_scene.transducer:
         resolved_scene.refuse("transducer", "is missing: this study needs a driven stator or a prescribed [wave]")
     steady = resolved_scene.at_level(max(resolved_scene.levels)).with_source(burst=None)
-    driven = contact_of_run(run_chain(steady, tolerance=tolerance))
+    driven = solved_contact(steady, tolerance=tolerance)
     return replace(driven, model=Model(resolved_scene.with_source(frequency=driven.scene.frequency)))
 
 

@@ -49,6 +49,12 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     return SliderAnswer(answers=tuple(answers), driven=driven, summary=summary, **tables)
 
 
+def velocity_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
+    """Return the answers of `slider_answer` without threshold, release and loads of the contacts."""
+    answers = tuple(point_answer(driven, level, tolerance) for level in driven.scene.levels)
+    return SliderAnswer(answers=answers, driven=driven)
+
+
 def point_answer(
     driven: Contact, level: float, tolerance: float, *, bursting: bool = True, balance: bool = True
 ) -> PointAnswer:

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies import runs
 from studies.model.resolve import build
 from studies.model.wave_to_contact import Contact
 from studies.motor import load_line, regime_map, step_planner
 from studies.record.plots import new_figure
 from studies.runs import run
 from studies.scene import Scene
-from studies.study_list import Panel
+from studies.solve.solved_stator import contact_of_run
+from studies.study_list import Panel, contact_of_study
 from tests.studies.legible import assert_legible
 from tests.studies.settings import SHORT, changed
 
@@ -22,6 +24,22 @@ def motor():
     balls = 'slider.contacts=["0 mm", "0.35 mm"]'
     scene = changed("twente-left", *SHORT, "stator.diffraction=false", balls, "drive.voltage=[40, 80]")
     return scene, run(scene, tolerance=1e-3)
+
+
+def test_the_contact_of_a_study_is_that_of_a_run_without_the_rest_of_the_run(motor, monkeypatch):
+    scene, told = motor
+    expected = contact_of_run(told)
+
+    def refuse(*given, **options):
+        raise AssertionError("a contact needs neither limits nor velocities nearby, bands, model errors or warnings")
+
+    for name in ("slider_answer", "_with_ripple", "with_model_error", "warnings_of"):
+        monkeypatch.setattr(runs, name, refuse)
+    found = contact_of_study(scene)
+    assert found.orbits == expected.orbits
+    assert (found.amplitudes, found.stator_error) == (expected.amplitudes, expected.stator_error)
+    assert found.record.electrical == told.electrical
+    assert found.record.heat.mean_rise_K == told.heat.mean_rise_K
 
 
 def test_regimes_of_a_motor_on_a_stator(motor):
