@@ -3,6 +3,12 @@
 The error of an answer is estimated in `contact/error_estimate.py`.
 """
 
+# of the status "runaway"
+RUNAWAY = (
+    "friction cannot balance the load at any speed and no tangential damping bounds it; "
+    "lower slider.load or give slider.damping.tangential"
+)
+
 
 class InputError(ValueError):
     """An argument that breaks a rule; as text ``key rule``, such as ``slider.mass must be positive, got -1 kg``.

@@ -130,6 +130,16 @@ def full_friction(problem):
     return problem.friction * (problem.preload + problem.stiffness * own * number)
 
 
+@formula
+def load_direction(largest):
+    """Return +1 or -1, the direction of motion that a load opposes, of `orbit.towards_plus` orbits.
+
+    It is that of the unloaded slider: -1 where even the largest mean force of a cycle at rest is negative. The load on
+    a slider that the wave does not move without it acts against the crests.
+    """
+    return -1.0 if largest < 0.0 else 1.0
+
+
 class SliderNumber(IntEnum):
     """Indices of the numbers of a slider (`numbers`), SI units."""
 

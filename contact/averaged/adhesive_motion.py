@@ -26,12 +26,13 @@ import numpy as np
 from contact import parameter_check
 from contact.choice import Answer
 from contact.error_estimate import reference_speed
-from contact.exceptions import InputError
+from contact.exceptions import RUNAWAY, ConvergenceError, InputError
 from contact.jit.compiled import native
 from contact.law.adhesion import AdhesiveSphere
 from contact.law.maugis import MaugisSphere
 from contact.law.sphere_limits import DISTANCE
-from contact.orbit import Orbit
+from contact.orbit import Orbit, as_orbits, drive_direction
+from contact.problem import load_direction
 from contact.roots import bracketed
 from contact.slider import Slider
 
@@ -44,6 +45,7 @@ SAFETY = 4.0
 CLOSE = 1e-12  # of heights and velocities over their range
 REPEATS = 1e-12  # change of a deformation from one cycle to the next over the largest, at which it repeats
 STARTS = 1e-9  # drive over the friction, from which on a slider moves
+SCAN = 32  # factors up to a crossing at which an earlier one is looked for; one ball has it at most once
 FAR = 1e3  # factor on the orbits above which a limit counts as infinite
 
 
@@ -222,14 +224,36 @@ class AdhesiveBalls:
         )  # fmt: skip
 
     def threshold(self, orbits: Orbit | Sequence[Orbit]) -> float:
-        """Return the factor on the orbits at which the slider starts to move; infinite above a thousand."""
+        """Return the first factor on the orbits at which the slider starts to move, in either direction.
 
-        def left(factor):
-            waves = tuple(each.scaled(factor) for each in _listed(orbits))
-            lowest, highest = self._held(waves, self._riding(waves, STEPS * 16)[1])
-            return max(lowest, -highest) - self.slider.load - STARTS * self._friction
+        It is zero if friction cannot hold the load, and infinite above a thousand.
+        """
+        listed, friction = _listed(orbits), self._friction
+        if self.slider.load >= friction:
+            return 0.0
 
-        return _rising(left)
+        @cache
+        def drives(factor):
+            waves = tuple(each.scaled(factor) for each in listed)
+            return [net - STARTS * friction for _, net in self._drives(waves, self._riding(waves, STEPS * 16)[1])]
+
+        def margin(way):
+            return lambda factor: drives(factor)[way]
+
+        forward, back = map(margin, range(2))
+        end = min(_rising(forward), _rising(back))
+        if self.slider.load == 0.0 or math.isinf(end):
+            return end
+        # Friction holds least near the factor at which an unloaded slider starts, where the load moves it back. From
+        # some larger factor on the wave may hold it again, or move it forward.
+        factors = np.append(np.linspace(0.0, end, SCAN + 1), _rising(lambda factor: forward(factor) + self.slider.load))
+        before = 0.0
+        for factor in np.sort(factors[factors < end])[1:]:
+            for way in (forward, back):
+                if way(factor) > 0.0:
+                    return bracketed(way, before, factor, tolerance=1e-12 * end)
+            before = factor
+        return end
 
     def release(self, orbits: Orbit | Sequence[Orbit]) -> float:
         """Return the factor on the orbits at which the first ball leaves the surface; infinite above a thousand."""
@@ -243,6 +267,11 @@ class AdhesiveBalls:
     def height(self, orbits: Orbit | Sequence[Orbit]) -> float:
         """Return the mean approach h of the balls on their orbits, m."""
         return self._riding(_listed(orbits), STEPS * 4)[0]
+
+    def load_sign(self, orbits: Orbit | Sequence[Orbit]) -> float:
+        """Return +1 if the load opposes motion in the direction in which the crests drive, -1 if in the other."""
+        waves = _listed(orbits)
+        return drive_direction(as_orbits(waves)) * self._drives(waves, self._riding(waves, STEPS * 16)[1])[0][0]
 
     def held_loads(self, orbits: Orbit | Sequence[Orbit]) -> tuple[float, float]:
         """Return the smallest and the largest load in N along -x under which the slider stays at rest."""
@@ -355,21 +384,35 @@ class AdhesiveBalls:
     def _velocity(self, waves, cycles) -> float:
         """Return the velocity at which no mean force is left."""
         slider, c, omega = self.slider, self.slider.limit_slope, waves[0].omega
-        lowest, highest = self._held(waves, cycles)
-        drive = lowest if lowest > 0.0 else highest if highest < 0.0 else 0.0
-        if abs(drive) - slider.load <= STARTS * self._friction:
+        drives = self._drives(waves, cycles)
+        way, drive = max(drives, key=lambda each: each[1])
+        if drive <= STARTS * self._friction:
             return 0.0
-        way = math.copysign(1.0, drive)
+        load = drives[0][0] * slider.load
         deepest = max(float(each.radii.max()) for each in cycles if each is not None) ** 2 / self.ball.radius
         top = omega * (
             max(abs(each.tangential) for each in waves) + c * (max(abs(each.normal) for each in waves) + deepest)
         )
 
         def left(v):
-            pull = drive if v == 0.0 else self._pull(waves, cycles, v)[0]
-            return pull - way * slider.load - slider.tangential_damping * v
+            return way * drive if v == 0.0 else self._pull(waves, cycles, v)[0] - load - slider.tangential_damping * v
 
+        if way * left(way * top) > 0.0:  # the load pulls harder than friction that slips everywhere
+            if slider.tangential_damping == 0.0:
+                raise ConvergenceError("runaway", RUNAWAY)
+            top += abs(load) / slider.tangential_damping
         return bracketed(left, 0.0, way * top, tolerance=CLOSE * top)
+
+    def _drives(self, waves, cycles) -> list[tuple[float, float]]:
+        """Return for both directions the direction and the least net force in N in it on a slider at rest.
+
+        The first direction is that of the slider without its load, which the load opposes (`load_direction`).
+        """
+        lowest, highest = self._held(waves, cycles)
+        least = {1.0: lowest, -1.0: -highest}
+        crest = drive_direction(as_orbits(waves))
+        against = crest * load_direction(-least[-crest])
+        return [(sign * against, least[sign * against] - sign * self.slider.load) for sign in (1.0, -1.0)]
 
 
 def adhesive_motion(

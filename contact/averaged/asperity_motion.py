@@ -26,11 +26,10 @@ from typing import Any, NamedTuple
 
 from contact import parameter_check
 from contact.averaged.asperity_stops import Balanced, Powers, Stops, TangentialModel
-from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.memory_motion import Memory
 from contact.choice import Answer
 from contact.error_estimate import speed_scale
-from contact.exceptions import ConvergenceError, InputError
+from contact.exceptions import RUNAWAY, ConvergenceError, InputError
 from contact.law.asperities import Asperities
 from contact.law.rough import MeanField
 from contact.orbit import Orbit

@@ -18,11 +18,11 @@ import numpy as np
 
 from contact.averaged.cycle_mean import cycle
 from contact.averaged.cycle_pieces import BACKWARD, FORWARD, Cycle, Mean, cycle_arrays
-from contact.averaged.equilibrium import balanced_speed, full_slip_speed, load_direction, net_force
+from contact.averaged.equilibrium import balanced_speed, full_slip_speed, net_force
 from contact.averaged.riding import Rule, quadrature
 from contact.codes import Status
 from contact.events.collocation import SMOOTH, collocation
-from contact.problem import Problem
+from contact.problem import Problem, load_direction
 from contact.roots import bracketed
 
 NODES = 32  # between the two turning points

@@ -40,7 +40,7 @@ from contact.body import Coordinates, damping_force, normal_amplitude, tangentia
 from contact.codes import Status
 from contact.error_estimate import quadrature_error, tail_error
 from contact.jit.compiled import compiled, formula, per_thread
-from contact.problem import changed, full_friction, repeated
+from contact.problem import changed, full_friction, load_direction, repeated
 from contact.roots import narrowed, trial
 
 
@@ -156,16 +156,6 @@ def full_slip_speed(paths, c):
     for i in range(paths.height.size):
         top = max(top, tangential_amplitude(paths, i) + c * normal_amplitude(paths, i))
     return top
-
-
-@formula
-def load_direction(largest):
-    """Return +1 or -1, the direction of motion that a load opposes, of `orbit.towards_plus` orbits.
-
-    It is that of the unloaded slider: -1 where even the largest mean force of a cycle at rest is negative. The load on
-    a slider that the wave does not move without it acts against the crests.
-    """
-    return -1.0 if largest < 0.0 else 1.0
 
 
 class BalancedSpeed(NamedTuple):

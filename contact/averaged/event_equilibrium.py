@@ -17,25 +17,21 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.averaged.equilibrium import balanced_speed, full_slip_speed, load_direction, net_force
+from contact.averaged.equilibrium import balanced_speed, full_slip_speed, net_force
 from contact.averaged.riding import riding_approach, riding_height
 from contact.body import normal_amplitude
 from contact.codes import Status, Tangential
 from contact.events.collocation import collocation
 from contact.events.energy import EnergySum
 from contact.events.motion import Motion
-from contact.exceptions import ConvergenceError
+from contact.exceptions import RUNAWAY, ConvergenceError
 from contact.orbit import Orbits, as_orbits
-from contact.problem import Problem, full_friction, immobile, scaled
+from contact.problem import Problem, full_friction, immobile, load_direction, scaled
 from contact.roots import bracketed
 from contact.slider import Slider
 
 NODES, TRUNCATION = 14, 1e-11  # of a segment in the cycles
 CLOSE = 1e-12  # tolerance of the velocity, relative to the velocity of full slip
-RUNAWAY = (
-    "friction cannot balance the load at any speed and no tangential damping bounds it; "
-    "lower slider.load or give slider.damping.tangential"
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,7 +165,7 @@ def event_tangential_forces(problem: Problem, speeds: np.ndarray) -> np.ndarray:
 
 
 def opposed(slider: Slider, orbits: Orbits) -> float:
-    """Return the direction of motion that a load opposes (`equilibrium.load_direction`)."""
+    """Return the direction of motion that a load opposes (`problem.load_direction`)."""
     if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)

@@ -26,12 +26,11 @@ from contact.averaged.coupled_motion import coupled_motion, unloaded
 from contact.averaged.cycle_mean import ContactMean, MeanForces, contact_cycles, forces_of
 from contact.averaged.cycle_pieces import FORWARD, cycle_arrays
 from contact.averaged.equilibrium import FINE_NODES, Entry
-from contact.averaged.event_equilibrium import RUNAWAY
 from contact.averaged.riding import quadrature, riding_approach
 from contact.averaged.sweep_kernel import Sweep, solve_problems
 from contact.codes import Status, SteadyRegime
 from contact.error_estimate import averaged_stall_error, first_order_error, reference_speed
-from contact.exceptions import ConvergenceError
+from contact.exceptions import RUNAWAY, ConvergenceError
 from contact.orbit import Orbits, as_orbits, crest_velocities, towards_plus
 from contact.passing_wave import Surface, coupling, crest_direction, prescribed, resonance_ratio
 from contact.problem import numbers, paths_of, scaled
@@ -195,7 +194,7 @@ def _of_holding_balls(slider, orbits):
         relative_error=np.asarray(found.velocity.error / reference + first_order_error(ratio)),
         error_from_wave=np.asarray(0.0), blocked_thrust=np.asarray(thrust),
         blocked_thrust_error=np.asarray(thrust * averaged_stall_error(ratio)),
-        load_sign=np.asarray(1.0 if high > -low else -1.0),
+        load_sign=np.asarray(balls.load_sign(listed)),
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from contact import (
     Adhesion,
     AdhesiveBalls,
     AdhesiveSphere,
+    ConvergenceError,
     InputError,
     Orbit,
     adhesive_motion,
@@ -78,13 +79,13 @@ def test_several_balls_have_one_height_and_share_the_preload():
     assert found.velocity.value == pytest.approx(float(known.velocity), rel=1e-6)
 
 
-@pytest.mark.parametrize("load", [0.0, 2e-6])
-def test_below_the_threshold_the_slider_rests_and_above_it_moves(load):
+@pytest.mark.parametrize(("load", "way"), [(0.0, 1.0), (2e-6, -1.0)])
+def test_below_the_threshold_the_slider_rests_and_above_it_moves(load, way):
     balls = AdhesiveBalls(replace(BALL, load=load), work=0.05, model="JKR")
     factor = balls.threshold(orbit(1e-9))
     below, above = (balls.motion(orbit(share * factor * 1e-9), tolerance=1e-9) for share in (0.999, 1.003))
     assert (below.regime, above.regime) == ("stick", "slip")
-    assert below.velocity.value == 0.0 < above.velocity.value
+    assert below.velocity.value == 0.0 < way * above.velocity.value
 
 
 def test_attraction_raises_the_threshold_as_a_preload_would():
@@ -161,11 +162,53 @@ def test_any_phase_of_the_wave_is_the_same_motion():
     assert adhesive_motion(BALL, mirrored, work=0.05).velocity.value == pytest.approx(-one, rel=1e-10)
 
 
-def test_a_load_beyond_the_drive_holds_the_slider():
-    held = adhesive_motion(replace(BALL, load=2.0 * MU * PRELOAD), orbit(10e-9), work=0.05)
-    assert held.velocity.value == 0.0
+def test_a_load_slows_the_slider():
     slowed = adhesive_motion(replace(BALL, load=1e-5), orbit(10e-9), work=0.05).velocity.value
     assert 0.0 < slowed < adhesive_motion(BALL, orbit(10e-9), work=0.05).velocity.value
+
+
+@pytest.mark.parametrize("u", [3e-9, -3e-9])
+def test_a_load_beyond_the_drive_moves_the_slider_back(u):
+    """Without work as on smooth balls; beyond full friction it runs away, or is held by a damper."""
+    wave = Orbit(frequency=2.2e6, normal=abs(u), tangential=-0.67j * u)
+    loaded = replace(BALL, load=0.9 * MU * PRELOAD)
+    known = float(mean_motion(loaded, wave).velocity)
+    assert adhesive_motion(loaded, wave, work=1e-24, tolerance=1e-9).velocity.value == pytest.approx(known, rel=1e-9)
+    assert known * float(mean_motion(BALL, wave).velocity) < 0.0
+    heavy = replace(BALL, load=2.0 * MU * PRELOAD)
+    with pytest.raises(ConvergenceError, match="friction cannot balance the load"):
+        adhesive_motion(heavy, wave, work=1e-24)
+    damped = adhesive_motion(replace(heavy, tangential_damping=1e-3), wave, work=1e-24).velocity.value
+    assert damped == pytest.approx(math.copysign(MU * PRELOAD / 1e-3, known), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("load", "model", "side"), [(1e-7, "JKR", 1.0), (2e-6, "JKR", -1.0), (2e-6, "Maugis", 1.0), (6e-5, "JKR", 1.0)]
+)
+def test_without_work_a_slider_starts_under_a_load_as_on_smooth_balls(load, model, side):
+    """In either direction: the load moves it back at 0.684 times the wave, the wave forward again at 0.848."""
+    loaded, wave = replace(BALL, load=load), Orbit(frequency=2.2e6, normal=1e-9, tangential=-0.7e-9j * side)
+    body = replace(loaded, adhesion=Adhesion(model=model, work=1e-18))  # below 1e-19 none is computed
+    assert body.profile.hold is not None
+    known = threshold_factor(loaded, wave)
+    assert threshold_factor(body, wave) == pytest.approx(known, rel=1e-6)
+    for factor in (0.99 * known, 1.01 * known, 1.2 * known, 3.0):  # below, above, and forward again under small loads
+        mean, hertz = mean_motion(body, wave.scaled(factor)), mean_motion(loaded, wave.scaled(factor))
+        reference = wave.omega * factor * 0.7e-10
+        assert float(mean.velocity) == pytest.approx(float(hertz.velocity), abs=float(mean.relative_error) * reference)
+        assert (float(mean.velocity) == 0.0) == (factor < known) == (mean.regime == "stick")
+        assert mean.load_sign == hertz.load_sign == 1.0
+
+
+def test_unlike_balls_start_at_the_first_of_several_factors():
+    """The load moves them back from 0.427 on; at some larger factors friction holds them again, up to 0.901."""
+    waves = [
+        Orbit(frequency=2.2e6, normal=size, tangential=size * ratio)
+        for size, ratio in ((0.45e-9, 1.1 + 1.6j), (1.25e-9, 0.75 + 0.7j))
+    ]
+    pair = replace(BALL, preload=2.0 * PRELOAD, load=9e-6)
+    factor = AdhesiveBalls(pair, work=1e-24, model="JKR").threshold(waves)
+    assert factor == pytest.approx(threshold_factor(pair, waves), rel=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ from tests.contact.motors import HEAVY, orbit, slider
 from tests.oracles.contact_hold import LENGTH, TRAVEL, DugdaleBall, HoldingBall, Integration
 
 WORK, PRELOAD = 0.05, 0.87309e-3
+WAVE = 2.0 * math.pi * 2.2e6  # rad/s
 # They open at a fold and close beyond it; the third opens as a point and closes beyond it, the last does both as a
 # point. One set of kernels serves all.
 RANGES = (None, 3e-10, 1.3e-9, 3e-9)
@@ -128,6 +129,7 @@ def test_a_slider_at_rest_on_maugis_s_ball_is_that_of_the_sphere(separation):
     [
         *((u, load, None) for u in (3e-9, 10e-9, 20e-9) for load in (0.0, 2e-5)),
         *((u, load, each) for u, load in ((10e-9, 0.0), (20e-9, 2e-5)) for each in RANGES[1:]),
+        (10e-9, 6.5e-5, None),  # moves it back
     ],
 )
 def test_a_heavy_slider_has_the_averaged_motion(u, load, separation):
@@ -143,6 +145,21 @@ def test_a_heavy_slider_has_the_averaged_motion(u, load, separation):
     assert found.ledger.wave_normal == pytest.approx(known.normal_power * cycle, abs=1e-10 * found.ledger.wave)
     assert found.ledger.adhesion >= known.lost_power * cycle * (1.0 - 1e-12)
     assert found.ledger.adhesion == pytest.approx(known.lost_power * cycle, rel=1e-2)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("u", "load"), [(1.0e-9, 2e-6), (3e-9, 2e-6), (3e-9, 6e-5), (1.5e-9, 6e-5)])
+@pytest.mark.parametrize("separation", RANGES[:2])
+def test_without_work_a_loaded_slider_moves_as_on_a_smooth_ball(u, load, side, separation):
+    """Below and above what friction holds, forward and back, by cycle means and by the full equations."""
+    body, wave = ball(1e-18, separation, load=load), Orbit(frequency=2.2e6, normal=u, tangential=-0.7j * u * side)
+    assert body.profile.hold is not None
+    for method, close in (("averaged", 1e-4), ("exact", 1e-8)):  # the first to its steps, the second to sqrt(work)
+        found, known = (
+            steady(each, wave, tolerance=1e-4, method=method) for each in (body, replace(body, adhesion=None))
+        )
+        assert found.velocity == pytest.approx(known.velocity, abs=close * max(abs(known.velocity), 0.07 * WAVE * u))
+        assert found.regime == known.regime
 
 
 def test_heavier_sliders_come_to_the_averaged_motion():
