@@ -99,7 +99,8 @@ def test_sixty_drawn_bursts_are_within_their_errors():
     beyond = {}
     for seed in range(60):
         slider, waves = drawn(seed, mass=2e-7)
-        slider = replace(slider, load=(0.0, 0.0))  # under a load the contacts start deformed, the oracle's do not
+        # under a load the contacts start deformed, the oracle's do not
+        slider = replace(slider, load=(0.0, 0.0), contact_damping=0.02 if seed % 3 == 0 else 0.0)
         cycles, first = 12, float(waves.frequencies[0])
         own = slider.contacts(waves.count)
         free = slider.freedom

@@ -259,6 +259,7 @@ def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed
                 state[4 + k] += 0.5 * h * inverse[k] * (force[k] + push[k] - damping[k] * state[4 + k])
                 state[k] += h * state[4 + k]
         envelope = 1.0 - math.exp(-t / rise) if rise > 0.0 else 1.0
+        grows = (1.0 - envelope) / rise if rise > 0.0 else 0.0
         while knot + 2 < times.size and times[knot + 1] < t:
             knot += 1
         width = times[knot + 1] - times[knot]
@@ -278,6 +279,7 @@ def _steps(cycles, per_cycle, omega, amplitudes, rise, body, balls, punch, fixed
                 growth = (factors[0, j, knot + 1] - factors[0, j, knot]) / width if 0.0 < part < 1.0 else 0.0
                 shift = (factors[1, j, knot + 1] - factors[1, j, knot]) / width if 0.0 < part < 1.0 else 0.0
                 w_z += envelope * (amplitudes[j, i, 2] * (1j * (omega[j] + shift) * size + growth) * turn).real
+                w_z += grows * size * (amplitudes[j, i, 2] * turn).real
             place_x, place_y = u_x - state[1] - a, u_y - state[2] - b
             z = balls[i, 2] + u_z - state[0]
             if step > 0 and z > 0.0:
