@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from contact.plane.full_motion import followed_from_rest
+from contact.plane.disc_contacts import Total
+from contact.plane.full_motion import FullMotion, followed_from_rest
 from contact.plane.plane_equations import Body
 from contact.plane.plane_waves import SurfaceWaves
 from contact.slider import Slider
@@ -62,26 +63,32 @@ def mean_from_rest(
 
 
 def _followed(motion, period, reference, arm):
-    units = motion.units
-    cycle = period * units.omega
+    cycle = period * motion.units.omega
     periods = math.ceil(STRETCH * 2.0 * math.pi / cycle)
-    scale = np.array([units.length, units.length, 1.0]) / (periods * period)
-    place, before, change = np.zeros(3), np.full(3, np.inf), np.inf
-    rates = before
+    before, change = np.full(3, np.inf), np.inf
+    rates, turn = before, 0.0
     for _ in range(max(2, math.ceil(MOST * 2.0 * math.pi / (periods * cycle)))):
-        motion.follow(periods * cycle + motion.state.total[0])
-        here = motion.place.copy()
-        rates, place = (here - place) * scale, here
-        motion = motion.restarted()
-        # the waves under each contact are those of the start, and so is the yaw: turned contacts would meet others
-        turn, motion.state.q[Body.YAW] = motion.state.q[Body.YAW], 0.0
-        motion.from_place[Body.YAW] -= turn
-        place[2] -= turn
+        motion, way = followed_in_place(motion, periods * cycle)
+        rates, turn = way / (periods * period), abs(float(way[2]))
         change = speed_of(rates - before, arm)
         if change <= SETTLED * reference:
             break
         before = rates
-    return rates, change, abs(float(rates[2])) * periods * period
+    return rates, change, turn
+
+
+def followed_in_place(motion: FullMotion, length: float) -> tuple[FullMotion, np.ndarray]:
+    """Return the motion after a length of phase, turned back to its yaw, and its way in it (3,), m and rad.
+
+    The waves under each contact are those of the start, and so is the yaw: turned contacts would meet others.
+    """
+    before = motion.place
+    motion.follow(length + motion.state.total[Total.PHASE])
+    way = (motion.place - before) * [motion.units.length, motion.units.length, 1.0]
+    motion = motion.restarted()
+    turn, motion.state.q[Body.YAW] = motion.state.q[Body.YAW], 0.0
+    motion.from_place[Body.YAW] -= turn
+    return motion, way
 
 
 def speed_of(rates: np.ndarray, arm: float) -> float:

@@ -2,19 +2,21 @@
 
 import math
 import time
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass
 
 import numpy as np
 
 from contact import parameter_check
 from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer
-from contact.error_estimate import speed_scale
+from contact.error_estimate import OF_BEAT, OF_VELOCITY, larger_wave, speed_scale
 from contact.exceptions import ConvergenceError, InputError
 from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
 from contact.plane.cycle import Extra
-from contact.plane.disc_contacts import Sum
+from contact.plane.disc_contacts import Count, Sum
 from contact.plane.from_rest import SAME, mean_from_rest, speed_of
+from contact.plane.long_run import long_run
 from contact.plane.plane_shooting import CHECK as CHECK_SHOOTING
 from contact.plane.plane_shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
@@ -80,16 +82,38 @@ def steady(
         try:
             return _exact_on_slow_beat(slider, waves, tolerance, begun)
         except ConvergenceError as error:
-            refuse_slow_beat(slider, waves, str(error))
+            if error.status == "runaway" or not _hops(slider, waves):
+                refuse_slow_beat(slider, waves, str(error))
+        return _of_long_run(slider, waves, tolerance, begun)
+    if method == "averaged" or slider.mass == math.inf:
+        return _averaged(slider, waves, near, tolerance, tolerance, begun)[0]
+    try:
+        state, averaged, root = _averaged(
+            slider, waves, near, tolerance, min(tolerance, 1e-6) if method == "exact" else tolerance, begun
+        )
+        # a slider that is held does not move
+        if (method == "auto" and state.status == "ok") or (root.held and not _hops(slider, waves)):
+            return state
+        if not root.held:
+            return _exact(averaged, waves, root, state, tolerance, begun)
+    except ConvergenceError as error:
+        if error.status == "runaway" or not (error.status == "unstable" or _hops(slider, waves)):
+            raise
+    return _of_long_run(slider, waves, tolerance, begun)
+
+
+def _averaged(slider, waves, near, tolerance, found_to, begun):
+    """Return the averaged state, and what it is made of; its balance is found to another tolerance."""
     averaged = Averaged.of(slider, waves)
     guess = None if near is None or near.held else _unknown(averaged, near)
-    root = balanced(averaged, guess, tolerance=min(tolerance, 1e-6) if method == "exact" else tolerance)
-    state = _state(averaged, waves, root, tolerance, begun)
-    # a slider of infinite mass does not move within a cycle, and one that is held does not move
-    follows = slider.mass != math.inf and not root.held
-    if follows and (method == "exact" or (method == "auto" and state.status != "ok")):
-        return _exact(averaged, waves, root, state, tolerance, begun)
-    return state
+    root = balanced(averaged, guess, tolerance=found_to)
+    return _state(averaged, waves, root, tolerance, begun), averaged, root
+
+
+def _hops(slider, waves):
+    """Return True if the slider's height and velocity change within a cycle, so that averaging cannot stand in."""
+    strongly_damped = slider.contact_damping * slider.preload > 1e-2 * slider.unit_mass * waves.omega
+    return resonance_ratios(slider, waves)[0] > MAX_RATIO_HELD or strongly_damped
 
 
 def _unknown(averaged: Averaged, state: PlaneState) -> np.ndarray:
@@ -106,40 +130,96 @@ def _exact_on_slow_beat(slider, waves, tolerance, begun) -> PlaneState:
         raise ConvergenceError("not applicable", "the frequencies have no common period of at most 400 cycles")
     root = balanced(averaged, tolerance=min(tolerance, 1e-6))
     state = _state(averaged, waves, root, tolerance, begun)
+    if root.held and _hops(slider, waves):
+        return _of_long_run(slider, waves, tolerance, begun)
     return state if root.held else _exact(averaged, waves, root, state, tolerance, begun)
 
 
 def _exact(averaged, waves, root, mean: PlaneState, tolerance, begun) -> PlaneState:
     """Return the state of the full motion that repeats, by two computations that differ in order and tolerance."""
-    slider, units = averaged.slider, averaged.scaled
+    units = averaged.scaled
     fine, at = periodic(averaged, root, waves)
     rough, _ = periodic(averaged, root, waves, how=CHECK_SHOOTING, near=at)
     scale = np.array([1.0, 1.0, averaged.arm])
     unknown, change = fine.velocity * scale, np.abs(fine.velocity - rough.velocity) * scale + fine.change
     velocity, yaw_rate = rigid_motion(averaged, unknown)
-    speed = float(np.linalg.norm(averaged.rigid @ unknown, axis=1).max()) * units.speed
-    speed = speed if slider.freedom == "axle" else float(np.hypot(*velocity))
-    reference = speed_scale(speed, waves.peak_speed)
-    reasons = ("the full motion in the plane that repeats, by shooting",)
+    reference = speed_scale(_speed(averaged, velocity, yaw_rate), waves.peak_speed)
     missed, note = _missed_from_rest(averaged, waves, np.append(velocity, yaw_rate), reference)
-    change = change + missed / units.speed
-    sums, load = sums_of(fine), -averaged.problem.force[1:] @ fine.velocity
-    answer = Answer(value=speed, error=float(np.linalg.norm(change)) * units.speed, reasons=reasons + note)
+    if missed.any():
+        with suppress(ConvergenceError):
+            other = (
+                f"a motion that repeats has ({velocity[0]:.4g}, {velocity[1]:.4g}) m/s, but is not reached from rest"
+            )
+            return _of_long_run(averaged.slider, waves, tolerance, begun, other)
+    return _in_time(
+        averaged, waves, unknown, change * units.speed + missed,
+        (sums_of(fine), fine.motion.state.counts, lost_in_dampers(fine)),
+        ("the full motion in the plane that repeats, by shooting", *note), tolerance, begun,
+        mean.statistics | {"multiplier": float(np.abs(fine.multipliers[0]))},
+    )  # fmt: skip
+
+
+def _of_long_run(slider, waves, tolerance, begun, why="no stable motion repeats with the waves") -> PlaneState:
+    """Return the mean of a long run from rest, of a light slider; ``why`` it is taken."""
+    averaged = Averaged.of(slider, waves)
+    units, arm = averaged.scaled, averaged.arm * averaged.scaled.length
+    period = (units.period if units.period_change <= COMMENSURABLE else 2.0 * math.pi) / units.omega
+    run = long_run(slider, waves, period, speed_scale(0.0, waves.peak_speed), arm)
+    note = f"every contact sticks after {run.passed} cycles from rest"
+    if not run.sticks:
+        note = f"mean of {run.cycles} cycles after {run.passed} from rest, for {why}"
+    return _in_time(
+        averaged, waves, run.rates / [units.speed, units.speed, units.omega / averaged.arm],
+        run.error * [1.0, 1.0, arm], (run.sums, run.counts, run.lost + float(run.sums[:, Sum.DAMPER].sum())),
+        (note,), tolerance, begun, {"averaged_cycles": run.cycles, "beat": slowest_beat(waves.frequencies)},
+        held=run.sticks,
+    )  # fmt: skip
+
+
+def _in_time(
+    averaged, waves, unknown, error, means, reasons, tolerance, begun, statistics, held=False
+) -> PlaneState:  # fmt: skip
+    """Return the state of a motion that was followed in time.
+
+    ``error``: of both components and of the yaw rate times the arm, m/s; ``means``: of the contacts' forces and powers,
+    their events, and the mean power that all dampers take, scaled.
+    """
+    units, (sums, counts, lost) = averaged.scaled, means
+    velocity, yaw_rate = rigid_motion(averaged, unknown)
+    speed = _speed(averaged, velocity, yaw_rate)
+    reference = speed_scale(speed, waves.peak_speed)
+    answer = Answer(value=speed, error=float(np.linalg.norm(error)), reasons=reasons)
     wave = float(sums[:, [Sum.WAVE_NORMAL, Sum.WAVE_TANGENTIAL]].sum())
     powers = Powers(
-        wave=wave * units.power, slip=float(sums[:, Sum.SLIP].sum()) * units.power,
-        dampers=lost_in_dampers(fine) * units.power, load=float(load) * units.power,
-        law=float(sums[:, Sum.LEAK].sum()) * units.power,
+        wave=wave * units.power, slip=float(sums[:, Sum.SLIP].sum()) * units.power, dampers=lost * units.power,
+        load=float(averaged.load @ unknown) * units.power, law=float(sums[:, Sum.LEAK].sum()) * units.power,
     )  # fmt: skip
-    return replace(
-        mean, answer=answer.judged(tolerance, reference), velocity=velocity, yaw_rate=yaw_rate,
-        error=change[:2] * units.speed, yaw_error=float(change[2]) * units.omega / averaged.arm,
+    return PlaneState(
+        answer=answer.judged(tolerance, reference), velocity=velocity, yaw_rate=yaw_rate, error=error[:2],
+        yaw_error=float(error[2]) / (averaged.arm * units.length),
         force=sums[:, [Sum.ALONG_X, Sum.ALONG_Y]].sum(axis=0) * units.force,
         torque=float(sums[:, Sum.MOMENT].sum()) * units.force * units.length, powers=powers,
-        normal_loads=sums[:, Sum.NORMAL] * units.force, reference=reference, method="exact",
-        statistics=mean.statistics | {"multiplier": float(np.abs(fine.multipliers[0]))},
-        seconds=time.perf_counter() - begun,
+        regimes=tuple(_regime_in_time(*each) for each in zip(sums, counts, strict=True)),
+        normal_loads=sums[:, Sum.NORMAL] * units.force,
+        heights=(averaged.problem.height - averaged.height) * units.length, held=held, band=None, reference=reference,
+        method="exact", statistics=statistics, seconds=time.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _speed(averaged, velocity, yaw_rate):
+    """Return |V|, or of an axle the largest speed of a contact, m/s."""
+    if averaged.slider.freedom == "axle":
+        return abs(yaw_rate) * averaged.arm * averaged.scaled.length
+    return float(np.hypot(*velocity))
+
+
+def _regime_in_time(sums, counts):
+    """Return the regime of a contact from its sums over a motion and its events."""
+    if counts[Count.MADE] > 0 or counts[Count.OPENED] > 0:
+        return "intermittent"
+    if sums[Sum.CONTACT] == 0.0:
+        return "open"
+    return "slip" if counts[Count.SLIPS] > 0 or sums[Sum.STUCK] < sums[Sum.CONTACT] else "stick"
 
 
 def _missed_from_rest(averaged, waves, rates, reference):
@@ -195,6 +275,9 @@ def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun
     by_averaging = averaging_error(slider, waves)
     size = float(np.linalg.norm(root.error)) * units.speed + by_averaging * reference
     error, yaw_error = error + by_averaging * reference, yaw_error + by_averaging * abs(yaw_rate)
+    if root.held and by_averaging > tolerance:
+        with suppress(ConvergenceError):
+            size, error, yaw_error = _motion_on_larger_waves(slider, waves)
     if units.period_change > COMMENSURABLE:
         reasons.append(f"frequencies changed by {units.period_change:.1g} to have a common period")
     band = None
@@ -222,6 +305,18 @@ def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun
             "cycles": round(units.period / (2.0 * math.pi)), "beat": slowest_beat(waves.frequencies),
         },
     )  # fmt: skip
+
+
+def _motion_on_larger_waves(slider, waves):
+    """Return speed, |v_x| and |v_y|, and |yaw rate| on waves larger by as much as averaging may misjudge a threshold.
+
+    They are the errors of a slider that is held.
+    """
+    ratio, of_beat = resonance_ratios(slider, waves)
+    waves = waves.scaled(larger_wave(math.sqrt(ratio**2 + OF_BEAT / OF_VELOCITY * of_beat**2)))
+    averaged = Averaged.of(slider, waves)
+    velocity, yaw_rate = rigid_motion(averaged, balanced(averaged, tolerance=1e-3).unknown)
+    return _speed(averaged, velocity, yaw_rate), np.abs(velocity), abs(yaw_rate)
 
 
 def rigid_motion(averaged: Averaged, unknown) -> tuple[np.ndarray, float]:
