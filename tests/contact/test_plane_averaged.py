@@ -25,7 +25,8 @@ from contact.plane import (
     threshold_factor,
     yaw_stability,
 )
-from contact.plane.averaged import ANSWER, Averaged
+from contact.plane.averaged import ANSWER, FIRST, Averaged
+from contact.plane.cycle import Extra
 from contact.plane.disc_contacts import Sum
 from tests.contact.plane_motors import MU, R_X, F, ball, beams
 from tests.oracles.contact_plane import PlaneContact, cycle_means
@@ -426,3 +427,17 @@ def test_derivatives_of_the_mean_forces_are_their_differences(nm):
     for k, along in enumerate(np.eye(3)):
         more, less = (averaged.residual(averaged.at(u, ANSWER), u) for u in (at + step * along, at - step * along))
         assert slope[:, k] == pytest.approx((more - less) / (2.0 * step), rel=1e-6, abs=1e-6 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("share", [(0.318, 0.127), (0.208, 0.289), (0.128, 0.395), (0.414, -0.024)])
+def test_coarse_means_do_not_end_a_slip_that_goes_on(share):
+    """A coarse polynomial of lambda that fell below zero between its nodes ended slip 20 000 to 50 000 times a period.
+
+    A stall of the slider of `twente-planar` then took 40 s. Truth: slips and forces of means with more nodes.
+    """
+    averaged = Averaged.of(ball(), beams(20, 20, 0.0, (2.2e6, 2.3e6)))
+    unknown = np.append(averaged.top_speed * np.array(share), 0.0)
+    coarse, fine = (averaged.at(unknown, how) for how in (FIRST[0], ANSWER))
+    assert coarse.repeats
+    assert coarse.contacts[0, Extra.SLIPS] <= fine.contacts[0, Extra.SLIPS] + 5
+    assert coarse.force == pytest.approx(fine.force, abs=1e-3 * averaged.friction)
