@@ -42,6 +42,10 @@ class Port:
     center: float = 0.0
 
 
+# Ports of every column of a transducer: the potentials of its two electrodes.
+ELECTRODES = (Port(kind="voltage", name="+"), Port(kind="voltage", name="-"))
+
+
 @dataclass(frozen=True)
 class Blocks:
     """Slices of a piece's matrix and sides: both lines, of ``size`` unknowns each, then the ports."""

@@ -15,8 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.condense.cascade_piece import Blocks, Port
-from fem.condense.element_column import ELECTRODES, Column, ColumnField, Skeleton, condensed_column
+from fem.condense.cascade_piece import ELECTRODES, Blocks, Port
+from fem.condense.column_skeleton import Skeleton
+from fem.condense.element_column import Column, ColumnField, condensed_column
 from fem.discretize.section import Section
 from fem.discretize.spectral import gll_nodes, lagrange
 

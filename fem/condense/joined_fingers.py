@@ -26,13 +26,15 @@ s/2 [[1, -1], [-1, 1]].
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from fem.condense.cascade_piece import Blocks
 from fem.condense.electrode_conditions import equipotential
-from fem.condense.element_column import Column, sides_to_inside
+from fem.condense.element_column import Column
+from fem.condense.elimination import sides_to_inside
 from fem.condense.finger_columns import FingerColumns, LiftedHalf, Pair, Restated
 
 
@@ -241,24 +243,58 @@ def exchanged(piece: FingerColumns) -> FingerColumns:
     )
 
 
-def mirrored(piece: FingerColumns, odd: np.ndarray, phi_odd: bool) -> FingerColumns:
-    """Return the mirror image x -> -x, a symmetry of the solid; a single column is its own mirror image.
+@dataclass(frozen=True, eq=False)
+class Reflection:
+    """Mirror image x -> -x of pieces, a symmetry of the solid.
 
     ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: True if all potentials do.
     """
-    inside, at = piece.inside, piece.at
+
+    odd: np.ndarray
+    phi_odd: bool
+
+    def sides(self, ports: int) -> tuple[np.ndarray, np.ndarray]:
+        """Order and signs of the sides of a piece with so many ports."""
+        n, line = len(self.odd), np.where(self.odd, -1.0, 1.0)
+        order = np.concatenate([np.arange(n, 2 * n), np.arange(n), np.arange(2 * n, 2 * n + ports)])
+        return order, np.concatenate([line, line, np.full(ports, -1.0 if self.phi_odd else 1.0)])
+
+
+class ReflectedPair(Pair):
+    """Mirror image of a pair; its parts and the matrix to its shared line are formed on first use."""
+
+    original: Pair
+    reflection: Reflection
+
+    def __init__(self, pair: Pair, reflection: Reflection):
+        vars(self).update(original=pair, reflection=reflection, own_ports=pair.own_ports)
+
+    @cached_property
+    def left(self) -> FingerColumns:
+        """Mirror image of the right part."""
+        return mirrored(self.original.right, self.reflection)
+
+    @cached_property
+    def right(self) -> FingerColumns:
+        """Mirror image of the left part."""
+        return mirrored(self.original.left, self.reflection)
+
+    @cached_property
+    def middle(self) -> np.ndarray:
+        """T of equation (2)."""
+        middle = self.original.middle
+        order, signs = self.reflection.sides(middle.shape[1] - 2 * len(middle))
+        return signs[: len(middle), None] * middle[:, order] * signs
+
+
+def mirrored(piece: FingerColumns, reflection: Reflection) -> FingerColumns:
+    """Return the mirror image of a piece; a single column is its own mirror image."""
+    inside = piece.inside
     if isinstance(inside, Column):
         return piece
-    numbers = np.arange(len(piece.matrix))
-    order = np.concatenate([numbers[at.right], numbers[at.left], numbers[at.ports]])
-    line = np.where(odd, -1.0, 1.0)
-    signs = np.concatenate([line, line, np.full(len(piece.ports), -1.0 if phi_odd else 1.0)])
+    order, signs = reflection.sides(len(piece.ports))
     if isinstance(inside, Pair):
-        inside = Pair(
-            left=mirrored(inside.right, odd, phi_odd),
-            right=mirrored(inside.left, odd, phi_odd),
-            middle=line[:, None] * inside.middle[:, order] * signs,
-        )
+        inside = ReflectedPair(inside, reflection)
     elif isinstance(inside, LiftedHalf):
         phi_sign = -signs[-1]  # a moment changes its sign once more, because it contains x
         inside = replace(inside, side=1 - inside.side, moment=phi_sign * inside.moment[order] * signs)

@@ -17,7 +17,8 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.element_column import ElementSets, schur
+from fem.condense.column_skeleton import ElementSets
+from fem.condense.elimination import schur
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.quad_elements import QuadSpace
 from fem.discretize.section import FIELD_COLUMN, Section

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.element_column import sides_to_inside
+from fem.condense.elimination import sides_to_inside
 
 LEAF = 4  # elements of the smallest parts
 

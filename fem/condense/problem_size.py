@@ -5,8 +5,8 @@ from typing import cast
 
 import numpy as np
 
+from fem.condense.cascade_piece import ELECTRODES
 from fem.condense.condensed_mesh import Assembly
-from fem.condense.element_column import ELECTRODES
 from fem.condense.mesh_assembly import assembled
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.depth_mesh import discretise

@@ -11,10 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from fem.condense.cascade_piece import ELECTRODES
+from fem.condense.column_skeleton import Skeleton, column_skeleton
 from fem.condense.electrode_conditions import open_circuit
-from fem.condense.element_column import ELECTRODES, Skeleton, column_skeleton
 from fem.condense.finger_columns import FingerColumns, Restated, condensed
-from fem.condense.joined_fingers import exchanged, joined, mirrored, repeated, with_fingers, with_ports
+from fem.condense.joined_fingers import Reflection, exchanged, joined, mirrored, repeated, with_fingers, with_ports
 from fem.condense.reaction_moments import finger_dipole
 from fem.discretize.element_sizes import Resolution, edge_layers, graded
 from fem.discretize.section import LineSpace
@@ -53,7 +54,7 @@ class Condensation:
         solid, odd = self.section.solid, self.section.odd
         if odd is None or solid.parity is None:
             raise ValueError(f"x -> -x is no symmetry of {solid}")
-        return mirrored(superelement, odd, bool(solid.parity[solid.fields.index("phi")]))
+        return mirrored(superelement, Reflection(odd, bool(solid.parity[solid.fields.index("phi")])))
 
     exchanged = staticmethod(exchanged)
 

@@ -90,7 +90,8 @@ class NodeSolutions:
 
     section: Section
     resolution: Resolution
-    # by finger shape: at every node the matrices of the rising and the falling half, their moments below
+    # by finger shape: at every node the matrices of the rising and, unless it is its mirror image, of the falling half,
+    # their moments below
     half_cells: dict = field(repr=False)
     walls: list = field(repr=False)  # at every node, or empty
     # of the fields on the lines at mid-gap and at mid-finger, by group of unknowns
@@ -123,6 +124,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         solved.add(len(squares) // 2)
     shapes = dict.fromkeys(FingerShape.of(each, unit) for each in transducers)
     meshes = StatorMeshes(stator, section, resolution, problem.limits[1])
+    distinct = 2 if section.odd is None else 1  # halves of a cell that are not each other's mirror image
 
     def at_node(index: int) -> _Node:
         frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
@@ -146,7 +148,9 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             fields = snapshots(port_fields, halves, AMPLITUDE_SHARE * problem.tolerance)
             solution = driven_solution(port_fields, problem.drive)
         matrices = {
-            shape: tuple(np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair))
+            shape: tuple(
+                np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair[:distinct])
+            )
             for shape, pair in halves.items()
         }
         return _Node(matrices, walls, fields, solution, condensed)
@@ -192,7 +196,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         section=reduced,
         finger_basis=bases[1],
         half_cells={
-            shape: _projected_halves(pairs, bases, shape.half_finger + shape.half_gaps[0], section.odd is None)
+            shape: _projected_halves(pairs, bases, shape.half_finger + shape.half_gaps[0])
             for shape, pairs in nodes.half_cells.items()
         },
         nodes=problem.nodes,
@@ -203,7 +207,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     )
 
 
-def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
+def _projected_halves(halves: list[tuple], bases, width: float) -> HalfCell:
     gap, finger = bases
 
     def projected(half: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -211,10 +215,10 @@ def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> Ha
         once = _onto_lines(_onto_lines(np.array(matrix), left, right).T, left, right).T
         return np.vstack([once, _onto_lines(moment[:, None], left, right).T])
 
-    rising, falling = zip(*pairs, strict=True)
+    rising, *falling = zip(*halves, strict=True)
     return HalfCell(
         rising=np.stack([projected(half, gap, finger) for half in rising]),
-        falling=np.stack([projected(half, finger, gap) for half in falling]) if both else None,
+        falling=np.stack([projected(half, finger, gap) for half in falling[0]]) if falling else None,
         width=width,
     )
 

@@ -18,7 +18,7 @@ from fem.condense.condensed_mesh import MeshedPiece
 from fem.condense.electrode_conditions import is_port
 from fem.condense.interpolated_piece import PieceSample, rational_piece
 from fem.discretize.element_sizes import Resolution
-from fem.discretize.mesh_refinement import LEVELS, level_gain
+from fem.discretize.mesh_refinement import GAIN, LEVELS, level_gain
 from fem.exceptions import ConvergenceError, InputError
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.mesh.placement import is_step
@@ -49,6 +49,9 @@ REDUCTION_SAFETY = 2.0  # a difference at a check counts so many times: between 
 # The estimate from two levels exceeds the true error by at least this factor: a level divides the error by 11 to 25,
 # and the estimate counts on GAIN = 8 only.
 ESTIMATE_EXCESS = 2.0
+# Share of the gain between the two levels before that is expected of the next one, and the largest gain that is counted
+# on: 11 to 25 were seen (`fem.discretize.mesh_refinement.GAIN`).  Errors of bands: `tests/benchmarks/band_error.py`
+SEEN_SHARE, MAX_SEEN_GAIN = 0.5, 11.0
 MAX_ROUNDS = 3  # discretisations that are tried
 
 
@@ -331,6 +334,8 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     piece_error = max(1.0, worst / between.here) * model.piece_error
     # the bounds are lowered no further than the reduction's error requires: between the checks the error may be larger
     limit = problem.tolerance - motion_error - piece_error
+    seen, attainable = bounds_by_gain_seen(problem, checks, errors), limit * (MAX_SEEN_GAIN - 1) / (GAIN - 1)
+    errors = sharpened(errors, limit, attainable, seen, least=limit)
     errors = sharpened(errors, limit, reach, known, least=limit)
     level_error, level_admittance_error = errors.max(axis=0)
     band = Band(
@@ -381,6 +386,32 @@ def errors_by_finer_level(problem: BandProblem, checks: list["_Check"]) -> Calla
         return amplified * _level_differences(problem, checks[number], finer) * gain / (gain - 1)
 
     return known
+
+
+def bounds_by_gain_seen(
+    problem: BandProblem, checks: list["_Check"], bounds: np.ndarray
+) -> Callable[[int], np.ndarray]:
+    """Function of a check's number: its ``bounds``, that of the motion with the gain of the levels seen at the check.
+
+    It takes the level before the two that are known, a fraction of the time of the finer one.  With
+    |a_1 - a_2| >= |a_1 - a_3| - |a_2 - a_3| the gain seen is at least |a_1 - a_3| / |a_2 - a_3| - 1; half of it is
+    expected of the next level.  Only for stators whose levels have the usual gain.
+    """
+    coarser = LEVELS.index(checks[0].solution.fields.resolution) - 2
+    worst = max(check.worst for check in checks)
+
+    @cache
+    def by_gain_seen(number: int) -> np.ndarray:
+        motion, admittance = bounds[number]
+        if coarser < 0 or level_gain(problem.stator) < GAIN:
+            return np.array([motion, admittance])
+        check = checks[number]
+        last = (GAIN - 1) * motion / check.growth(worst)  # |a_2 - a_3|
+        seen = _level_differences(problem, check, coarser)[0] / last - 1
+        gain = float(np.clip(SEEN_SHARE * seen, GAIN, MAX_SEEN_GAIN))
+        return np.array([motion * (GAIN - 1) / (gain - 1), admittance])
+
+    return by_gain_seen
 
 
 def sharpened(

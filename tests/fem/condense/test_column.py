@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.condense.element_column import ELECTRODES, ColumnField
+from fem.condense.cascade_piece import ELECTRODES
+from fem.condense.element_column import ColumnField
 from fem.condense.finger_columns import condensed
 from fem.discretize.element_matrices import element_matrix
 from fem.discretize.section import FIELD_COLUMN

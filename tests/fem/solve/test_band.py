@@ -96,6 +96,31 @@ def test_bounds_are_lowered_at_the_worst_checks_alone_and_no_further_than_asked_
     np.testing.assert_array_equal(band_module.sharpened(bounds, 0.9, 8.0, lambda number: np.full(2, 9.0)), bounds)
 
 
+@pytest.mark.parametrize(("seen", "counted"), [(50.0, 11.0), (18.0, 9.0), (12.0, 8.0)])
+def test_the_gain_of_the_levels_before_lowers_a_bound(monkeypatch, seen, counted):
+    """Half of it, from the 8 that every level has to the 11 that any was seen to have; not above absorbing bottoms."""
+    asked = []
+
+    def differences(problem, check, other):
+        asked.append(other)
+        return np.array([(seen + 1) * 7e-4, 0.0])  # from the level before the last; 7e-4 from the last one
+
+    monkeypatch.setattr(band_module, "_level_differences", differences)
+    check = SimpleNamespace(
+        solution=SimpleNamespace(fields=SimpleNamespace(resolution=LEVELS[3])), worst=6.0, growth=lambda worst: 3.0
+    )
+    bounds = np.array([[3e-4, 1e-4]])
+    ordinary = plate(cut("PZT-8", "Z"), ends="free")
+    resonant = plate(cut("LiNbO3 (Warner)", "128YX", quality=1e6), ends="free", bottom="absorbing")
+    for stator, gain in ((ordinary, counted), (resonant, 8.0)):
+        problem = BandProblem(
+            stator=stator, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, positions=PLACES
+        )
+        lowered = band_module.bounds_by_gain_seen(problem, [check], bounds)(0)
+        np.testing.assert_allclose(lowered, [3e-4 * 7 / (gain - 1), 1e-4], rtol=1e-12)
+    assert asked == [1]
+
+
 def basis(size):
     """Stand-in for a reduced model of so many fields."""
     return SimpleNamespace(section=SimpleNamespace(size=size))
