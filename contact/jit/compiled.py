@@ -30,7 +30,7 @@ import threading
 import time
 import weakref
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, cached_property, wraps
 from importlib.util import find_spec
 from math import prod
@@ -144,9 +144,14 @@ class Kernel:
         usual = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = folder or usual
         try:
-            return self._jitted(cache=folder is not None)
+            made = self._jitted(cache=folder is not None)
         finally:
             numba.config.CACHE_DIR = usual
+        if folder is not None:
+            from contact.jit.compiler import without_failing_cache
+
+            without_failing_cache(made)
+        return made
 
     def _jitted(self, **options):
         options = {"nogil": True, "error_model": "numpy", "fastmath": self.freedom} | options
@@ -413,8 +418,9 @@ def _write(path, code):
         path.parent.mkdir(parents=True, exist_ok=True)
         part.write_bytes(hashlib.sha256(code).digest() + code)
         part.replace(path)
-    except OSError:
-        return
+    except (OSError, MemoryError):
+        with suppress(OSError):  # a part of the file on a full disk
+            part.unlink(missing_ok=True)
 
 
 @cache

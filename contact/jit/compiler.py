@@ -317,3 +317,26 @@ def optimised(library, *, wrapper=False):
     if strange:
         raise RuntimeError(f"a native kernel may not allocate or raise, but calls {', '.join(strange)}")
     return machine.emit_object(module)
+
+
+def without_failing_cache(dispatcher):
+    """Let a dispatcher compile where its cache cannot be read or written: a full disk, no memory left, a spent index.
+
+    Numba raises the error of the disk out of the call that has compiled, and a `ReferenceError` where its index holds
+    more types of functions than it remembers.
+    """
+    kept = getattr(dispatcher, "_cache", None)
+    for name in ("load_overload", "save_overload"):
+        plain = getattr(kept, name, None)
+        if plain is not None:
+            setattr(kept, name, _forgiving(plain))
+
+
+def _forgiving(operation):
+    def tried(*arguments):
+        try:
+            return operation(*arguments)
+        except (OSError, MemoryError, ReferenceError):
+            return None
+
+    return tried

@@ -60,16 +60,16 @@ class Store:
         """Return the rows in the order of their points, as columns, also after `close`; None for no value."""
         if self._kept is not None:
             return self._kept
-        with closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection) as connection:
+        connected = closing(sqlite3.connect(self.path)) if self.path else nullcontext(self.connection)
+        with self._explained("read"), connected as connection:
             rows = connection.execute("select * from points order by point")
             return Columns(zip(self._names, map(list, zip(*rows, strict=True)), strict=True))
 
     def rows(self, first: int, end: int) -> Iterator[Columns]:
         """Yield the rows of the points from ``first`` up to and without ``end``, as values by name."""
-        rows = self.connection.execute(
-            "select * from points where point >= ? and point < ? order by point", (first, end)
-        )
-        yield from (Columns(zip(self._names, row, strict=True)) for row in rows.fetchall())
+        wanted = "select * from points where point >= ? and point < ? order by point"
+        rows = self._read(wanted, (first, end))
+        yield from (Columns(zip(self._names, row, strict=True)) for row in rows)
 
     def close(self) -> None:
         """Close the file and release the lock; the rows of a store in memory stay."""
@@ -85,11 +85,12 @@ class Store:
     def done(self, count: int):
         """Return which of the first `count` points have a row and were not lost with a worker, an array of bool."""
         done = np.zeros(count, bool)
-        rows = self.connection.execute(
-            "select point from points where status not like ? and point < ?", (f"{Status.LOST.value}:%", count)
-        )
-        while some := rows.fetchmany(100_000):
-            done[np.array(some)[:, 0]] = True
+        with self._explained("read"):
+            rows = self.connection.execute(
+                "select point from points where status not like ? and point < ?", (f"{Status.LOST.value}:%", count)
+            )
+            while some := rows.fetchmany(100_000):
+                done[np.array(some)[:, 0]] = True
         return done
 
     def write(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
@@ -100,20 +101,24 @@ class Store:
 
     def counts(self) -> dict[str, int]:
         """Return the number of points of each `Status`."""
-        rows = self.connection.execute(
+        rows = self._read(
             "select case when instr(status, ':') then substr(status, 1, instr(status, ':') - 1) else status end,"
             " count(*) from points group by 1 order by 2 desc"
         )
-        return dict(rows.fetchall())
+        return dict(rows)
 
     def cost(self) -> float:
         """Return the seconds that workers have spent, those of earlier drivers included."""
-        return self.connection.execute("select coalesce(sum(seconds), 0.0) from batches").fetchone()[0]
+        return self._read("select coalesce(sum(seconds), 0.0) from batches")[0][0]
+
+    def _read(self, question: str, values: tuple = ()) -> list[tuple]:
+        with self._explained("read"):
+            return self.connection.execute(question, values).fetchall()
 
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Write the question of the sweep; refuse a file that holds another sweep."""
         identity = identity | {f"version of {name}": version for name, version in provenance().items()}
-        for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
+        for (text,) in self._read("select value from sweep where name = 'identity'"):
             stored = json.loads(text)
             names = [name for name in stored | identity if stored.get(name) != identity.get(name)]
             what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
@@ -132,15 +137,18 @@ class Store:
             )
 
     @contextmanager
-    def _explained(self):
-        """Raise a RunError in one sentence for a failure of the disk."""
+    def _explained(self, done: str = "written"):
+        """Raise a RunError in one sentence for a failure of the disk; ``done``: what cannot be done, "written", "read".
+
+        A store that cannot be read holds what the disk has left of it.
+        """
         try:
             yield
-        except (sqlite3.OperationalError, sqlite3.DatabaseError, OSError) as error:
-            raise RunError(
-                f"the store {str(self.folder)!r} cannot be written ({error}): is the disk full? Every point that was "
-                "reported is kept; the same command goes on from there"
-            ) from None
+        except (sqlite3.DatabaseError, OSError) as error:
+            hint = "is the disk full? Every point that was reported is kept; the same command goes on from there"
+            if done == "read":
+                hint = "copy what a reader of SQLite still gets out of it, and name another directory"
+            raise RunError(f"the store {str(self.folder)!r} cannot be {done} ({error}): {hint}") from None
 
 
 def _lock(folder: Path) -> FileLock:

@@ -1,5 +1,6 @@
 """The kernels' machine code: broken on purpose in every way a machine may break it, the answer stays the same."""
 
+import errno
 import gc
 import hashlib
 import os
@@ -150,6 +151,50 @@ def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
     places.setattr(compiler, "machine_code", None)  # what was made anew serves
     assert answer()[0] == RIGHT
     assert not compiled.ORDINARY
+
+
+FAULTS = {
+    "full": OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)),
+    "broken": OSError(errno.EIO, os.strerror(errno.EIO)),
+    "memory": MemoryError(),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+@pytest.mark.parametrize("operation", ["write_bytes", "replace"])
+def test_machine_code_that_cannot_be_kept_is_compiled_and_leaves_no_part(places, tmp_path, fault, operation):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert kernels.how_often() == "once"
+    plain = getattr(Path, operation)
+
+    def fail(path, *arguments):
+        if operation == "write_bytes":
+            plain(path, arguments[0][:100])
+        raise fault
+
+    with places.context() as disk:
+        disk.setattr(Path, operation, fail)
+        assert answer()[0] == RIGHT
+    assert not compiled.ORDINARY
+    assert not [each for each in tmp_path.rglob("*") if each.is_file() and each.suffix != ".lock"]
+    assert answer()[0] == RIGHT
+    assert len(files(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+def test_what_numba_cannot_keep_is_compiled_all_the_same(places, tmp_path, fault):
+    from numba.core.caching import IndexDataCacheFile
+
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+
+    def fail(*_):
+        raise fault
+
+    with places.context() as disk:
+        disk.setattr(IndexDataCacheFile, "save", fail)
+        assert compiled.Kernel(count)(np.array([1.0, 4.0]), 2.5) == 1
+        disk.setattr(IndexDataCacheFile, "load", fail)
+        assert compiled.Kernel(count)(np.array([1.0, 4.0]), 2.5) == 1
 
 
 def test_another_version_of_the_compiler_has_its_own_folder(places, tmp_path):

@@ -149,8 +149,39 @@ def test_no_failing_operation_of_a_run_loses_anything(error, reason, tmp_path, m
     assert failed > 8  # the two tables, run.json, the scene, the manifest, the moves
 
 
-def test_full_store_keeps_the_points_that_were_reported(tmp_path, monkeypatch):
-    """SQLite's own limit of pages stands for a full disk."""
+class FailingConnection:
+    """A connection to a store whose second write of a transaction fails, which SQLite then takes back."""
+
+    def __init__(self, connection, error):
+        self._connection, self._error, self._writes = connection, error, 0
+
+    def executemany(self, question, rows):
+        """Write, if it is the first time."""
+        self._writes += 1
+        if self._writes > 1:
+            raise self._error
+        return self._connection.executemany(question, rows)
+
+    def __enter__(self):
+        return self._connection.__enter__()
+
+    def __exit__(self, *error):
+        return self._connection.__exit__(*error)
+
+    def __getattr__(self, name):
+        return getattr(self._connection, name)
+
+
+STORE_FAULTS = {
+    "full": (None, RunError, "database or disk is full.*is the disk full"),
+    "broken": (sqlite3.OperationalError("disk I/O error"), RunError, "cannot be written .disk I/O error"),
+    "memory": (MemoryError(), MemoryError, "^$"),
+}
+
+
+@pytest.mark.parametrize(("fault", "raised", "said"), STORE_FAULTS.values(), ids=STORE_FAULTS)
+def test_a_failing_store_keeps_the_points_that_were_reported(tmp_path, monkeypatch, fault, raised, said):
+    """SQLite's own limit of pages stands for a full disk; other faults come in the midst of a transaction."""
     from studies.sweeps import store
 
     scene, keys = studies.Scene.load("twente-contact"), {"slider.load": [0.0, 1e-5, 2e-5, 3e-5, 4e-5]}
@@ -158,23 +189,45 @@ def test_full_store_keeps_the_points_that_were_reported(tmp_path, monkeypatch):
     kept = []
     write = store.Store.write
 
-    def full_after_two(self, rows, batches):
-        if len(kept) >= 2:
+    def failing_after_two(self, rows, batches):
+        if len(kept) >= 2 and fault is None:
             pages = self.connection.execute("pragma page_count").fetchone()[0]
             self.connection.execute(f"pragma max_page_count = {pages}")
             rows = [(*row[:-1], "long " * 20_000) for row in rows]
+        elif len(kept) >= 2:
+            self.connection = FailingConnection(self.connection, fault)
         write(self, rows, batches)
         kept.extend(rows)
 
     with monkeypatch.context() as patch:
-        patch.setattr(store.Store, "write", full_after_two)
-        with pytest.raises(RunError, match="is the disk full"):
+        patch.setattr(store.Store, "write", failing_after_two)
+        with pytest.raises(raised, match=said):
             studies.sweep(scene, keys, out=tmp_path / "sweep", workers=1)
     with closing(sqlite3.connect(tmp_path / "sweep" / store.FILE)) as connection:
         points = [row[0] for row in connection.execute("select point from points order by point")]
     assert points == sorted(row[0] for row in kept)
+    assert 2 <= len(points) < 5
     again = studies.sweep(scene, keys, out=tmp_path / "sweep")
     assert again.columns() == whole.columns()
+
+
+def test_a_store_that_cannot_be_read_is_one_sentence_and_stays(tmp_path, capsys):
+    from studies.sweeps import store
+
+    words = ["sweep", "twente-contact", "--over", "slider.load=[0,1e-5,2e-5]", "--out", str(tmp_path / "sweep")]
+    assert main(words) == 0
+    file = tmp_path / "sweep" / store.FILE
+    content = file.read_bytes()
+    page = 4096
+    damaged = content[:page] + b"\xff" * (len(content) - page)  # the head of the file, and no table
+    file.write_bytes(damaged)
+    capsys.readouterr()
+    assert main(words) == 3
+    (said,) = capsys.readouterr().err.splitlines()
+    assert "cannot be read (database disk image is malformed)" in said
+    assert file.read_bytes() == damaged
+    file.write_bytes(content)  # from the backup: the lock is free
+    assert main(words) == 0
 
 
 def test_exhausted_memory_is_one_sentence(monkeypatch, capsys):
