@@ -124,28 +124,38 @@ def _cycle(ball, h: float, size: float, steps: int) -> _Cycle | None:
     return _Cycle(phases, before, weights, radii, forces, hops)
 
 
-@native("f1 f1 f1 f1 f f f f f1", {"delta": "k", "weights": "k", "moved": "k", "rate": "k", "out": "2"})
-def mean_stop(delta, weights, moved, rate, hops, slope, repeats, start, out):
-    """Write the means of q = Q/(mu K) and of q times a rate, over a cycle of a stop; equation (1).
+@native(
+    "f1 f1 f1 f1 f1 f f f f1 f1 f2",
+    {"delta": "k", "weights": "k", "along": "n", "phases": "n", "rate": "k", "slips": "m", "starts": "m", "out": "m 2"},
+)
+def mean_stops(delta, weights, along, phases, rate, hops, slope, repeats, slips, starts, out):
+    """Write the means of q = Q/(mu K) and of q times a rate over a cycle of a stop at several velocities; equation (1).
 
-    Its limit is `slope` times `delta`. ``moved[k]`` is the surface's motion past the slider before node k, ``start``
-    the deformation before the first. One that does not hop is followed until its deformation repeats to ``repeats``,
-    400 cycles at most.
+    Its limit is `slope` times `delta`. ``along`` and ``phases``: u_x of the surface at the nodes, and before at the one
+    before the first. ``slips``: the velocities over omega; ``starts``: the deformations before the first node. One that
+    does not hop is followed until its deformation repeats to ``repeats``, 400 cycles at most.
     """
-    x = start
-    for _ in range(1 if hops > 0.0 else 400):
-        begin, total, work = x, 0.0, 0.0
+    for j in range(slips.size):
+        x = starts[j]
+        for _ in range(0 if hops > 0.0 else 400):
+            begin = x
+            for k in range(delta.size):
+                limit = slope * delta[k]
+                x += along[k + 1] - along[k] - slips[j] * (phases[k + 1] - phases[k])
+                x = min(max(x, -limit), limit)
+            if abs(x - begin) <= repeats:
+                break
+        total, work = 0.0, 0.0
         for k in range(delta.size):
             limit = slope * delta[k]
-            x = min(max(x + moved[k], -limit), limit)
+            x += along[k + 1] - along[k] - slips[j] * (phases[k + 1] - phases[k])
+            x = min(max(x, -limit), limit)
             left = max(delta[k] - abs(x) / slope, 0.0)
             force = delta[k] * np.sqrt(delta[k]) - left * np.sqrt(left)
             signed = weights[k] * (force if x > 0.0 else -force)
             total += signed
             work += rate[k] * signed
-        out[0], out[1] = total, work
-        if abs(x - begin) <= repeats:
-            break
+        out[j, 0], out[j, 1] = total, work
     return 0
 
 
@@ -287,9 +297,9 @@ class AdhesiveBalls:
         """Return the elastic part of the forces of a cycle, which friction feels, N."""
         return self._stiffness * (cycle.radii**2 / self.ball.radius) ** 1.5
 
-    def dragged(self, waves, cycles, v: float) -> float:
-        """Return the mean force in N of the surface at a velocity in m/s; at 0.0 and -0.0 the limits of both sides."""
-        return self._pull(waves, cycles, v, -math.copysign(self._far(cycles), v))[0]
+    def dragged(self, waves, cycles, velocities: np.ndarray) -> np.ndarray:
+        """Return the mean forces in N of the surface at velocities in m/s; at 0.0 and -0.0 the limits of both sides."""
+        return self._pulls(waves, cycles, velocities, -np.copysign(self._far(cycles), velocities))[:, 0]
 
     def _far(self, cycles) -> float:
         """Return a deformation in m beyond every limit of slip."""
@@ -342,12 +352,14 @@ class AdhesiveBalls:
         height = bracketed(left, low, high, tolerance=CLOSE * (abs(high) + sizes[0]))
         return height, self.cycles(waves, height, steps)
 
-    def _pull(self, waves, cycles, v: float, start: float = 0.0) -> tuple[float, float]:
-        """Return the mean friction of all balls in N at a velocity, from a deformation `start` in m, and its work in W.
+    def _pull(self, waves, cycles, v: float) -> tuple[float, float]:
+        """Return the mean friction of all balls in N at a velocity, and the work of the surface's motion in W."""
+        ((pull, work),) = self._pulls(waves, cycles, np.array([v]), np.zeros(1)).tolist()
+        return pull, work
 
-        The work is that of the surface's motion.
-        """
-        c, total, answer = self.slider.limit_slope, np.zeros(2), np.zeros(2)
+    def _pulls(self, waves, cycles, velocities: np.ndarray, starts: np.ndarray) -> np.ndarray:
+        """Return friction and work as `_pull` at velocities, from deformations `starts` in m; shape (m, 2)."""
+        c, total, answer = self.slider.limit_slope, np.zeros((velocities.size, 2)), np.zeros((velocities.size, 2))
         for wave, cycle in zip(waves, cycles, strict=True):
             if cycle is None:
                 continue
@@ -355,17 +367,15 @@ class AdhesiveBalls:
             turned = wave.tangential * (size / wave.normal if size > 0.0 else 1.0)  # counted from the crest of u_z
             phases = np.concatenate([[cycle.before], cycle.phases])
             along = turned * np.exp(1j * phases)
-            moved, rate = (
-                np.diff(along.real - v * phases / wave.omega),
-                np.ascontiguousarray((1j * wave.omega * along[1:]).real),
-            )
+            rate = np.ascontiguousarray((1j * wave.omega * along[1:]).real)
             delta = cycle.radii**2 / self.ball.radius
-            begin = 0.0 if cycle.hops else start
-            repeats = REPEATS * c * float(delta.max())
-            mean_stop(delta, cycle.weights, moved, rate, float(cycle.hops), c, repeats, begin, answer)
+            begins = np.zeros_like(starts) if cycle.hops else starts
+            mean_stops(
+                delta, cycle.weights, np.ascontiguousarray(along.real), phases, rate, float(cycle.hops), c,
+                REPEATS * c * float(delta.max()), velocities / wave.omega, begins, answer,
+            )  # fmt: skip
             total += answer
-        pull, work = self.slider.friction_coefficient * self._stiffness * total
-        return float(pull), float(work)
+        return self.slider.friction_coefficient * self._stiffness * total
 
     def _normal_power(self, waves, cycles) -> float:
         """Return the mean of sum P du_z/dt, W."""
@@ -378,7 +388,7 @@ class AdhesiveBalls:
     def _held(self, waves, cycles) -> tuple[float, float]:
         """Return the smallest and largest mean friction in N on a slider at rest."""
         far = self._far(cycles)
-        lowest, highest = (self._pull(waves, cycles, 0.0, sign * far)[0] for sign in (-1.0, 1.0))
+        lowest, highest = self._pulls(waves, cycles, np.zeros(2), np.array([-far, far]))[:, 0].tolist()
         return lowest, highest
 
     def _velocity(self, waves, cycles) -> float:

@@ -162,4 +162,4 @@ class AdhesiveMeans:
     def tractions(self, height, waves, velocities):
         """As in `HeldMeans`."""
         cycles = self.balls.cycles(waves, height, STEPS)
-        return np.array([self.balls.dragged(waves, cycles, float(v)) for v in velocities])
+        return self.balls.dragged(waves, cycles, np.asarray(velocities, float))

@@ -19,8 +19,9 @@ follows from the step response of the surface under the slider, so that waves gr
 first drive's u_z of the first contact passes zero upwards.
 
 Integration: Verlet's method with the deformation cut to its limit, `STEPS` per cycle of the wave; without a wave,
-`REST_STEPS` per period of the contact's fastest ring.  It shares no code with the solvers of `contact`.  Error against
-`contact.step`: 1e-5 of a step and 5e-3 nm (tests/studies/test_positioning.py).
+`REST_STEPS` per period of the contact's fastest ring.  Where a contact that attracts closes or opens within a step, the
+impulse is that of the part of the step in which it is closed (`jump`).  It shares no code with the solvers of
+`contact`.  Error against `contact.step`: 1e-5 of a step and 5e-3 nm (tests/studies/test_positioning.py).
 """
 
 import numpy as np
@@ -140,6 +141,16 @@ def closed_stop(p, i, x, moved, before, depth, rate_x, rate, h):
 
 
 @compiled
+def jump(h, z_before, z, edge):
+    """Return the time in s by which half a step is wrong as the duration of a contact that opens or closes within it.
+
+    The impulse of its force is that times the force. Negative: the contact is closed for less than half a step.
+    """
+    share = abs(edge - z_before) / abs(z - z_before)  # of the step before the contact changes
+    return h * ((share - 0.5) if z < z_before else (0.5 - share))
+
+
+@compiled
 def layered_force(p, layers, anchors, touching, i, z, displacement):
     """Return Q in N of the layers of contact i at an approach z, whose surface has moved past the slider.
 
@@ -169,8 +180,8 @@ def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, 
     stiffness, exponent = p[index.STIFFNESS] / contacts, p[index.EXPONENT]
     mass, friction, c, pull = p[index.MASS], p[index.FRICTION], p[index.LIMIT_SLOPE], p[index.PULL]
     tabulated, pulls = p[index.FORCE_NODES] > 0.5, int(p[index.FIRST_DRIVE + index.PULLS])
-    # values of the previous step: approach, or the depth of one stop, u_x, rates of both
-    before = np.zeros((4, contacts))
+    # values of the previous step: approach, or the depth of one stop, u_x, rates of both; approach, normal force and Q
+    before = np.zeros((7, contacts))
     normal_acceleration, acceleration = 0.0, 0.0
     phase, rotation = np.exp(1j * omega * time), np.exp(1j * omega * h)
     for k in range(steps + 1):
@@ -182,7 +193,7 @@ def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, 
             state[VELOCITY] += 0.5 * h * acceleration
             state[HEIGHT] += h * state[NORMAL_VELOCITY]
             state[POSITION] += h * state[VELOCITY]
-        total, drag = 0.0, 0.0
+        total, drag, push, pulled = 0.0, 0.0, 0.0, 0.0  # forces, and impulses of forces that jump within the step
         for i in range(contacts):
             u_z, u_x, rate_z, rate_x = 0.0, 0.0, -state[NORMAL_VELOCITY], -state[VELOCITY]
             for d in range(drives):
@@ -198,6 +209,8 @@ def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, 
                 if k > 0:
                     x = closed_stop(p, i, x, moved, before, z, rate_x, rate_z, h)
                 x = min(max(x, -c * z), c * z) if z > 0.0 else 0.0
+                if k > 0 and (z > 0.0) != (before[0, i] > 0.0):
+                    push -= pull * jump(h, before[0, i], z, 0.0)
                 if z > 0.0:
                     load = stiffness * model.power(z, exponent)
                     total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z) - pull
@@ -212,29 +225,40 @@ def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, 
                 if k == steps:
                     x = model.spring_deformation(p, tables, contacts * load, contacts * q)
             else:
-                deep = z - p[index.START]
+                deep, closed = z - p[index.START], touching[i, 2] > 0.5
                 if deep <= 0.0:
                     touching[i, 2] = 0.0
                 elif z >= p[index.MAKES]:
                     touching[i, 2] = 1.0
-                depth, load = 0.0, 0.0
+                depth, load, net, q = 0.0, 0.0, 0.0, 0.0
                 if touching[i, 2] > 0.5:
                     load = model.contact_force(p, tables, deep)
                     depth = deep if p[index.SPRING] > 0.5 else model.rest_approach(p, tables, load)
                 rate = (depth - before[0, i]) / h if k > 0 else rate_z
-                if k > 0:
+                makes = k > 0 and touching[i, 2] > 0.5 and not closed
+                if makes:  # x begins at 0 within the step
+                    after = (z - p[index.MAKES]) / (z - before[4, i])
+                    x = moved * after
+                elif k > 0:
                     x = closed_stop(p, i, x, moved, before, depth, rate_x, rate, h)
                 x = min(max(x, -c * depth), c * depth) if depth > 0.0 else 0.0
                 if depth > 0.0:
-                    total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z) / contacts
+                    net = load * (1.0 + p[index.CONTACT_DAMPING] * rate_z) / contacts
                     if pulls >= 0:
-                        total -= load * model.share_at(p, tables, pulls, deep, 0.0) / contacts
-                    drag += friction * load / contacts * model.spring_share(p, tables, x / (c * depth), depth)
-                before[0, i], before[2, i] = depth, rate
+                        net -= load * model.share_at(p, tables, pulls, deep, 0.0) / contacts
+                    q = friction * load / contacts * model.spring_share(p, tables, x / (c * depth), depth)
+                if makes:
+                    push += net * jump(h, before[4, i], z, p[index.MAKES])
+                elif k > 0 and closed and touching[i, 2] < 0.5:
+                    push += before[5, i] * jump(h, before[4, i], z, p[index.START])
+                    pulled += before[6, i] * jump(h, before[4, i], z, p[index.START])
+                total += net
+                drag += q
+                before[0, i], before[2, i], before[4, i], before[5, i], before[6, i] = depth, rate, z, net, q
             state[DEFORMATION + i] = x
             before[1, i], before[3, i] = u_x, rate_x
         normal_acceleration = (total - preload - p[index.NORMAL_DAMPING] * state[NORMAL_VELOCITY]) / mass
         acceleration = (drag + force - p[index.TANGENTIAL_DAMPING] * state[VELOCITY]) / mass
         if k > 0:
-            state[NORMAL_VELOCITY] += 0.5 * h * normal_acceleration
-            state[VELOCITY] += 0.5 * h * acceleration
+            state[NORMAL_VELOCITY] += 0.5 * h * normal_acceleration + push / mass
+            state[VELOCITY] += 0.5 * h * acceleration + pulled / mass

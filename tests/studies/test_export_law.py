@@ -4,10 +4,12 @@ Truth: `contact.RoughBalls`, `contact.AdhesiveBalls` and `contact.mean_motion`, 
 """
 
 import ctypes
+import math
 import subprocess
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
 import contact
@@ -18,7 +20,7 @@ from studies.export.c_source import description, header, source
 from studies.export.fmu import compiler, fmu
 from studies.export.law_grid import Nodes
 from studies.export.reduced_motor import index
-from studies.motor.followed_motor import HEIGHT, VELOCITY, FollowedMotor
+from studies.motor.followed_motor import HEIGHT, NORMAL_VELOCITY, VELOCITY, FollowedMotor
 from studies.scene import Scene
 
 LEVELS = (2e-9, 4e-9, 12e-9)
@@ -148,6 +150,8 @@ def adhesive_from(smooth, adhesion):
     loads = smooth.tables[:rows]
     forces = smooth.tables[rows:].reshape(2, rows, -1)
     with pytest.MonkeyPatch.context() as patch:
+        for name, number in (("ROWS", 121), ("COLUMNS", 81)):
+            patch.setattr(f"studies.export.force_grid.{name}", number)
         patch.setattr(exports, "force_tables", lambda *_: (loads, forces))
         return averaged_motor(scene(adhesion))
 
@@ -163,10 +167,7 @@ def smooth():
 
 @pytest.mark.parametrize("adhesion", [DMT, MENISCUS])
 def test_constant_attraction_acts_as_in_a_run(adhesion):
-    with pytest.MonkeyPatch.context() as patch:
-        for name, number in (("ROWS", 121), ("COLUMNS", 81)):
-            patch.setattr(f"studies.export.force_grid.{name}", number)
-        motor = adhesive_from(smooth(), adhesion)
+    motor = adhesive_from(smooth(), adhesion)
     assert motor.velocity_error < 3e-3
     for level in OFF_THE_GRID:
         truth = contact.mean_motion(motor.slider, motor.orbits_at(level))
@@ -181,10 +182,7 @@ def test_constant_attraction_acts_as_in_a_run(adhesion):
 
 def test_without_contacts_that_open_attraction_is_a_preload():
     """rough.md, section 4: DMT without hops is a preload of F + F_a."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name, number in (("ROWS", 121), ("COLUMNS", 81)):
-            patch.setattr(f"studies.export.force_grid.{name}", number)
-        motor = adhesive_from(smooth(), DMT)
+    motor = adhesive_from(smooth(), DMT)
     pressed = motor.preload + contact.Adhesion(model="DMT", work=0.05).attraction(1e-3)
     with_preload = replace(smooth(), slider=smooth().slider)
     truth = settled(with_preload, 3e-9, preload=pressed).velocity
@@ -221,15 +219,16 @@ def holding():
 
 
 def followed_mean(motor, level, height, velocity):
-    """The mean tangential force in N of one cycle of a slider that is too heavy to change its motion within it."""
+    """The mean forces in N of one cycle of a slider that is too heavy to change its motion within it: Q, and P - F."""
     parameters, frequency = motor.parameters.copy(), motor.drives[0].orbits[0].frequency
     parameters[index.MASS], parameters[index.NORMAL_DAMPING], parameters[index.TANGENTIAL_DAMPING] = 10.0, 0.0, 0.0
     state = FollowedMotor(replace(motor, parameters=parameters))
     state.state[HEIGHT], state.state[VELOCITY] = -height, velocity
     state.advance(6.0 / frequency, level)
-    before = state.velocity
+    before = state.state.copy()
     state.advance(1.0 / frequency, level)
-    return (state.velocity - before) * 10.0 * frequency
+    changes = state.state - before
+    return changes[VELOCITY] * 10.0 * frequency, changes[NORMAL_VELOCITY] * 10.0 * frequency
 
 
 @pytest.mark.parametrize(
@@ -238,7 +237,8 @@ def followed_mean(motor, level, height, velocity):
         (coarse, 6e-9, 3e-9, 1e-3),
         (coarse, 12e-9, 0.5e-9, 1e-3),
         (holding, 4e-9, 4.8e-9, 1e-3),
-        (holding, 10e-9, 1.3e-9, 8e-3),
+        (holding, 10e-9, 1.3e-9, 1e-3),
+        (holding, 20e-9, -2e-9, 1e-3),
     ],
 )
 def test_the_followed_motor_has_the_mean_force_of_a_run(make, level, height, close):
@@ -248,4 +248,15 @@ def test_the_followed_motor_has_the_mean_force_of_a_run(make, level, height, clo
     for velocity in (0.3, 0.7):
         v = velocity * motor.drives[0].saturation(motor.slider) * level
         (truth,) = motor.law.means.tractions(height, motor.orbits_at(level), [v])
-        assert followed_mean(motor, level, height, v) == pytest.approx(truth, abs=close * limit)
+        assert followed_mean(motor, level, height, v)[0] == pytest.approx(truth, abs=close * limit)
+
+
+def test_the_followed_motor_feels_an_attraction_as_long_as_a_ball_touches():
+    """It begins and ends within steps, which count for their part: the means are those of the phase of contact."""
+    motor, level = adhesive_from(smooth(), MENISCUS), 10e-9
+    pull, stiffness = contact.meniscus_force(1e-3, 0.072), 4.0 / 3.0 * 64e9 * 1e-3**0.5
+    for height in (1e-9, 4.1e-9, -3e-9):
+        z = height + level * np.cos(2.0 * np.pi * (np.arange(20_000) + 0.5) / 20_000)
+        truth = stiffness * np.mean(np.maximum(z, 0.0) ** 1.5) - pull * math.acos(-height / level) / math.pi
+        found = followed_mean(motor, level, height, 0.0)[1] + motor.preload
+        assert found == pytest.approx(truth, abs=2e-5 * pull)
