@@ -224,7 +224,8 @@ def _projected_halves(halves: list[tuple], bases, width: float) -> HalfCell:
 
 
 def _onto_lines(matrix: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Project the rows of a complex matrix on the bases of both lines; the rows of the electrodes stay."""
-    rows = np.ascontiguousarray(matrix).view(float)  # a product of real matrices takes half the time
+    """Project the rows of a matrix on the bases of both lines; the rows of the electrodes stay."""
+    # a product of real matrices takes half the time; without loss and absorbing layers the matrix itself is real
+    rows = np.ascontiguousarray(matrix).view(float)
     size = len(left)
-    return np.vstack([left.T @ rows[:size], right.T @ rows[size : 2 * size], rows[2 * size :]]).view(complex)
+    return np.vstack([left.T @ rows[:size], right.T @ rows[size : 2 * size], rows[2 * size :]]).view(matrix.dtype)
