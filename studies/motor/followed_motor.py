@@ -151,16 +151,17 @@ def jump(h, z_before, z, edge):
 
 
 @compiled
-def layered_force(p, layers, anchors, touching, i, z, displacement):
-    """Return Q in N of the layers of contact i at an approach z, whose surface has moved past the slider.
+def layered_force(p, layers, anchors, touching, i, before, z, moved):
+    """Return Q in N of the layers of contact i at an approach z, whose surface has moved past the slider in a step.
 
-    ``touching``: displacement and number of layers in contact before the step.
+    ``before``: approach before the step, ``touching``: displacement and number of layers in contact then.
     """
-    c, q, k, before = p[index.LIMIT_SLOPE], 0.0, 0, int(touching[i, 1])
+    c, q, k, touched, displacement = p[index.LIMIT_SLOPE], 0.0, 0, int(touching[i, 1]), touching[i, 0] + moved
     while k < layers.shape[1] and z > layers[0, k]:
-        room = c * (z - layers[0, k])
-        y = anchors[i, k] if k < before else displacement
-        y = min(max(y, displacement - room), displacement + room)
+        above = z - layers[0, k]
+        # a layer touches within the step
+        y = anchors[i, k] if k < touched else displacement - moved * above / max(z - before, above)
+        y = min(max(y, displacement - c * above), displacement + c * above)
         anchors[i, k] = y
         q += layers[1, k] * (displacement - y)
         k += 1
@@ -218,7 +219,8 @@ def follow(p, tables, state, rough, normal, tangential, envelopes, omega, time, 
                         drag += friction * load * model.power_share(x / (c * z), exponent)
                 before[0, i], before[2, i] = z, rate_z
             elif layers.shape[1] > 0:
-                q = layered_force(p, layers, anchors, touching, i, z, touching[i, 0] + moved)
+                q = layered_force(p, layers, anchors, touching, i, before[4, i], z, moved)
+                before[4, i] = z
                 load = model.contact_force(p, tables, max(z - p[index.START], 0.0)) / contacts
                 total += load * (1.0 + p[index.CONTACT_DAMPING] * rate_z)
                 drag += q
