@@ -12,7 +12,7 @@ _PUBLIC = {
     "scaling": "beats_slowly common_period",
     "averaged_path": "turned",
     "each_contact": "contact_forces ContactForces",
-    "bursts": "burst",
+    "bursts": "burst spring_back",
     "sampled_cycle": "contact_cycle ContactCycle",
     "stalling": "drift_per_degree spin_moment stall stall_curve stall_torque StallCurve yaw_stability",
     "state": "Band PlaneState Powers",

@@ -73,6 +73,7 @@ class AveragedPath:
     rise_time: float  # s
     scale: np.ndarray  # (6,) of pose and rates, to which the tolerance refers
     shape: WaveShape | None = None  # takes the place of `level`
+    in_place: bool = False  # True: the mean forces stay those at the first pose
     evaluations: int = field(default=0, init=False)
     after: bool = field(default=False, init=False)
     # Level and pose of the mean forces that were found last, and these
@@ -87,6 +88,7 @@ class AveragedPath:
         """Return the mean forces of the slider on the waves at its place."""
         slider, shape = self.slider, self.shape
         level = 1.0 if shape is not None else self.level(t, self.after)
+        pose = np.zeros(3) if self.in_place else pose
         at = (level, *((t, self.after) if shape is not None else ()))
         at += tuple((pose[2:] if isinstance(self.surface, SurfaceWaves) else pose).tolist())
         if self.known is None or self.known[0] != at:

@@ -65,7 +65,7 @@ MAX_COAST = 10.0  # s after the burst within which a slider has to stop
 def burst(
     slider: Slider, surface: Surface, *, duration: float, after: float, tolerance: float, samples: int,
     method: str = "auto", rise_time: float = 0.0, start: tuple | None = None, envelope: Shape | None = None,
-    ring_down: Shape | None = None,
+    ring_down: Shape | None = None, in_place: bool = False,
 ) -> PlaneTrajectory:  # fmt: skip
     """Return the motion from rest during a burst and after it.
 
@@ -93,6 +93,9 @@ def burst(
         Factor on the waves during the burst, of all or by frequency in Hz, without a rise time.
     ring_down : Envelope or mapping of float to Envelope, optional
         The same after the burst, with the time from its end. Absent: the surface is at rest then.
+    in_place : bool
+        True if the mean forces of the averaged motion stay those at the first pose, on the waves there: the motion
+        that tends to that of `steady`.
 
     Examples
     --------
@@ -121,6 +124,8 @@ def burst(
     if (ends or start is not None) and method in ("exact", "stepped"):
         rule = 'must be "averaged" or "auto" until the slider has stopped, and from a start in motion'
         raise InputError("method", rule, method)
+    if in_place and method != "averaged":
+        raise InputError("method", 'must be "averaged" for mean forces that stay those of one place', method)
     waves = surface_under(slider, surface)
     shape = WaveShape.of(waves, duration, envelope, ring_down)
     if shape is not None and rise_time > 0.0:
@@ -129,7 +134,9 @@ def burst(
     if 0.0 < after:
         at = np.union1d(at, [duration])
     begins = None if start is None else np.concatenate([np.asarray(each, float) for each in start])
-    question = _Question(slider, surface, waves, at, duration, rise_time, tolerance, begins, ends, samples, shape)
+    question = _Question(
+        slider, surface, waves, at, duration, rise_time, tolerance, begins, ends, samples, shape, in_place
+    )
     if method == "auto":
         cycles = (duration + after) * waves.omega / (2.0 * math.pi)
         by_events = cycles * waves.count <= MAX_EXACT or beats_slowly(slider, waves)
@@ -149,10 +156,12 @@ def burst(
 class _Question:
     """What every method takes."""
 
-    def __init__(self, slider, surface, waves, at, duration, rise_time, tolerance, start, ends, samples, shape):
+    def __init__(
+        self, slider, surface, waves, at, duration, rise_time, tolerance, start, ends, samples, shape, in_place
+    ):
         self.slider, self.surface, self.waves, self.at = slider, surface, waves, at
         self.duration, self.rise_time, self.tolerance = duration, rise_time, tolerance
-        self.start, self.ends, self.samples, self.shape = start, ends, samples, shape
+        self.start, self.ends, self.samples, self.shape, self.in_place = start, ends, samples, shape, in_place
         arms = np.hypot(np.subtract(slider.x, slider.axis[0]), np.subtract(slider.y, slider.axis[1]))
         self.arm = float(np.max(arms)) if slider.freedom == "axle" else float(np.max(np.hypot(slider.x, slider.y)))
 
@@ -376,14 +385,14 @@ def _averaged(question):
             systematic += BOUNCES * (way / time_of).max(axis=0) / (ratio * question.waves.omega)
     error, pose_error = missed[3:] + systematic, missed[:3] + systematic * float(fine.time[-1])
     if fine.stopped < math.inf:
-        pose_error += _spring_back(slider)
+        pose_error += spring_back(slider)
     names = {"evaluations": path.evaluations}
     reason = f"averaged motion in the plane{begun.reason}"
     pose, rates = fine.state[:, :3], fine.state[:, 3:]
     return _Found(fine.time, pose, rates, height, error, pose_error, None, reason, names, fine.stopped)
 
 
-def _spring_back(slider):
+def spring_back(slider):
     """Return how far a slider that friction has stopped moves while its contacts spring back, shape (3,), m and rad.
 
     The averaged motion ends before: from their slip limit c z the contacts swing to -c z at most.
@@ -494,8 +503,9 @@ def _path(question, how, share) -> AveragedPath:
         speed = max(speed, float(np.hypot(*question.start[3:5])), reach * abs(float(question.start[5])))
     scale = np.array([PLACE, PLACE, PLACE / reach, speed, speed, speed / reach])
     return AveragedPath(
-        slider, question.surface, question.level, how, relative, question.rise_time, scale, question.shape
-    )
+        slider, question.surface, question.level, how, relative, question.rise_time, scale, question.shape,
+        question.in_place,
+    )  # fmt: skip
 
 
 def _averaged_run(question, path: AveragedPath, begun: _Start, instants) -> _Run:

@@ -12,6 +12,7 @@ import numpy as np
 
 from contact import plane
 from studies.model.wave_to_contact import Contact
+from studies.progress import counted
 from studies.record.plots import curve, finished
 from studies.record.prefixes import key_axis, si
 from studies.record.quantities import quantity
@@ -39,7 +40,8 @@ def plane_load_lines(driven: Contact, points: int, tolerance: float) -> Answered
 def _of_rotor(motor: PlaneMotor, points: int, title: str) -> Answered:
     stall, friction = plane.stall_torque(motor.slider, motor.waves), friction_torque(motor.slider)
     torque = np.linspace(0.0, 1.0, points)[:-1] * stall.value
-    turning = [motor.state(slider=replace(motor.slider, torque=float(each))).yaw_rate for each in torque]
+    shown = counted(LOGGER, "speed against torque", torque)
+    turning = [motor.state(slider=replace(motor.slider, torque=float(each))).yaw_rate for each in shown]
     rates, torque = np.append(turning, 0.0), np.append(torque, stall.value)
     best = int(np.argmax(np.abs(torque * rates)))
     findings = (
@@ -58,15 +60,15 @@ def _of_rotor(motor: PlaneMotor, points: int, title: str) -> Answered:
 
 def _of_slider(motor: PlaneMotor, points: int, title: str) -> Answered:
     slider, share, waves = motor.slider, motor.scene.slider.share, motor.waves
-    LOGGER.info("stall in each direction")
     angles = np.linspace(0.0, math.pi, DIRECTIONS, endpoint=False)
-    stalls = [plane.stall(slider, waves, (math.cos(each), math.sin(each))) for each in angles]
+    directions = counted(LOGGER, "stall in each direction", angles)
+    stalls = [plane.stall(slider, waves, (math.cos(each), math.sin(each))) for each in directions]
     free = motor.state()
     along = free.velocity / max(float(np.hypot(*free.velocity)), math.ulp(0.0))
     blocked = plane.stall(slider, waves, tuple(along))
-    LOGGER.info("load line")
     loads = np.linspace(0.0, 1.0, points)[:-1] * blocked.value
-    states = [motor.state(slider=replace(slider, load=tuple(float(each) * along))) for each in loads]
+    states = [motor.state(slider=replace(slider, load=tuple(float(each) * along)))
+              for each in counted(LOGGER, "load line", loads)]  # fmt: skip
     speeds = np.append([float(state.velocity @ along) for state in states], 0.0)
     loads, limit = np.append(loads, blocked.value), slider.friction_coefficient * slider.preload
     force = np.array([each.value for each in stalls])

@@ -1,27 +1,32 @@
 """Rows of the datasheet of a slider in the plane: speed, direction, rotation, stall force and torque, start, stop."""
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 import contact
 from contact import plane
-from studies.model.plane import Sum
 from studies.model.wave_to_contact import Contact
 from studies.record import Record
 from studies.record.point import Point
+from studies.record.prefixes import si
 from studies.report.datasheet_rows import Row
 from studies.scene.plane_keys import AXLE
 from studies.solve.mapped_surface import travelled
+from studies.solve.plane_burst import on_free_surface
 from studies.solve.plane_motor import PER_MINUTE, PlaneMotor
 from studies.solve.plane_path import Leg, legs_of
 from studies.solve.plane_quantities import stall_force
 
+LOGGER = logging.getLogger(__name__)
 SETTLED = 0.95  # part of the steady speed at which a start is over
-PATH_TOLERANCE = 1e-2  # of the start and the stop, relative
-SAMPLES = 60  # instants of the start, and of the stop
+PATH_TOLERANCE = 1e-3  # of the start and the stop, relative
+SAMPLES = 200  # instants of the start, and of the stop
+WEAK = 0.8  # of the waves at the position: waves that are smaller where the start ends do not bring it to its speed
 SLOW = 1e-3  # m/s: speed up to which a slider has no start and stop to speak of
 TIME_CONSTANTS = 8.0  # of the start: duration of the burst over momentum by stall force
 
@@ -31,10 +36,16 @@ def plane_rows(record: Record, driven: Contact, rated: float) -> tuple[tuple[Row
     motor = PlaneMotor.of(driven, rated, record.tolerance)
     motor = replace(motor, slider=replace(motor.slider, load=(0.0, 0.0), torque=0.0))
     point = next(each for each in record.points if each.level == rated)
-    rows, remarks = [*_speeds(driven, point)], []
+    rows = [*_speeds(driven, point)]
+    remarks: list[str] = []
     try:
+        LOGGER.info("stall force and torque")
         rows += _forces(motor, driven)
-        rows += _start_and_stop(motor, travelled(driven, rated), point)
+        LOGGER.info("start and stop")
+        start = start_of(motor, driven, rated, point)
+        if start is not None:
+            rows += _start_and_stop(start, driven)
+            remarks += _room(start, motor, driven, rated) if motor.slider.freedom != AXLE else ()
     except contact.ConvergenceError as error:
         remarks.append(f"the datasheet is incomplete: {' '.join(str(error).split())}")
     if record.electrical:
@@ -86,33 +97,97 @@ def _forces(motor: PlaneMotor, driven: Contact) -> Iterator[Row]:
         yield Row("force", "stall torque", abs(torque.value), "N m", error, "that keeps it from turning")
 
 
-def _start_and_stop(motor: PlaneMotor, surface: Sum, point: Point) -> Iterator[Row]:
-    """Yield time and way, or angle, of a start from rest and of the coast to rest after it."""
+class Start(NamedTuple):
+    """A start from rest up to `SETTLED` of the steady speed, and the coast to rest from the end of the burst."""
+
+    slider: contact.Slider
+    motion: plane.PlaneTrajectory
+    legs: tuple[Leg, Leg]
+    reached: int  # instant of the first leg from which on it is faster; 0 where it never is
+    share: float  # of the way from the instant before to that one
+
+
+def start_of(motor: PlaneMotor, driven: Contact, level: float, point: Point) -> Start | None:
+    """Return start and stop of a slider without a load; None where it is too slow to have them.
+
+    A rotor turns over its waves. The waves and the arms of a slider that moves on stay those of its place, as of its
+    steady speed: the way to that speed may be longer than the free surface.
+    """
     slider, axle = motor.slider, motor.slider.freedom == AXLE
     speed = _speed_of(point, axle)
     force = abs(plane.stall_torque(slider, motor.waves).value) if axle else stall_force(motor).value
     if not speed > 0.0 or not force > 0.0 or (not axle and speed <= SLOW):
-        return
-    inertia = slider.inertia if axle else slider.mass
-    surface = plane.from_upward_zero(slider, surface)
+        return None
+    surface = plane.from_upward_zero(slider, travelled(driven, level)) if axle else motor.waves
     motion = plane.burst(
-        slider, surface, duration=TIME_CONSTANTS * inertia * speed / force, after=math.inf, tolerance=PATH_TOLERANCE,
-        samples=SAMPLES, method="averaged",
+        slider, surface, duration=TIME_CONSTANTS * (slider.inertia if axle else slider.mass) * speed / force,
+        after=math.inf, tolerance=PATH_TOLERANCE, samples=SAMPLES, method="averaged", in_place=not axle,
+        start=(np.zeros(3), np.zeros(3)),
     )  # fmt: skip
-    start, stop = legs_of("start", motion)
-    reached = _speeds_of(start, axle) >= SETTLED * _speeds_of(start, axle)[-1]
-    for name, leg, last in (("start", start, int(np.argmax(reached))), ("stop", stop, -1)):
-        until = f"to {SETTLED:.0%} of the speed" if name == "start" else "drive off, by friction"
-        yield Row("positioning", f"{name} time", float(leg.time[last] - leg.time[0]), "s", None, until)
-        yield _way(name, leg, last, axle, until)
+    legs = legs_of("start", motion)
+    speeds, goal = _speeds_of(legs[0], axle), SETTLED * speed
+    reached = int(np.argmax(speeds >= goal))
+    share = (goal - speeds[reached - 1]) / (speeds[reached] - speeds[reached - 1]) if reached else 0.0
+    return Start(slider, motion, (legs[0], legs[-1]), reached, float(share))
 
 
-def _way(name: str, leg: Leg, last: int, axle: bool, until: str) -> Row:
+def _start_and_stop(start: Start, driven: Contact) -> Iterator[Row]:
+    """Yield time and way, or angle, of a start from rest and of the coast to rest after it."""
+    axle, (leg, coast) = driven.scene.slider.axis is not None, start.legs
+    if start.reached:
+        last = slice(start.reached - 1, start.reached + 1)
+        weights = 1.0 - start.share, start.share
+        time, acceleration = np.average(leg.time[last], weights=weights), np.ptp(_speeds_of(leg, axle)[last])
+        acceleration /= float(np.ptp(leg.time[last]))
+        until = f"from rest to {SETTLED:.0%} of the speed" + ("" if axle else " on the waves at the position")
+        error = _speed_error(start.motion, axle) / acceleration / time if acceleration > 0.0 else None
+        yield Row("positioning", "start time", float(time), "s", error, until)
+        yield _way("start", start, np.average(leg.pose[last], axis=0, weights=weights), time, axle, until)
+    until, time = "from the end of the start, drive off, by friction", float(np.ptp(coast.time))
+    error = _speed_error(start.motion, axle) / _speeds_of(coast, axle)[0]
+    yield Row("positioning", "stop time", time, "s", error, until)
+    yield _way("stop", start, coast.pose[-1] - coast.pose[0], time, axle, until)
+
+
+def _way(name: str, start: Start, moved: np.ndarray, time: float, axle: bool, until: str) -> Row:
+    """Return the row of a way, or an angle: its error is that of the speed over the time, and of what springs move."""
     if axle:
-        angle = abs(float(leg.pose[last, 2] - leg.pose[0, 2]))
-        return Row("positioning", f"{name} angle", math.degrees(angle), "deg", None, until)
-    way = float(np.hypot(*(leg.pose[last, :2] - leg.pose[0, :2])))
-    return Row("positioning", f"{name} distance", way, "m", leg.error / way if way > 0.0 else None, until)
+        way, kind, factor, unit = abs(float(moved[2])), "angle", math.degrees(1.0), "deg"
+    else:
+        way, kind, factor, unit = float(np.hypot(*moved[:2])), "distance", 1.0, "m"
+    swing = plane.spring_back(start.slider)
+    springs = 0.0 if name == "start" else float(swing[2] if axle else np.hypot(*swing[:2]))
+    error = (_speed_error(start.motion, axle) * time + springs) / way if way > 0.0 else None
+    return Row("positioning", f"{name} {kind}", factor * way, unit, error, until)
+
+
+def _room(start: Start, motor: PlaneMotor, driven: Contact, level: float) -> tuple[str, ...]:
+    """Return the remark on a start that does not reach its speed: its contacts leave the free surface, or the waves."""
+    leg, last = start.legs[0], start.reached
+    _, left = on_free_surface(driven, start.slider, start.motion)
+    if left is not None and not (last and left >= leg.time[last]):
+        last, why = int(np.searchsorted(leg.time, left)), "there it comes to fingers or an edge of the stator"
+    elif last:
+        share = _mean_size(motor, start.slider, leg.pose[last]) / _mean_size(motor, start.slider, np.zeros(3))
+        if share >= WEAK:
+            return ()
+        why = f"the waves there have {share:.0%} of their size at slider.position"
+    else:
+        return ()
+    way = si(float(np.hypot(*leg.pose[last, :2])), "m", 3)
+    taken = f"a start from rest at {driven.scene.named(level)} takes {way} or more"
+    return (f"{taken}, and {why}: the slider does not reach its speed from slider.position",)
+
+
+def _mean_size(motor: PlaneMotor, slider: contact.Slider, pose: np.ndarray) -> float:
+    """Return the mean normal amplitude of the waves under the contacts of a slider at a pose, m."""
+    waves = motor.surface.at(*plane.places(slider, pose))
+    return float(np.abs(waves.amplitudes[..., 2]).mean())
+
+
+def _speed_error(motion: plane.PlaneTrajectory, axle: bool) -> float:
+    """Return the error of a speed in m/s, or of an axle's yaw rate in rad/s."""
+    return float(motion.error[2] if axle else np.hypot(*motion.error[:2]))
 
 
 def _speed_of(point: Point, axle: bool) -> float:

@@ -27,6 +27,7 @@ from studies.solve.plane_motor import PER_MINUTE, PlaneMotor, contact_speed
 from studies.solve.point_answer import PointAnswer
 from studies.solve.velocity_error import judged
 
+ALIKE = 1e-2  # of the reference speed: averaged motions that are as near to the full one stand for its changes
 WEAKEST_FIRST = ("separated", "stick", "slip", "intermittent")
 
 
@@ -141,11 +142,11 @@ def _stator_part(motor: PlaneMotor, state, driven: Contact, level: float) -> tup
         return 0.0, 0.0
     waves, step = motor.waves, max(error, contact.MIN_WAVE_STEP)
     reference = contact.speed_scale(contact_speed(motor.slider, state.velocity, state.yaw_rate), waves.peak_speed)
+    state, method = _with_cheap_changes(motor, state, reference)
 
     def change(amplitudes: np.ndarray) -> float:
-        other = motor.state(replace(waves, amplitudes=amplitudes))
-        moved = contact_speed(motor.slider, other.velocity - state.velocity, other.yaw_rate - state.yaw_rate)
-        return moved / (step * reference)
+        other = motor.state(replace(waves, amplitudes=amplitudes), method=method)
+        return _apart(motor, other, state) / (step * reference)
 
     larger, smaller = (change(waves.amplitudes * factor) for factor in (1.0 + step, 1.0 - step))
     tangential, phase = (
@@ -153,6 +154,26 @@ def _stator_part(motor: PlaneMotor, state, driven: Contact, level: float) -> tup
     )
     between = sum(change(each) for each in _phases_between(driven, level, motor.slider, waves, step))
     return max(larger, smaller), (max(larger, smaller) + math.hypot(tangential, phase) + between) * error
+
+
+def _with_cheap_changes(motor: PlaneMotor, state, reference: float) -> tuple:
+    """Return the state whose changes are taken, and the method: the averaged motion where it is near the state.
+
+    Its changes differ from those of the motion that repeats by about as much, relative, as the motions do.
+    """
+    if state.method == "averaged":
+        return state, None
+    try:
+        averaged = motor.state(method="averaged")
+    except contact.ConvergenceError:
+        return state, None
+    near = _apart(motor, averaged, state) <= ALIKE * reference
+    return (averaged, averaged.method) if near else (state, None)
+
+
+def _apart(motor: PlaneMotor, one, other) -> float:
+    """Return the largest speed of a contact by which two steady states differ, m/s."""
+    return contact_speed(motor.slider, one.velocity - other.velocity, one.yaw_rate - other.yaw_rate)
 
 
 def _phases_between(driven: Contact, level: float, slider: contact.Slider, waves, step: float) -> Iterator[np.ndarray]:

@@ -67,10 +67,13 @@ class PlaneMotor:
 
     def state(
         self, waves: plane.SurfaceWaves | None = None, slider: contact.Slider | None = None,
-        near: plane.PlaneState | None = None,
+        near: plane.PlaneState | None = None, method: str | None = None,
     ):  # fmt: skip
-        """Return the steady `contact.plane.PlaneState`, by default at the slider's place; ``near``: a state near it."""
-        method = method_of(self.scene, "the steady state", STEADY_METHODS)
+        """Return the steady `contact.plane.PlaneState`, by default at the slider's place and by the scene's method.
+
+        ``near``: a state near it.
+        """
+        method = method or method_of(self.scene, "the steady state", STEADY_METHODS)
         slider = self.slider if slider is None else slider
         with slider_keys():
             return plane.steady(

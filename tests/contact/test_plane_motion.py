@@ -153,6 +153,26 @@ def test_an_averaged_burst_follows_the_exact_one_of_a_heavy_slider():
     assert np.hypot(*exact.velocity[-1]) > 1e-3
 
 
+def test_a_motion_in_place_tends_to_the_steady_one_of_that_place():
+    """A slider that turns by several turns meanwhile, by the numbers of two other integrators for an uneven beam."""
+    x, y = np.array([6e-3, -3e-3, -3e-3]), np.array([0.0, 5.19615e-3, -5.19615e-3])
+    rows = [[-1j * R_X * a, 0.0, a] for a in 10e-9 * (1.0 + 0.2 * y / 5.19615e-3)]
+    body = ball(
+        x=x, y=y, preload=3 * ball().preload, tilt="free", freedom="xy yaw", mass=0.267e-3, inertia=5e-9
+    )  # fmt: skip
+    waves = SurfaceWaves(frequencies=[2.2e6], amplitudes=[rows])
+    given = dict(
+        duration=5.0, after=0.0, tolerance=1e-4, samples=1, method="averaged", start=(np.zeros(3), np.zeros(3))
+    )
+    run = burst(body, waves, **given, in_place=True)
+    arms = np.array([1.0, 1.0, 6e-3])
+    missed = np.abs(run.rates[-1] - (0.0642683813, -2.9628059e-4, -1.05647983)) * arms
+    assert missed.max() < 1e-4 * 0.0643
+    assert run.pose[-1, 2] < -3.0
+    with pytest.raises(InputError, match='must be "averaged"'):
+        burst(body, waves, **(given | {"method": "auto"}), in_place=True)
+
+
 @pytest.mark.parametrize("nm", [3, 10])
 def test_the_motion_that_repeats_is_the_scalar_one_along_a_line(nm):
     slider = ball(mass=0.089e-3, normal_damping=0.5, tangential_damping=1e-4)

@@ -422,13 +422,33 @@ def test_datasheet_of_one_wave():
 
     sheet = datasheet(scene({}, load="1 uN"), tolerance=1e-3)
     rows = {row.name: row.value for row in sheet.rows}
+    (stop,) = (row for row in sheet.rows if row.name == "stop distance")
+    braked = 0.0683658806**2 / (2 * LIMIT / 0.089e-3)
+    assert abs(stop.value - braked) < 2.0 * stop.error * stop.value < 0.05 * braked
     assert rows["speed"] == pytest.approx(0.0683658806, abs=EXACT)
     assert rows["direction"] == pytest.approx(0.0, abs=1e-6)
     assert rows["stall force"] == pytest.approx(thrust_along_x(), rel=1e-4)
     assert rows["start time"] > 0.95 * 0.089e-3 * rows["speed"] / rows["stall force"]
-    assert rows["stop distance"] == pytest.approx(0.0683658806**2 / (2 * LIMIT / 0.089e-3), rel=0.05)
     assert "stall torque" not in rows
     assert "drift along y" in str(sheet)
+
+
+def test_the_start_of_a_datasheet_is_on_the_waves_of_the_position():
+    """It went through the pattern of crossing waves, or off the plate, and took the speed there for the steady one.
+
+    Oracle: two integrators that share no code with it.
+    """
+    from studies.model.wave_to_contact import Contact
+    from studies.report.plane_datasheet import start_of
+    from studies.solve.plane_motor import PlaneMotor
+
+    driven = Contact.prescribed(build(scene({}, {"direction": 90, "phase": 90}, wavelength="1 mm")))
+    speed = Point(velocity_m_per_s=0.0202250455, lateral_velocity_m_per_s=0.0816736288)
+    found = start_of(PlaneMotor.of(driven, 10e-9, 1e-3), driven, 10e-9, speed)
+    end = found.motion.rates[found.motion.burst_end, :2]
+    assert np.abs(end - (0.0202250455, 0.0816736288)).max() < 2.0 * np.hypot(*found.motion.error[:2]) < 1e-3
+    assert found.motion.pose[-1, 0] > 1e-3  # beyond the wavelength, over which the drive changes its direction
+    assert 0 < found.reached < found.motion.burst_end
 
 
 @pytest.mark.parametrize(
@@ -502,3 +522,40 @@ def test_velocities_that_are_rounding_are_printed_as_0():
     assert rounding == ["10", "50", "0", "0", "0"]
     assert motion[2:] == ["-1.5e-10", "-2.4e-11", "-2.2918e-10"]
     assert record.points[0].lateral_velocity_m_per_s == -1.3e-13
+
+
+@pytest.mark.parametrize("spread", [1e-4, 1e-2], ids=["alike", "apart"])
+def test_the_mean_over_places_is_that_of_full_motions_of_which_few_are_solved(monkeypatch, spread):
+    """Averaged motions that miss by nearly the same everywhere are corrected, others are not taken.
+
+    Truth: the mean of the full motions that stand in for those of the solver.
+    """
+    from types import SimpleNamespace
+
+    from studies.model.wave_to_contact import Contact
+    from studies.solve.plane_motor import PlaneMotor
+    from studies.solve.plane_ripple import ripple_of
+    from studies.solve.point_answer import PointAnswer
+
+    full = {}
+
+    def state(self, waves=None, slider=None, method=None):
+        """An averaged speed of 1 m/s that differs by 0.1 m/s from place to place, and a full one that is more."""
+        there = np.angle((self.waves if waves is None else waves).amplitudes[:, 0, 2])
+        velocity = np.array([1.0 + 0.1 * np.cos(there[0]), 0.5 + 0.1 * np.sin(there[1])])
+        if method != "averaged":
+            velocity = velocity * 1.003 + spread * np.sin(there)
+            full[tuple(there)] = velocity
+        status = "not accurate" if method == "averaged" else "ok"
+        return SimpleNamespace(velocity=velocity, yaw_rate=0.0, status=status)
+
+    monkeypatch.setattr(PlaneMotor, "state", state)
+    driven = Contact.prescribed(build(scene({}, {"direction": 90, "frequency": "2.3 MHz"}, wavelength="1 mm")))
+    here = PlaneMotor.of(driven, 10e-9, 1e-3).state().velocity
+    own = Point(velocity_m_per_s=here[0], lateral_velocity_m_per_s=here[1], relative_error=0.0)
+    found = ripple_of(driven, 10e-9, 1e-2, PointAnswer(point=own))
+    assert len(full) == (3 if spread < 1e-3 else 23)
+    truth = np.array([1.0, 0.5]) * 1.003  # sines and cosines have no mean over the lattices
+    mean = np.array([found.mean_velocity_m_per_s, found.mean_lateral_velocity_m_per_s])
+    assert np.linalg.norm(mean - truth) <= found.mean_velocity_relative_error * np.linalg.norm(truth) + 1e-12
+    assert found.mean_velocity_relative_error < 1e-3
