@@ -39,6 +39,7 @@ from contact.problem import contact_parameters, largest_stiffness
 # Newton's method at which a warm start has found its event, both below `law.elastic.FAR_SIDE`. With a quarter of them
 # a cycle takes 3 to 6 % more iterations, as the last ones only move by rounding.
 MAX_GROWTH = 4.0
+MAX_LENGTHS = 12  # that Newton's method tries for one event
 EVENT_VALUE, EVENT_STEP = 4e-16, 1e-15
 NEWTON_STEPS = 4  # at most, with the accelerations of one of Picard's
 TALLY = len(Event) + len(WorkCount)
@@ -200,9 +201,10 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
 def _ended_at_event(problem, grid, state, nodes, task, segment, memory):
     """Return the segment, computed, with its length corrected by Newton's method until its guard vanishes at the end.
 
-    A segment without a guard is computed once.
+    A segment without a guard is computed once. Where the guard is still positive after `MAX_LENGTHS`, because its root
+    was one of the interpolant or is far off, the segment ends without an event; the next one meets it.
     """
-    for trial in range(12):
+    for trial in range(MAX_LENGTHS):
         if segment.length < 1e-14:
             segment = seg.resized(segment, 0.0)
         _, sweeps = seg.iterate_motion(problem, grid, state, nodes, segment, task.mobile, memory)
@@ -213,6 +215,10 @@ def _ended_at_event(problem, grid, state, nodes, task, segment, memory):
         value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
         length = seg.next_length(segment, value, rate, trial)
         if length == segment.length:
+            break
+        if trial == MAX_LENGTHS - 1:
+            if value > EVENT_VALUE:
+                segment = seg.segment_at(segment.phase, segment.length, segment.map, 0)
             break
         segment = seg.resized(segment, length)
     return segment
