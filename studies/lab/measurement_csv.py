@@ -3,7 +3,8 @@
 The columns of the file (`csv_columns`) have the names of run.json and determine the kind of measurement:
 
 - ``voltage_V`` or ``normal_amplitude_m``, with ``velocity_m_per_s``: velocity curve, at the slider's position,
-- the same with ``lateral_velocity_m_per_s`` or ``yaw_rate_rad_per_s`` instead: of a slider in the plane,
+- the same with ``lateral_velocity_m_per_s``, ``yaw_rate_rad_per_s`` or ``rotation_rpm`` instead: of a slider in the
+  plane,
 - the same with ``mean_velocity_m_per_s`` instead: mean over place within half a wavelength about the position,
 - ``voltage_V`` with ``normal_amplitude_m``, without a velocity: calibration of the surface amplitude,
 - ``time_s`` with ``velocity_m_per_s``: burst,
@@ -16,6 +17,7 @@ a measurement has one quantity.  Files of vibrometers and network analysers are
 recognised here and read by `scan`, `scan_uff` and `network`.
 """
 
+import math
 from pathlib import Path
 
 from studies.lab.analyser_csv import analyser_table, file_lines
@@ -28,6 +30,7 @@ from studies.lab.scan_uff import UFF_ENDINGS, scan_of_uff
 from studies.lab.touchstone import TOUCHSTONE
 
 YAW_RATES = {"rad_per_s": 1.0}
+ROTATIONS = {"rpm": 2.0 * math.pi / 60.0}  # yaw rates in turns per minute
 DEVIATIONS = ("deviation", "std", "stdev", "sd", "sigma", "uncertainty", "err")  # words in heads of standard deviations
 
 
@@ -53,6 +56,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
     velocity, time = table.values("velocity", VELOCITIES), table.values("time", TIMES)
     mean_velocity = table.values("mean_velocity", VELOCITIES)
     lateral, yaw = table.values("lateral_velocity", VELOCITIES), table.values("yaw_rate", YAW_RATES)
+    rotation = table.values("rotation", ROTATIONS)
     level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
     levels = voltage or amplitude or ()
     for noun, units in (("voltage", VOLTAGES), ("normal_amplitude", DISPLACEMENTS)):
@@ -77,12 +81,14 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         quantity, values = "lateral velocity", lateral
     elif yaw is not None and level_key:
         quantity, values = "yaw rate", yaw
+    elif rotation is not None and level_key:
+        quantity, values = "yaw rate", rotation
     elif voltage is not None and amplitude is not None:
         quantity, values = "amplitude", amplitude
     else:
-        wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s or mean_velocity_m_per_s, voltage_V with "
-        wanted += "normal_amplitude_m, time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and "
-        wanted += "u_z_imag_m_per_V"
+        wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, mean_velocity_m_per_s, "
+        wanted += "lateral_velocity_m_per_s, yaw_rate_rad_per_s or rotation_rpm, voltage_V with normal_amplitude_m, "
+        wanted += "time_s with velocity_m_per_s or position_m, or x_m with u_z_real_m_per_V and u_z_imag_m_per_V"
         bracketed = any(sign in name for name in table.names for sign in "[( ")
         hint = ": a head is a name and its unit, such as x_mm or u_z_real_pm" if bracketed else ""
         raise table.lacking(wanted, hint)
@@ -91,6 +97,8 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
         "position": (("position_standard_deviation",), DISPLACEMENTS),
         "yaw rate": (("yaw_rate_standard_deviation",), YAW_RATES),
     }
+    if quantity == "yaw rate" and yaw is None:
+        nouns["yaw rate"] = ("rotation_standard_deviation",), ROTATIONS
     named, units = nouns.get(quantity, (("error", "velocity_standard_deviation"), VELOCITIES))
     deviations = table.deviation(named, units)
     remarks = _left_out(table, quantity)
@@ -105,6 +113,7 @@ def read_measured(path: str | Path, option: str = "--measured") -> Measurement:
 def _left_out(table: CsvColumns, quantity: str) -> tuple[str, ...]:
     """Return the remark on the columns of further velocities in the plane beside the one that is read."""
     nouns = {"lateral_velocity": VELOCITIES, "yaw_rate": YAW_RATES}
+    nouns |= {} if quantity == "yaw rate" else {"rotation": ROTATIONS}
     further = [
         f"{noun}_{unit}" for noun, units in nouns.items() for unit in units
         if f"{noun}_{unit}" in table.names and noun != quantity.replace(" ", "_")

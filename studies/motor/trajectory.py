@@ -5,6 +5,7 @@ drives it alone for `DURATION`, one after the other; then all together; then it 
 the mean forces of a cycle at each pose (`contact.plane.burst`), on the waves of the place. Expected: each burst
 adds a motion along its own wave; with sources of different frequencies the velocity under all of them is within a
 quarter of the sum of those under each (the decoupling of the axes); friction stops the slider within v^2/(2 mu g).
+A slider on an axle turns: its yaw takes the part of the path, and its sources the whole of one motor.
 Run time: about a minute, plus the time of a stator for each source.
 """
 
@@ -19,7 +20,8 @@ from studies.record.plots import curve, family, finished
 from studies.record.prefixes import si
 from studies.record.quantities import quantity
 from studies.scene import Scene
-from studies.solve.plane_motor import PlaneMotor, waves_at
+from studies.scene.plane_keys import AXLE
+from studies.solve.plane_motor import PER_MINUTE, PlaneMotor, friction_torque, waves_at
 from studies.solve.plane_path import Leg, legs_of
 from studies.solve.plane_sources import driven_by, waves_of_sources
 from studies.study_list import Answered, Panel, driven_contact, judged, of_record, study
@@ -62,6 +64,8 @@ def run(scene: Scene, *, duration: float = DURATION, tolerance: float = 1e-2) ->
         )  # fmt: skip
         legs += legs_of(name, motion, start, begin)
         start, begin = legs[-1].end, float(legs[-1].time[-1])
+    if driven.slider.freedom == AXLE:
+        return _panels(driven, legs)[1:], _findings_of_turn(driven, legs), _answer_of_turn(legs)
     return _panels(driven, legs), _findings(driven, sources, level, legs, tolerance), _answer(legs)
 
 
@@ -108,6 +112,34 @@ def _findings(driven, sources, level: float, legs: list[Leg], tolerance: float):
         "The error of the path is small.", "largest error of a leg's end over the length of the path",
         max(each.error for each in legs) / max(sum(_length(each) for each in legs), SMALLEST), low=-1.0, high=0.05,
     )  # fmt: skip
+
+
+def _findings_of_turn(driven, legs: list[Leg]):
+    """Judge within which angle friction stops a rotor, and the error of its yaw."""
+    coast, slider = legs[-1], driven.slider
+    rate, turn = abs(float(coast.rates[0, 2])), abs(float(coast.pose[-1, 2] - coast.pose[0, 2]))
+    arm = float(np.hypot(slider.x - slider.axis[0], slider.y - slider.axis[1]).max())
+    braking, moves = friction_torque(slider) / slider.inertia, rate * arm > SLOW
+    yield judged(
+        "Friction stops a rotor within omega^2/(2 a), a = the torque of contacts that slip over the moment of inertia.",
+        "angle of the coast over it", turn / (rate**2 / (2.0 * braking)) if moves else 0.0, low=0.5, high=2.0,
+        holds=None if not moves else True,
+    )  # fmt: skip
+    whole = max(sum(float(np.abs(np.diff(each.pose[:, 2])).sum()) for each in legs), SMALLEST)
+    yield judged(
+        "The error of the yaw is small.", "largest error of a leg's end over the angle turned",
+        max(each.yaw_error for each in legs) / whole, low=-1.0, high=0.05,
+    )  # fmt: skip
+
+
+def _answer_of_turn(legs: list[Leg]) -> list[tuple[str, str]]:
+    lines = []
+    for each in legs:
+        (_, _, yaw), (_, _, rate) = each.end
+        where = f"yaw {math.degrees(yaw):.4g} deg at {PER_MINUTE * rate:.4g} 1/min"
+        error = f"+-{math.degrees(each.yaw_error):.1g} deg"
+        lines.append((each.name, f"{si(float(np.ptp(each.time)), 's', 3)}: to {where}, {error}"))
+    return lines
 
 
 def _length(leg: Leg) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import contact
 from studies.model.scene_errors import slider_keys
 from studies.model.wave_to_contact import Contact
+from studies.progress import counted
 from studies.record.blocks import SummaryBlock
 from studies.record.point import Point
 from studies.record.status import Status
@@ -51,8 +52,8 @@ def slider_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
 
 def velocity_answer(driven: Contact, *, tolerance: float) -> SliderAnswer:
     """Return the answers of `slider_answer` without threshold, release and loads of the contacts."""
-    answers = tuple(point_answer(driven, level, tolerance) for level in driven.scene.levels)
-    return SliderAnswer(answers=answers, driven=driven)
+    shown = counted(LOGGER, "velocity at each level", driven.scene.levels)
+    return SliderAnswer(answers=tuple(point_answer(driven, level, tolerance) for level in shown), driven=driven)
 
 
 def point_answer(

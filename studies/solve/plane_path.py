@@ -17,6 +17,7 @@ class Leg:
     pose: np.ndarray  # (k, 3): x, y and yaw, m and rad
     rates: np.ndarray  # (k, 3)
     error: float  # of the place at its end, m
+    yaw_error: float  # of the yaw there, rad
 
     @property
     def end(self) -> tuple[np.ndarray, np.ndarray]:
@@ -31,9 +32,11 @@ def legs_of(name: str, motion: plane.PlaneTrajectory, start: tuple | None = None
     """
     first = np.zeros((2, 3)) if start is None else np.array(start)
     time_at, error = np.append(0.0, motion.time) + begin, float(np.hypot(*motion.pose_error[:2]))
+    yaw_error = float(motion.pose_error[2])
     pose, rates = np.vstack([first[:1], motion.pose]), np.vstack([first[1:], motion.rates])
     end = motion.burst_end + 2
     parts = [(name, slice(0, end))]
     if motion.stopped < math.inf and end < len(time_at) + 1:
         parts.append(("coast", slice(end - 1, None)))
-    return [Leg(name=each, time=time_at[k], pose=pose[k], rates=rates[k], error=error) for each, k in parts]
+    errors = {"error": error, "yaw_error": yaw_error}
+    return [Leg(name=each, time=time_at[k], pose=pose[k], rates=rates[k], **errors) for each, k in parts]

@@ -257,6 +257,18 @@ def measured(predictor, levels, numbers, deviation=2e-4):
     ]
 
 
+def test_the_path_of_a_rotor_is_its_yaw():
+    """The finding about its velocity, 0/0, ended the study; friction stops a rotor within omega^2 J/(2 M)."""
+    keys = {"contacts": [["6 mm", 0], ["5 mm", "2 mm"]], "freedom": "axle", "axis": [0, 0], "inertia": "2 g mm^2"}
+    sources = {"direction": 90}, {"direction": 120, "frequency": "2.3 MHz"}
+    record = trajectory.run(scene(*sources, wavelength="1.1 mm", **keys), duration=0.004, tolerance=3e-2)
+    assert [panel.name for panel in record.panels] == ["yaw"]
+    stop, error = record.findings
+    assert stop.confirmed
+    assert error.confirmed
+    assert stop.found == pytest.approx(1.0, abs=0.05)
+
+
 def test_both_components_of_a_velocity_are_predicted_from_one_motion(monkeypatch):
     """They are those of a run, solved once, from a motion near it in fewer evaluations."""
     from studies.solve import plane_motor

@@ -361,6 +361,14 @@ def test_columns_of_further_velocities_are_named(tmp_path):
     assert data_file(tmp_path, "voltage_V,lateral_velocity_m_per_s\n10,-0.1\n").remarks == ()
 
 
+def test_rotations_of_a_rotor_are_read_in_turns_per_minute(tmp_path):
+    """The column of a run's own velocity.csv was refused."""
+    data = data_file(tmp_path, "voltage_V,rotation_rpm,rotation_standard_deviation_rpm\n20,-60,3\n40,30,6\n")
+    assert (data.quantity, data.values) == ("yaw rate", pytest.approx((-2.0 * np.pi, np.pi)))
+    assert data.deviations == pytest.approx((0.1 * np.pi, 0.2 * np.pi))
+    assert data.remarks == ()
+
+
 def test_measurements_that_a_slider_does_not_make_are_refused(tmp_path):
     yaw = data_file(tmp_path, "normal_amplitude_nm,yaw_rate_rad_per_s\n10,1\n")
     with pytest.raises(SceneError, match="holds a yaw rate"):
