@@ -13,6 +13,7 @@ from studies.record import Record
 from studies.record.plots import COLOURS, PALETTE, finished, saved
 from studies.record.quantities import Quantity, quantities, quantity
 from studies.record.text import labelled, table
+from studies.record.values import as_array
 from studies.refusal import refuse_ending, refuse_if, writing
 
 if TYPE_CHECKING:
@@ -61,11 +62,24 @@ class Comparison:
             answers.append([(key, value) for key, value in leaves.items() if key in known])
         return _differences(answers)
 
-    def points(self) -> Iterator[tuple[float, list[tuple[float, float] | None]]]:
-        """Yield each level with velocity and error, m/s, of every run; None where a run has no answer there."""
-        answers = []
+    @property
+    def motions(self) -> tuple[Quantity, ...]:
+        """Velocity along x, of the plane also across and the rotation; of sliders on axles the rotation alone."""
+        blocks = [record.scene.slider for record in self.records]
+        if all(each.axis is not None for each in blocks):
+            return (quantity.rotation_rpm,)
+        across = (quantity.lateral_velocity_m_per_s,) if all(each.planar for each in blocks) else ()
+        turns = (quantity.rotation_rpm,) if all(each.planar and each.turns for each in blocks) else ()
+        return (quantity.velocity_m_per_s, *across, *turns)
+
+    def points(self, motion: Quantity | None = None) -> Iterator[tuple[float, list[tuple[float, float] | None]]]:
+        """Yield each level with the first motion, or another one, and its error, of every run.
+
+        None where a run has no answer there.
+        """
+        motion, answers = motion or self.motions[0], []
         for record in self.records:
-            columns = record.column(record.level), record.velocity, _errors(record)
+            columns = record.column(record.level), _column(record, motion), _errors(record, motion)
             rows = zip(*(column.tolist() for column in columns), strict=True)
             answers.append({level: (v, error) for level, v, error in rows if math.isfinite(v)})
         for level in sorted({level for answer in answers for level in answer}):
@@ -79,16 +93,22 @@ class Comparison:
             "answers": {key: values for key, values in self.numbers},
         }
         if self.level:
-            whole["points"] = [
-                {
-                    self.level: level,
-                    "velocity": [None if each is None else each[0] for each in found],
-                    "error": [None if each is None else each[1] for each in found],
-                    "change": [_change(found[0], each)[0] for each in found[1:]],
-                }
-                for level, found in self.points()
-            ]
+            first, *others = self.motions
+            whole["points"] = self._table(first)
+            whole |= {each.column: self._table(each) for each in others}
         return whole
+
+    def _table(self, motion: Quantity) -> list[dict]:
+        name = "velocity" if motion is quantity.velocity_m_per_s else motion.column
+        return [
+            {
+                self.level: level,
+                name: [None if each is None else each[0] for each in found],
+                "error": [None if each is None else each[1] for each in found],
+                "change": [_change(found[0], each)[0] for each in found[1:]],
+            }
+            for level, found in self.points(motion)
+        ]
 
     def __str__(self) -> str:
         """Return the tables as text: scenes, answers, then the velocities and their changes from the first run."""
@@ -102,7 +122,8 @@ class Comparison:
             rest = f" ({more} more numbers: --json)" if more else ""
             lines += ["", f"what differs in the answers{rest}", *table([heads, *answers])]
         if self.level:
-            lines += ["", *self._velocities()]
+            for motion in self.motions:
+                lines += ["", *self._velocities(motion)]
         errors = [f"{name} {_percent(record.error.get('relative'))}" for name, record in self._named()]
         seconds = [f"{name} {record.seconds['total']:.2f}" for name, record in self._named()]
         entries = [("relative errors", ", ".join(errors)), ("seconds", ", ".join(seconds))]
@@ -112,13 +133,15 @@ class Comparison:
     def _named(self):
         return zip(self.names, self.records, strict=True)
 
-    def _velocities(self) -> list[str]:
-        """Return the table of velocities: the first run's, then every other one's with its change."""
-        speed, level = quantity.velocity_m_per_s, quantity(self.level)
+    def _velocities(self, speed: Quantity) -> list[str]:
+        """Return the table of a motion: the first run's, then every other one's with its change."""
+        level, named = quantity(self.level), "velocities"
+        if speed is not quantity.velocity_m_per_s:
+            named = "rotations" if speed is quantity.rotation_rpm else "velocities across"
         heads = [level.heading, *(f"{name} ({speed.shown})" for name in self.names)]
         heads += [f"change of {name}" for name in self.names[1:]]
         rows, beyond = [heads], False
-        for here, found in self.points():
+        for here, found in self.points(speed):
             row = [level.text(here), *(MISSING if each is None else speed.text(each[0]) for each in found)]
             for each in found[1:]:
                 change, sure = _change(found[0], each)
@@ -126,7 +149,7 @@ class Comparison:
                 beyond |= sure
             rows.append(row)
         note = "* by more than both stated errors" if beyond else "all within the stated errors"
-        return [f"velocities and changes from {self.names[0]} ({note})", *table(rows)]
+        return [f"{named} and changes from {self.names[0]} ({note})", *table(rows)]
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw the velocities of all runs over their level, with their stated errors.
@@ -141,15 +164,16 @@ class Comparison:
             from matplotlib import pyplot
 
             ax = pyplot.subplots(layout="constrained")[1]
-        across, up = quantity(self.level), quantity.velocity_m_per_s
+        across, up = quantity(self.level), self.motions[0]
         for k, (name, record) in enumerate(self._named()):
-            x, v = record.column(record.level), record.velocity
+            x, v = record.column(record.level), _column(record, up)
             colour = COLOURS[PALETTE[k % len(PALETTE)]]
             ax.errorbar(
-                x * across.scale, v * up.scale, _errors(record) * up.scale, fmt=f"{MARKS[k % len(MARKS)]}-",
+                x * across.scale, v * up.scale, _errors(record, up) * up.scale, fmt=f"{MARKS[k % len(MARKS)]}-",
                 color=colour, markersize=3.5, linewidth=1, capsize=2, label=name,
             )  # fmt: skip
-        return finished(ax, across.axis, up.axis, "Velocity of the slider in each run, with its stated error")
+        named = "Rotation" if up is quantity.rotation_rpm else "Velocity"
+        return finished(ax, across.axis, up.axis, f"{named} of the slider in each run, with its stated error")
 
 
 def compare(*runs: Record | str | Path) -> Comparison:
@@ -223,11 +247,29 @@ def _same(one, other) -> bool:
     return bool(one == other)
 
 
-def _errors(record: Record) -> np.ndarray:
-    """Return the stated error of each velocity, m/s."""
+def _column(record: Record, motion: Quantity) -> np.ndarray:
+    """Return a motion at each point, NaN where a point has no answer."""
+    return as_array(point.get(motion.column) for point in record.points)
+
+
+def _errors(record: Record, motion: Quantity) -> np.ndarray:
+    """Return the stated error of each velocity in m/s, or of each rotation in turns per minute.
+
+    It is relative to the speed: that of the slider, or of the farthest contact from an axle.
+    """
     surface = 2.0 * math.pi * record.scene.frequency * np.abs(record.tangential_amplitude)
-    scales = list(map(contact.speed_scale, record.velocity.tolist(), surface.tolist()))
-    return record.relative_error * np.array(scales)
+    slider, turns, speed = record.scene.slider, 1.0, record.velocity
+    if slider.planar:
+        from studies.solve.plane_motor import PER_MINUTE
+
+        about = slider.axis or (0.0, 0.0)
+        arm = max(math.dist(each, about) for each in slider.offsets) or 1.0
+        across = np.nan_to_num(_column(record, quantity.lateral_velocity_m_per_s))
+        turns = PER_MINUTE / arm  # per minute, of 1 m/s of the farthest contact
+        rotation = np.nan_to_num(_column(record, quantity.rotation_rpm))
+        speed = np.abs(rotation / turns) if slider.axis is not None else np.hypot(speed, across)
+    scales = np.array(list(map(contact.speed_scale, speed.tolist(), surface.tolist())))
+    return record.relative_error * scales * (turns if motion is quantity.rotation_rpm else 1.0)
 
 
 def _change(one: tuple[float, float] | None, other: tuple[float, float] | None) -> tuple[float | None, bool]:

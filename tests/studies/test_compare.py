@@ -55,6 +55,30 @@ def test_velocities_and_their_changes_by_hand(records):
         assert rows[level][0] == (first, pytest.approx(error, rel=1e-12))
 
 
+def test_rotors_are_compared_by_their_rotation_and_the_plane_by_both_velocities():
+    """A rotor's velocities, all 0, were compared. Errors of a velocity are over the speed, of a rotation over the arm."""
+    from studies.record import Record
+    from studies.record.point import Point
+
+    def of(name, **values):
+        scene = Scene.load(name).replace(drive={"voltage": [20.0]})
+        point = Point(voltage_V=20.0, tangential_amplitude_m=1e-12, relative_error=1e-3, **values)
+        return Record(scene=scene, tolerance=1e-3, points=(point,), seconds={"total": 1.0})
+
+    rotor = [of("rotor", velocity_m_per_s=0.0, lateral_velocity_m_per_s=0.0, rotation_rpm=n) for n in (60.0, 66.0)]
+    (row,) = compare(*rotor).to_dict()["points"]
+    assert row["rotation_rpm"] == [60.0, 66.0]
+    assert row["change"] == pytest.approx([0.1])
+    assert row["error"] == pytest.approx([0.06, 0.066])
+    assert "rotations and changes from 1 (* by more than both stated errors)" in str(compare(*rotor))
+    keys = {"velocity_m_per_s": 0.03, "lateral_velocity_m_per_s": 0.04, "rotation_rpm": 0.0}
+    planar = compare(*[of("twente-planar", **(keys | {"lateral_velocity_m_per_s": v})) for v in (0.04, -0.04)])
+    whole = planar.to_dict()
+    assert whole["points"][0]["error"] == pytest.approx([5e-5, 5e-5])
+    assert whole["lateral_velocity_m_per_s"][0]["change"] == pytest.approx([-2.0])
+    assert whole["rotation_rpm"][0]["error"] == pytest.approx([5e-5 / 5.309e-3 * 60 / (2 * math.pi)] * 2, rel=1e-3)
+
+
 def test_order_of_the_runs_is_kept(records):
     one, other = compare(*records).to_dict(), compare(*records[::-1]).to_dict()
     for forward, back in zip(one["points"], other["points"], strict=True):
