@@ -56,7 +56,7 @@ def test_velocities_and_their_changes_by_hand(records):
 
 
 def test_rotors_are_compared_by_their_rotation_and_the_plane_by_both_velocities():
-    """A rotor's velocities, all 0, were compared. Errors of a velocity are over the speed, of a rotation over the arm."""
+    """A rotor's velocities, all 0, were compared. Errors in the plane are over the speed."""
     from studies.record import Record
     from studies.record.point import Point
 

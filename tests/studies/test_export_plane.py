@@ -361,3 +361,36 @@ def test_a_waveform_stands_beside_the_model_as_a_table_of_all_drives():
     assert table == pytest.approx(
         np.array([[0, 0, 0], [1e-3, 1e-8, 1e-8], [2e-3, 1e-8, 1e-8], [4e-3, 0, 0], [4e-3, 0, 0]]), abs=1e-20
     )
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fmpy's own imports
+def test_the_fmu_of_a_shipped_scene_follows_its_path(tmp_path):
+    """Bursts of each transducer, of both, and the coast, by fmpy; truth: `contact.plane.burst` on the waves there."""
+    fmpy = pytest.importorskip("fmpy")
+    motor = planar_motor(Scene.load("twente-planar").at_level(60.0), tolerance=1e-2)
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(fmu_of(planar_model(motor))[0])
+    duration, slider, start = 0.01, motor.body.slider, (np.zeros(3), np.zeros(3))
+    drives = ((60.0, 0.0), (0.0, 60.0), (60.0, 60.0))
+    rows = [(k * duration + at, *levels) for k, levels in enumerate(drives) for at in (0.0, duration)]
+    rows += [(3 * duration, 0.0, 0.0), (1.0, 0.0, 0.0)]
+    inputs = np.array(rows, dtype=[("time", float), ("drive_left", float), ("drive_front", float)])
+    result = fmpy.simulate_fmu(str(path), stop_time=0.06, step_size=1e-4, output_interval=1e-4, input=inputs)
+    arms, passed, allowed = np.array([1.0, 1.0, motor.body.arm]), 0.0, 0.0
+    for k, levels in enumerate(drives):
+        after = math.inf if k == 2 else 0.0
+        leg = plane.burst(
+            slider, motor.body.waves_at(levels), duration=duration, after=after, tolerance=1e-3, samples=5,
+            method="averaged", start=start, in_place=True,
+        )  # fmt: skip
+        fastest = float(np.abs(leg.rates * arms).max())
+        for now, pose, rates in zip(leg.time, leg.pose, leg.rates, strict=True):
+            at = int(np.argmin(np.abs(result["time"] - passed - now)))
+            found = np.array([result[name][at] for name in ("x", "y", "yaw")])
+            moved = np.array([result[name][at] for name in ("velocity_x", "velocity_y", "yaw_rate")])
+            stated = (motor.velocity_error + leg.relative_error) * fastest
+            assert np.abs((moved - rates) * arms).max() < stated + 1e-4 * fastest
+            assert np.abs((found - pose) * arms).max() < allowed + stated * now + 1e-4 * fastest * duration
+        allowed += stated * leg.time[-1]
+        passed, start = passed + duration, (leg.pose[leg.burst_end], leg.rates[leg.burst_end])
+    assert abs(result["yaw"][-1]) * motor.body.arm > 1e-6
