@@ -24,6 +24,7 @@ from studies.scene import Scene
 def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> Exported:
     """Return NAME.fmu of a scene with a slider; ``fmi``: "3" or "2"."""
     refuse_other(fmi, FMI_VERSIONS, "--fmi")
+    drive_input(scene, name)  # refuses a waveform before anything is computed
     if scene.planar:
         model = _planar(scene, tolerance)
         inputs = drive_input(scene, name, _drives(model))
@@ -38,6 +39,7 @@ def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float) -> E
 
 def c_files(scene: Scene, name: str, *, tolerance: float) -> Exported:
     """Return motor.c and motor.h of a scene with a slider."""
+    drive_input(scene, name)  # refuses a waveform before anything is computed
     if scene.planar:
         model = _planar(scene, tolerance)
         files = drive_input(scene, name, _drives(model))

@@ -6,7 +6,7 @@ the mean forces of a cycle at each pose (`contact.plane.burst`), on the waves of
 adds a motion along its own wave; with sources of different frequencies the velocity under all of them is within a
 quarter of the sum of those under each (the decoupling of the axes); friction stops the slider within v^2/(2 mu g).
 A slider on an axle turns: its yaw takes the part of the path, and its sources the whole of one motor.
-Run time: about a minute, plus the time of a stator for each source.
+Run time: about 10 s, plus the time of a stator for each source.
 """
 
 import logging
@@ -31,7 +31,7 @@ LOGGER = logging.getLogger(__name__)
 DURATION = 0.02  # s of each burst
 QUICK = {"duration": 0.004}
 SAMPLES = 60  # instants of each burst, and of the coast
-ROUNDING = 1e-12  # of the largest speed or way of a leg: a component below it is rounding
+ROUNDING = 1e-11  # of the largest speed or way of a leg: a component below it is rounding
 SLOW = 1e-3  # m/s: speed from which on the way of the coast is compared
 SMALLEST = 1e-12  # m: length of a path that is none
 COUPLED = 0.25  # relative change of a velocity by the other source, below which the axes count as decoupled
@@ -66,7 +66,7 @@ def run(scene: Scene, *, duration: float = DURATION, tolerance: float = 1e-2) ->
         start, begin = legs[-1].end, float(legs[-1].time[-1])
     if driven.slider.freedom == AXLE:
         return _panels(driven, legs)[1:], _findings_of_turn(driven, legs), _answer_of_turn(legs)
-    return _panels(driven, legs), _findings(driven, sources, level, legs, tolerance), _answer(legs)
+    return _panels(driven, legs), _findings(driven, sources, level, legs, tolerance), _answer(legs, driven)
 
 
 def _panels(driven, legs: list[Leg]) -> list[Panel]:
@@ -151,11 +151,12 @@ def _pair(values, unit: str, scale: float) -> str:
     return f"({', '.join(si(0.0 if abs(each) < ROUNDING * scale else float(each), unit, 4) for each in values)})"
 
 
-def _answer(legs: list[Leg]) -> list[tuple[str, str]]:
-    lines = []
+def _answer(legs: list[Leg], driven) -> list[tuple[str, str]]:
+    lines, arm = [], float(np.hypot(driven.slider.x, driven.slider.y).max())
     for each in legs:
         (x, y, yaw), (v_x, v_y, rate) = each.end
         way, speed = (float(np.hypot(*part.T).max()) for part in (each.pose[:, :2], each.rates[:, :2]))
+        yaw, rate = (0.0 if abs(arm * turn) < ROUNDING * whole else turn for turn, whole in ((yaw, way), (rate, speed)))
         where = f"{_pair((x, y), 'm', way)}, yaw {math.degrees(yaw):.4g} deg"
         how = f"{_pair((v_x, v_y), 'm/s', speed)}, {rate:.4g} rad/s"
         lines.append(
