@@ -14,6 +14,12 @@ from studies.scene import Scene, shipped_scenes
 from tests.studies.settings import changed
 
 TWO = 'drive.voltage=["10 V", "20 V"]'
+WAVE = {"wave": {"frequency": "2.2 MHz", "normal_amplitude": ["5 nm", "10 nm"], "tangential_ratio": 0.67}}
+BEAT = [{}, {"direction": 90, "frequency": "2.3 MHz"}]
+SLIDER = {
+    "radius": "1 mm", "mass": "0.089 g", "contacts": 1, "preload": "0.87309 mN", "friction_coefficient": 0.08,
+    "effective_modulus": "64 GPa", "tangential_modulus": "12 GPa",
+}  # fmt: skip
 AMPLITUDES = 'wave.normal_amplitude=["2 nm", "5 nm"]'
 SCENES = {
     "contact": ("twente-contact", 1e-3),
@@ -110,6 +116,17 @@ def test_more_asked_for_costs_more():
     burst = plan(changed("twente-left", TWO, "drive.burst=0.01"), tolerance=1e-2)
     assert burst["expected"]["seconds"] > plans[0]["seconds"]
     assert [part["name"] for part in burst["parts"]] == ["stator", "beam", "ring-up", "contact"]
+
+
+def test_a_level_in_the_plane_costs_more_than_one_along_x_and_most_with_a_beat():
+    """The plan of `twente-planar` said 2 s within a factor of 3, and its run took 17 s."""
+    along, planar, beating = (
+        plan(Scene.from_table("", WAVE | {"slider": SLIDER | {"freedom": freedom}} | wave), tolerance=1e-3)
+        for freedom, wave in (("x", {}), ("xy", {}), ("xy", {"wave": WAVE["wave"] | {"sources": BEAT}}))
+    )
+    costs = [each["expected"]["seconds"] for each in (along, planar, beating)]
+    assert costs[1] > costs[0] + 1.0
+    assert costs[2] > costs[1] + 3.0
 
 
 def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
