@@ -26,6 +26,7 @@ DURATIONS = (5e-4, 1e-3, 2e-3, 4e-3)  # s
 SAMPLES = 20  # instants of a burst, and of the slide after it
 COUPLED = 0.1  # part of a step that goes across
 NONE_ACROSS = 1e-6  # part of a step below which nothing goes across
+FAR_BELOW = 1e-3  # of the error of a miss: a component that is smaller is printed as 0
 STEPS, MOVE = "steps_in_plane", "move_in_plane"  # panels
 
 
@@ -144,7 +145,8 @@ def _move_words(legs, target):
         place = at + leg.pose[-1]
         yield f"move by {name}", f"{si(duration, 's', 4)}, rests after {si(float(leg.stopped), 's', 3)}"
     miss, error = place[:2] - target, sum(np.hypot(*leg.pose_error[:2]) for _, _, leg in legs.values())
-    at = f"({si(float(miss[0]), 'm', 3)}, {si(float(miss[1]), 'm', 3)})"
+    missed = [0.0 if abs(each) < FAR_BELOW * error else float(each) for each in miss]
+    at = f"({si(missed[0], 'm', 3)}, {si(missed[1], 'm', 3)})"
     wanted = f"({si(float(target[0]), 'm', 4)}, {si(float(target[1]), 'm', 4)})"
     yield "target", f"{wanted}: missed by {at} +-{si(float(error), 'm', 1)}, turned by {math.degrees(place[2]):.3g} deg"
 

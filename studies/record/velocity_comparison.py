@@ -37,7 +37,8 @@ def refuse_incomparable(scene: "Scene", measured: Measurement) -> Iterator[Any]:
             raise missing_burst(scene, measured)
         return
     if measured.quantity not in VELOCITIES:
-        yield OPTION, f"must hold velocities against {level}, got a {measured.quantity}"
+        remedy = ": sawmotor fit compares it" if measured.quantity in ("lateral velocity", "yaw rate") else ""
+        yield OPTION, f"must hold velocities against {level}, got a {measured.quantity}{remedy}"
     if measured.level_key != level:
         yield OPTION, f"must have the column {level} for this scene, got {measured.level_key}"
 

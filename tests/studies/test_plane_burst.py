@@ -367,6 +367,8 @@ def test_rotations_of_a_rotor_are_read_in_turns_per_minute(tmp_path):
     assert (data.quantity, data.values) == ("yaw rate", pytest.approx((-2.0 * np.pi, np.pi)))
     assert data.deviations == pytest.approx((0.1 * np.pi, 0.2 * np.pi))
     assert data.remarks == ()
+    with pytest.raises(SceneError, match="got a yaw rate: sawmotor fit compares it"):
+        refuse_incomparable(Scene.load("rotor"), data)
 
 
 def test_measurements_that_a_slider_does_not_make_are_refused(tmp_path):
