@@ -20,7 +20,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from fem.beam.beam_of_charges import UNCONVERGED, UNCONVERGED_IN_PICTURES, ChargeSheet, EmittedBeam, Emitter, Strip
+from fem.beam.beam_of_charges import AT_POINTS, IN_PICTURES, Agreement, ChargeSheet, EmittedBeam, Emitter, Strip
 from fem.beam.electrode_charges import ElectrodeCharges, all_charges
 from fem.beam.faces import Faces
 from fem.beam.lateral import EVANESCENT, RULES, Points, inverse_transform
@@ -78,8 +78,8 @@ class SurfaceBeam:
         Forces, each with the response of the bare stator to it.
     scattering_error : float
         Relative error of the waves that transducers send in answer to forces.
-    unconverged : float
-        Difference between two rules in k_y over the motion, above which finer rules are taken.
+    agreement : Agreement
+        Of two rules for the integral over k_y, at which no finer one is taken.
     received_error : float
         Error of the currents that forces send into transducers at a voltage of zero, over the largest of them.
     mirror_width : float or None
@@ -108,7 +108,7 @@ class SurfaceBeam:
     strips: tuple[Strip, ...] = ()
     scattering_error: float = 0.0
     received_error: float = 0.0
-    unconverged: float = UNCONVERGED
+    agreement: Agreement = AT_POINTS
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V, or in m under forces.
@@ -302,13 +302,13 @@ class SurfaceBeam:
 
     @property
     def pictured(self) -> "SurfaceBeam":
-        """The same beam for a picture, to 5 % beside fingers."""
-        return replace(self, unconverged=UNCONVERGED_IN_PICTURES)
+        """The same beam for a picture: to 2 % of the largest motion beside fingers, and better elsewhere."""
+        return replace(self, agreement=IN_PICTURES)
 
     @cached_property
     def _emitted(self) -> EmittedBeam:
         """Waves of all charges and forces, without those that the ends reflect."""
-        return EmittedBeam(self.emitters, self.wavelength, self.mirror_width, self.unconverged)
+        return EmittedBeam(self.emitters, self.wavelength, self.mirror_width, self.agreement)
 
     @cached_property
     def _section_emitters(self) -> list[Emitter]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from fem.beam.beam_of_charges import EmittedBeam
+from fem.beam.beam_of_charges import AT_POINTS, IN_PICTURES, EmittedBeam
 from fem.beam.beam_of_section import aperture_beam, surface_beam
 from fem.beam.electrode_charges import electrode_charges
 from fem.beam.own_aperture import STEPS
@@ -289,3 +289,15 @@ def test_a_picture_takes_a_coarser_rule(lossy, monkeypatch, pictured, halvings):
     monkeypatch.setattr(EmittedBeam, "modal", modal)
     (lossy.pictured if pictured else lossy).motion(0.8 * lossy.wave.length)
     assert taken == list(range(halvings + 1))
+
+
+def test_in_a_picture_the_largest_motion_is_the_scale():
+    """Two rules differ by 0.05 everywhere: a twentieth of the largest motion, a half of the least one."""
+    fine = np.array([[1.0, 0.1], [0.0, 0.0], [0.0, 0.0]])
+    for agreement, difference, agrees in (
+        (IN_PICTURES, 0.05, True),
+        (IN_PICTURES, 0.11, False),
+        (AT_POINTS, 0.05, False),
+    ):
+        assert agreement.reached(fine, fine + difference) == agrees
+    assert AT_POINTS.reached(fine, fine + 0.0029)
