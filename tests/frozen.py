@@ -17,6 +17,7 @@ import numpy as np
 DATA = Path(__file__).parent / "data"
 MODULES = (
     "tests.contact.test_friction",
+    "tests.contact.test_memory_motion",
     "tests.contact.test_ring_down",
     "tests.contact.test_steady",
     "tests.contact.test_track",
