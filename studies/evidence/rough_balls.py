@@ -9,9 +9,11 @@ hysteretic law.
 
 import csv
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import brentq
 
 import contact
 
@@ -20,6 +22,7 @@ SAMPLES = 8
 ALPHAS = (0.2, 0.4, 0.6, 1.0, 1.5, 2.1, 3.0, 4.5, 6.4)
 AMPLITUDES = (0.17, 0.22, 0.28, 0.35, 0.42, 0.52, 0.64, 0.85, 1.06, 1.35, 1.7, 2.4, 3.4)  # |u_z| over z_0
 STARTS = 0.2e-3  # m/s: velocity at the threshold
+TOLERANCE = 3e-3  # of the velocities of rough balls
 FREQUENCY, RATIO = 2.2e6, 0.67
 
 
@@ -37,41 +40,47 @@ def orbit(amplitude: float) -> contact.Orbit:
     return contact.Orbit(frequency=FREQUENCY, normal=amplitude, tangential=-1j * RATIO * amplitude)
 
 
-def velocities(alpha: float, rest: float) -> np.ndarray:
-    """Return the velocities in m/s of the samples, and last of the mean field, at all amplitudes."""
+def surfaces(alpha: float, rest: float) -> list[contact.RoughBalls]:
+    """Return the samples, and last their mean field, with asperities as far out as the largest wave brings to touch."""
     body, rough = ball("hysteretic"), contact.Roughness(rms=alpha * rest)
-    reach = float(np.sqrt(2e-3 * (2.0 * AMPLITUDES[-1] * rest + 4.0 * rough.rms)))
-    surfaces = [rough.drawn(seed, reach) for seed in range(SAMPLES)]
+    largest = max(AMPLITUDES[-1], 2.0 * alpha)
+    reach = float(np.sqrt(2e-3 * (2.0 * largest * rest + 4.0 * rough.rms)))
     field = contact.MeanField(body.radius, body.effective_modulus, rough)
-    balls = [contact.RoughBalls(body, [each]) for each in [*surfaces, field]]
-    return np.array(
-        [[each.velocity(orbit(share * rest), tolerance=3e-3).value for share in AMPLITUDES] for each in balls]
-    )
+    return [contact.RoughBalls(body, [each]) for each in [*(rough.drawn(k, reach) for k in range(SAMPLES)), field]]
 
 
-def threshold(speeds: np.ndarray) -> float:
-    """Return the amplitude over z_0 at which the speed passes `STARTS`, from a rising curve of speeds."""
-    k = int(np.argmax(speeds > STARTS))
-    if k == 0:
-        return float(AMPLITUDES[0]) if speeds[0] > STARTS else float(AMPLITUDES[-1])
-    share = (STARTS - speeds[k - 1]) / (speeds[k] - speeds[k - 1])
-    return float(np.exp(np.interp(share, [0, 1], np.log(AMPLITUDES[k - 1 : k + 1]))))
+def threshold(speed: Callable[[float], float]) -> float:
+    """Return the amplitude over z_0 at which a speed in m/s, a rising function of it, passes `STARTS`."""
+    return float(brentq(lambda share: speed(share) - STARTS, AMPLITUDES[0] / 2.0, 2.0 * AMPLITUDES[-1], rtol=1e-4))
 
 
 def rows() -> list[list[float]]:
     """Return the rows of the table: alpha, amplitude (0 for the threshold), median, lowest, highest, mean field."""
     rest = ball().rest_approach(1)
-    orbits = [orbit(share * rest) for share in AMPLITUDES]
-    smooth = np.array([contact.mean_motion(ball(), each).velocity for each in orbits])
-    limit = np.array([contact.steady(ball("hysteretic"), each, tolerance=1e-4).velocity for each in orbits])
-    curves = {0.0: np.array([limit, limit])} | {alpha: velocities(alpha, rest) for alpha in ALPHAS}
-    table = []
-    for alpha, found in curves.items():
-        starts = np.array([threshold(each) / threshold(smooth) for each in found])
-        table.append([alpha, 0.0, *_of_samples(starts)])
+
+    def smooth(share: float) -> float:
+        return float(contact.mean_motion(ball(), orbit(share * rest)).velocity)
+
+    def limit(share: float) -> float:
+        return float(contact.steady(ball("hysteretic"), orbit(share * rest), tolerance=1e-4).velocity)
+
+    speeds, starts = np.array([smooth(share) for share in AMPLITUDES]), threshold(smooth)
+
+    def of(alpha: float, thresholds: Sequence[float], velocities: np.ndarray) -> list[list[float]]:
+        found = [[alpha, 0.0, *_of_samples(np.array(thresholds) / starts)]]
         for k, share in enumerate(AMPLITUDES):
-            if smooth[k] > STARTS:
-                table.append([alpha, share, *_of_samples(found[:, k] / smooth[k])])
+            if speeds[k] > STARTS:
+                found.append([alpha, share, *_of_samples(velocities[:, k] / speeds[k])])
+        return found
+
+    table = of(0.0, [threshold(limit)] * 2, np.array([[limit(share) for share in AMPLITUDES]] * 2))
+    for alpha in ALPHAS:
+        balls = surfaces(alpha, rest)
+        thresholds = [each.threshold(orbit(rest), STARTS, tolerance=TOLERANCE) for each in balls]
+        velocities = [
+            [each.velocity(orbit(share * rest), tolerance=TOLERANCE).value for share in AMPLITUDES] for each in balls
+        ]
+        table += of(alpha, thresholds, np.array(velocities))
         print(f"alpha {alpha:g}", file=sys.stderr, flush=True)
     return table
 
