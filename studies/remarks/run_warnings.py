@@ -15,7 +15,6 @@ import fem
 from studies.model.fem_objects import unturned
 from studies.model.free_way import free_way
 from studies.model.model import model_of
-from studies.model.plane import contact_load
 from studies.model.wave_to_contact import Contact, contact_slider
 from studies.record import Record
 from studies.record.text import percent
@@ -30,7 +29,6 @@ from studies.remarks.stator_effects import surface_strain
 from studies.scene import Scene
 from studies.scene.plane_keys import AXLE
 from studies.scene.slider_keys import Slider
-from studies.solve.plane_motor import friction_torque
 from studies.solve.solved_stator import contact_of_run
 
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # of air, in 1/(Pa m), V/(Pa m) and 1
@@ -269,6 +267,8 @@ def _dragged(block: Slider, driven: Contact) -> Iterator[str]:
     """Yield warnings about a force or a torque on the slider that is larger than the friction which holds it."""
     load, key = block.scalar_load, "slider.load"
     if block.incline is not None and any(block.incline):
+        from studies.model.plane import contact_load
+
         load, key = (
             math.hypot(*contact_load(block)) + load * block.opposes,
             "slider.incline" + f" with {key}" * (load > 0),
@@ -281,7 +281,11 @@ def _dragged(block: Slider, driven: Contact) -> Iterator[str]:
             f"{friction:.4g} N: it drags the slider back even without a wave, and {limit} limits the speed: "
             f"lower {key}"
         )
-    if block.turns and abs(block.torque) > (friction := friction_torque(driven.slider)):
+    if not block.turns or not block.torque:
+        return
+    from studies.solve.plane_motor import friction_torque  # a slider along x imports nothing of the plane
+
+    if abs(block.torque) > (friction := friction_torque(driven.slider)):
         yield (
             f"slider.torque, {block.torque:.4g} N m, exceeds the torque of the friction that holds the slider, "
             f"{friction:.4g} N m: it turns the slider even without a wave, and nothing limits the rate: "

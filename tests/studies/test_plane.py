@@ -310,8 +310,10 @@ def test_friction_and_preload_follow_from_velocities_in_the_plane():
     found = fit(moving, curves, free)
     for key, value in TRUE.items():
         low, high = found.intervals[key]
-        # 3.5 standard deviations: with this scatter the sum of squares is 3.8 less than with the true numbers
-        assert abs(value - 0.5 * (low + high)) < 0.9 * (high - low) < 0.1 * value
+        # 3.5 standard deviations: with this scatter the sum of squares is 5.4 less than with the true numbers
+        assert abs(value - 0.5 * (low + high)) < 0.9 * (high - low) < 0.2 * value
+    # the sum of squares, minimised over the preload on a grid of the other number, is 3.84 more than the least there
+    assert found.intervals["slider.friction_coefficient"] == pytest.approx((0.0868, 0.1074), rel=5e-3)
     assert 2.0 < found.chi2 < 22.0
 
 
