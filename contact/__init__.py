@@ -19,7 +19,7 @@ _PUBLIC = {
     "averaged.cycle_mean": "MeanForces",
     "averaged.adhesive_motion": "AdhesiveBalls AdhesiveMotion adhesive_motion holding_balls",
     "averaged.asperity_motion": "asperity_motion RoughBalls RoughMotion",
-    "averaged.held_means": "AdhesiveMeans HeldMeans RoughMeans",
+    "averaged.held_means": "AdhesiveMeans HeldMeans RoughMeans rough_first_normal",
     "averaged.steady_sweep": "mean_forces mean_motion MeanMotion steady_sweep",
     "answers.thresholds": (
         "release release_amplitude release_factor releases threshold threshold_amplitude threshold_factor"

@@ -293,6 +293,27 @@ class AdhesiveBalls:
         waves = _listed(orbits)
         return self._pull(waves, self._riding(waves, STEPS * 16)[1], velocity)[0]
 
+    def harmonics(self, orbits: Orbit | Sequence[Orbit], velocity: float) -> np.ndarray:
+        """Return P_0, Q_0, P_1 and Q_1 of each ball in N at a velocity in m/s, complex, shape (4, n).
+
+        The forces are P_0 + Re P_1 exp(i omega t), with the phase of the orbits' amplitudes. A ball that always sticks
+        has the least deformation possible.
+        """
+        waves, found = _listed(orbits), []
+        for wave, cycle in zip(waves, self._riding(waves, STEPS * 16)[1], strict=True):
+            if cycle is None:
+                found.append(np.zeros(4, complex))
+                continue
+            turn = wave.normal / abs(wave.normal) if wave.normal else 1.0
+            first = 2.0 * turn * cycle.weights * np.exp(-1j * cycle.phases)
+            (mean, cosine), (_, sine) = (
+                self._means(wave, cycle, np.array([velocity]), np.zeros(1), factor)[0]
+                for factor in (np.cos(cycle.phases), np.sin(cycle.phases))
+            )
+            along = 2.0 * turn * (cosine - 1j * sine)
+            found.append(np.array([cycle.weights @ cycle.forces, mean, first @ cycle.forces, along]))
+        return np.transpose(found)
+
     def repulsion(self, cycle: _Cycle) -> np.ndarray:
         """Return the elastic part of the forces of a cycle, which friction feels, N."""
         return self._stiffness * (cycle.radii**2 / self.ball.radius) ** 1.5
@@ -359,23 +380,29 @@ class AdhesiveBalls:
 
     def _pulls(self, waves, cycles, velocities: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """Return friction and work as `_pull` at velocities, from deformations `starts` in m; shape (m, 2)."""
-        c, total, answer = self.slider.limit_slope, np.zeros((velocities.size, 2)), np.zeros((velocities.size, 2))
+        total = np.zeros((velocities.size, 2))
         for wave, cycle in zip(waves, cycles, strict=True):
-            if cycle is None:
-                continue
-            size = abs(wave.normal)
-            turned = wave.tangential * (size / wave.normal if size > 0.0 else 1.0)  # counted from the crest of u_z
-            phases = np.concatenate([[cycle.before], cycle.phases])
-            along = turned * np.exp(1j * phases)
-            rate = np.ascontiguousarray((1j * wave.omega * along[1:]).real)
-            delta = cycle.radii**2 / self.ball.radius
-            begins = np.zeros_like(starts) if cycle.hops else starts
-            mean_stops(
-                delta, cycle.weights, np.ascontiguousarray(along.real), phases, rate, float(cycle.hops), c,
-                REPEATS * c * float(delta.max()), velocities / wave.omega, begins, answer,
-            )  # fmt: skip
-            total += answer
-        return self.slider.friction_coefficient * self._stiffness * total
+            if cycle is not None:
+                total += self._means(wave, cycle, velocities, starts)
+        return total
+
+    def _means(self, wave, cycle, velocities: np.ndarray, starts: np.ndarray, factor=None) -> np.ndarray:
+        """Return the means of the friction of one ball, N, and of its product with a factor at the nodes, shape (m, 2).
+
+        The factor is the surface's velocity in m/s where none is given.
+        """
+        c, answer, size = self.slider.limit_slope, np.zeros((velocities.size, 2)), abs(wave.normal)
+        turned = wave.tangential * (size / wave.normal if size > 0.0 else 1.0)  # counted from the crest of u_z
+        phases = np.concatenate([[cycle.before], cycle.phases])
+        along = turned * np.exp(1j * phases)
+        rate = (1j * wave.omega * along[1:]).real if factor is None else factor
+        delta = cycle.radii**2 / self.ball.radius
+        begins = np.zeros_like(starts) if cycle.hops else starts
+        mean_stops(
+            delta, cycle.weights, np.ascontiguousarray(along.real), phases, np.ascontiguousarray(rate),
+            float(cycle.hops), c, REPEATS * c * float(delta.max()), velocities / wave.omega, begins, answer,
+        )  # fmt: skip
+        return self.slider.friction_coefficient * self._stiffness * answer
 
     def _normal_power(self, waves, cycles) -> float:
         """Return the mean of sum P du_z/dt, W."""

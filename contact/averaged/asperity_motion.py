@@ -100,6 +100,10 @@ class RoughBalls:
         """Return the balls for approaches up to one in m."""
         return self._reach(max(0.5 * (deepest - self._lowest), 0.0))
 
+    def on(self, orbits: Sequence[Orbit]) -> TangentialModel:
+        """Return the balls for waves, those of `motion`."""
+        return self._reach(max(abs(each.normal) for each in orbits))
+
     def velocity(self, orbits: Orbit | Sequence[Orbit], *, tolerance: float) -> Answer:
         """Return the steady velocity in m/s; see `motion`."""
         return self.motion(orbits, tolerance=tolerance).answer
@@ -118,7 +122,7 @@ class RoughBalls:
         waves, slider = self._of_each(orbits), self.slider
         if slider.tangential_damping == 0.0 and slider.load > 0.0 and self._overloaded:
             raise ConvergenceError("runaway", RUNAWAY)
-        balls = self._reach(max(abs(each.normal) for each in waves))
+        balls = self.on(waves)
         reference = speed_scale(0.0, max(each.omega * abs(each.tangential) for each in waves))
         doubling, (before, solved) = 1, balls.solve_two(waves, 1, None)
         velocity, error = balls.refined(before, solved.velocity)
@@ -143,12 +147,12 @@ class RoughBalls:
         waves = self._of_each(orbits)
         if motion.answer.value == 0.0:
             return Powers(0.0, 0.0, 0.0)
-        return self._reach(max(abs(each.normal) for each in waves)).powers(waves, motion.doubling, motion.solved)
+        return self.on(waves).powers(waves, motion.doubling, motion.solved)
 
     def coarse_velocity(self, orbits: Sequence[Orbit]) -> float:
         """Return the velocity in m/s of the first tables, for its differences between similar waves."""
         waves = tuple(orbits)
-        return self._reach(max(abs(each.normal) for each in waves)).solve(waves, 0).velocity
+        return self.on(waves).solve(waves, 0).velocity
 
     def threshold(self, orbits: Orbit | Sequence[Orbit], speed: float, *, tolerance: float) -> float:
         """Return the factor on the orbits at which the velocity passes a small `speed` in m/s; inf above a thousand.

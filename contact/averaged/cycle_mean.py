@@ -77,7 +77,8 @@ class MeanForces(NamedTuple):
     first_normal, first_tangential : (n,) array, complex
         First harmonics, N.
     cycles : (len(ContactMean), n) array
-        The values `ContactMean` that they were made from, in the units of the computation.
+        The values `ContactMean` that they were made from, in the units of the computation; nan of balls of JKR and
+        Maugis.
     """
 
     normal: np.ndarray

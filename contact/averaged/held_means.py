@@ -9,6 +9,7 @@ of three balls about the centre of mass (`asperity_motion`).
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -145,6 +146,25 @@ class RoughMeans:
         out, (table, which) = np.zeros(1), self.model.forces(DOUBLING)
         mean_force(table, which[ball], z, abs(wave.normal), *quadrature(NODES), out)
         return float(out[0])
+
+
+def rough_first_normal(balls: RoughBalls, orbits: Sequence[Orbit], heights: Sequence[float]) -> np.ndarray:
+    """Return the first harmonic of the normal force of each rough ball at its mean approach in m, N, complex.
+
+    The force is P_0 + Re P_1 exp(i omega t), with the phase of the orbits' amplitudes.
+    """
+    model: Any = balls.on(orbits)
+    (table, which), out, found = model.forces(DOUBLING), np.zeros(1), np.zeros(len(orbits), complex)
+    rule = quadrature(NODES)
+    for k, (height, wave) in enumerate(zip(heights, orbits, strict=True)):
+        size = abs(wave.normal)
+        if size == 0.0:
+            continue
+        # half of the cycle that touches, as in `mean_force`
+        half = math.acos(min(max((table.start[which[k]] - height) / size, -1.0), 1.0))
+        mean_force(table, which[k], height, size, rule.node, 2.0 * rule.weight * np.cos(half * rule.node), out)
+        found[k] = wave.normal / size * out[0]
+    return found
 
 
 class AdhesiveMeans:

@@ -157,6 +157,10 @@ def mean_forces(slider: Slider, orbits: Surface, motion: MeanMotion) -> MeanForc
     sticks depends on its history; its deformation is taken as the least possible one.
     """
     slider, listed = prescribed(slider, orbits, each=True)
+    if slider.profile.hold is not None:
+        normal, tangential, *firsts = holding_balls(slider).harmonics(tuple(listed), float(motion.first_order))
+        unknown = np.full((len(ContactMean), len(listed)), math.nan)
+        return MeanForces(normal.real, tangential.real, firsts[0], firsts[1], unknown)
     problem = scaled(slider, listed, direction=1.0, start=0.0)
     by_contact = np.empty((len(ContactMean), len(listed)))
     velocities = np.full(len(listed), motion.first_order / problem.speed)

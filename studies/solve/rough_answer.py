@@ -30,6 +30,7 @@ def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bo
     with slider_keys():
         own = _balls(driven)[0]
         state = own.motion(orbits, tolerance=_share(driven) * tolerance)
+        face = _face_normal(own, orbits, state) if level > 0.0 else None
         residual = None
         if balance and state.answer.value != 0.0:
             residual = contact.rough_ledger(own, orbits, state).relative_residual
@@ -48,12 +49,18 @@ def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bo
     point = Point(
         velocity_m_per_s=velocity, regime=state.regime,
         amplitude_sensitivity=float(by_amplitude) if driven.stator_error > 0 else None,
-        ledger_relative_residual=residual,
+        ledger_relative_residual=residual, face_normal_m=face,
     )  # fmt: skip
     point |= sample_scatter(driven, level, velocity)
     why = "" if state.answer.status == Status.OK else state.answer.why
     point |= judged(tolerance, from_stator, from_contact, why)
     return PointAnswer(point=point, from_stator=from_stator, from_contact=from_contact)
+
+
+def _face_normal(own: contact.RoughBalls, orbits: tuple, state: contact.RoughMotion) -> float:
+    """Return the normal amplitude of the slider's face in m: its mass under the first harmonic of the forces."""
+    first = contact.rough_first_normal(own, orbits, state.heights)
+    return float(abs(first.sum())) / (own.slider.mass * orbits[0].omega ** 2)
 
 
 def sample_scatter(driven: Contact, level: float, velocity: float) -> Point:

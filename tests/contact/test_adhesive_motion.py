@@ -14,6 +14,7 @@ from contact import (
     InputError,
     Orbit,
     adhesive_motion,
+    mean_forces,
     mean_motion,
     release_factor,
     threshold_factor,
@@ -198,6 +199,29 @@ def test_without_work_a_slider_starts_under_a_load_as_on_smooth_balls(load, mode
         assert float(mean.velocity) == pytest.approx(float(hertz.velocity), abs=float(mean.relative_error) * reference)
         assert (float(mean.velocity) == 0.0) == (factor < known) == (mean.regime == "stick")
         assert mean.load_sign == hertz.load_sign == 1.0
+
+
+@pytest.mark.parametrize("u", [3e-9, 10e-9])
+@pytest.mark.parametrize("turn", [1.0, 1.0j])
+def test_forces_of_a_cycle_are_those_of_hertz_without_work_and_do_the_work_of_the_surface(u, turn):
+    wave = orbit(u).scaled(turn)
+    smooth = mean_forces(BALL, wave, mean_motion(BALL, wave))
+    for work in (1e-18, 0.05, 0.144):
+        body = replace(BALL, adhesion=Adhesion(model="JKR", work=work))
+        found = mean_forces(body, wave, mean_motion(body, wave))
+        assert float(found.normal[0]) == pytest.approx(PRELOAD, rel=1e-9)
+        if work < 1e-9:
+            assert abs(found.first_normal - smooth.first_normal)[0] < 1e-7 * PRELOAD
+            assert abs(found.first_tangential - smooth.first_tangential)[0] < 1e-5 * MU * PRELOAD
+            continue
+        motion = AdhesiveBalls(BALL, work=work, model="JKR").motion(wave, tolerance=1e-6)
+        powers = [
+            0.5 * (force[0] * np.conj(1j * wave.omega * along)).real
+            for force, along in ((found.first_normal, wave.normal), (found.first_tangential, wave.tangential))
+        ]
+        assert powers[0] == pytest.approx(motion.lost_power, rel=1e-9, abs=1e-9 * motion.tangential_power)
+        assert powers[1] == pytest.approx(motion.tangential_power, rel=1e-4)
+        assert abs(found.first_normal[0]) > 1.01 * abs(smooth.first_normal[0])
 
 
 def test_unlike_balls_start_at_the_first_of_several_factors():

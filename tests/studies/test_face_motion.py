@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 import contact
@@ -36,6 +37,22 @@ def test_a_ball_moves_by_its_first_harmonic_over_its_mass():
     assert point.face_normal_m == pytest.approx(first / (mass * omega**2), rel=1e-3)
     assert 0 < point.face_tangential_m < 0.08 * 1.2 * point.face_normal_m
     assert point.face_wave_normal_m is None
+
+
+def test_a_rough_ball_moves_by_the_first_harmonic_of_its_field():
+    """P of the mean field at the approaches of a cycle whose mean is the preload; equal steps and a spline."""
+    (point,) = run(
+        Scene.load("twente-contact").replace(wave={"normal_amplitude": "6 nm"}, slider={"roughness": {"rms": 3e-9}}),
+        tolerance=1e-3,
+    ).points
+    field = contact.MeanField(1e-3, 64e9, contact.Roughness(rms=3e-9))
+    z = np.linspace(-12e-9, 20e-9, 65)
+    force = CubicSpline(z, [field.at(each).force for each in z])
+    cosine = np.cos(2 * np.pi * np.arange(2000) / 2000)
+    preload, inertia = 0.089e-3 * 9.81, 0.089e-3 * (2 * math.pi * 2.2e6) ** 2
+    height = brentq(lambda h: force(h + 6e-9 * cosine).mean() - preload, -5e-9, 10e-9)
+    first = 2 * np.mean(force(height + 6e-9 * cosine) * cosine)
+    assert point.face_normal_m == pytest.approx(first / inertia, rel=1e-3)
 
 
 @pytest.fixture(scope="module")
