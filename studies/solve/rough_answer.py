@@ -24,13 +24,14 @@ SCATTER = 3e-3  # tolerance of the other samples, whose scatter is far larger
 def rough_answer(driven: Contact, level: float, tolerance: float, *, balance: bool = True) -> PointAnswer:
     """Return the steady velocity at a level; of a sample also the velocities of seven others, its scatter.
 
-    ``balance``: whether the residual of its energies is computed, which takes about as long as the velocity.
+    ``balance``: whether the residual of its energies, which takes about as long as the velocity, and the motion of the
+    slider's face are computed.
     """
     orbits = scaled(orbits_of_each(driven.scene.slider, driven.orbits), level)
     with slider_keys():
         own = _balls(driven)[0]
         state = own.motion(orbits, tolerance=_share(driven) * tolerance)
-        face = _face_normal(own, orbits, state) if level > 0.0 else None
+        face = _face_normal(own, orbits, state) if balance and level > 0.0 else None
         residual = None
         if balance and state.answer.value != 0.0:
             residual = contact.rough_ledger(own, orbits, state).relative_residual
