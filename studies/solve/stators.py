@@ -80,19 +80,23 @@ class Stators:
         """
         if model.scene.wave is not None:
             return Contact.prescribed(model)
-        stator, own, shared = model.alone, model.scene.positions, self.shared_positions(model.scene)
+        stator, own, positions = model.alone, model.scene.positions, self.shared_positions(model.scene)
         try:
-            solved = self._solution(stator, shared, goal, missed=shared == own)
+            solved = self._solution(stator, positions, goal, missed=positions == own)
         except RunError:  # a position at a node of the wave must not fail the others
-            if shared == own:
+            if positions == own:
                 raise
+            positions = own
             solved = self._solution(stator, own, goal)
-        driven = Contact.of_stator(model, solved, lambda: self.motion(stator, own, goal))
+        missed = positions == own or bool(self.limits)  # of a band the solution is not that of `motion`
+        driven = Contact.of_stator(model, solved, lambda: self.motion(stator, positions, goal, missed))
         if model.scene.planar:
             from studies.solve.plane_surface import with_surface
 
             def solve(one: Model) -> SurfaceMotion:
-                return self.motion(one, own, goal) if one is stator else self._others(one, own, goal)
+                if one is stator:
+                    return self.motion(one, positions, goal, missed)
+                return self._others(one, positions, goal)
 
             return with_surface(driven, solve)
         return driven
