@@ -24,7 +24,7 @@ from contact.plane.disc_contacts import Stage, Sum, state_of, with_nodes, work_o
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.plane_equations import PlaneProblem
 from contact.plane.plane_waves import SurfaceWaves
-from contact.plane.rest import settled
+from contact.plane.rest import crept, dragged_against, settled
 from contact.plane.scaling import FREE, Scaled, scaled
 from contact.slider import Slider
 
@@ -40,9 +40,13 @@ COARSE_ANSWER, COARSE_CHECK, COARSE = SEARCH, (5, 1e-4), 1e-5
 # Least error of the velocity that is stated, fine and coarse. The true error was at most 0.16 (fine) and 0.58 (coarse)
 # of twice the stated one in the draws 0 to 59 of `tests/contact/test_plane_drawn.py`, and 0.8 (fine) in 1000 to 1059
 LEAST = (2e-9, 2e-8)
+# Speed of a creep over the top speed; the forces at 1e-5 differ by up to 1e-3 of the friction in directions in which a
+# contact nearly holds, by 1e-4 in others, and at 1e-7 steps of slip are as rough as the way of a period
+CREEP = 1e-6
 WIDE = 2  # nodes of a segment of stick over those of slip
+MAX_BAND, BAND = 30, 1e-8  # steps to the end of a band of forces, and the last one over the friction
 FARTHEST_POINTS = 1000  # of the friction forces that are compared with a load before it counts as carried
-CREEPS = (1e-2, 1e-3, 1e-4)  # of the top speed, of a contact about which a slider nearly turns
+CREEPS = (1e-2, 1e-3, 1e-4)  # of the top speed: motions of sliders that nearly rest from which they are sought
 LEFT_START = 1e-9  # rad from the start of a period
 
 
@@ -145,6 +149,12 @@ class Averaged:
         tangential = np.hypot(amplitudes[..., 0], amplitudes[..., 1]) + self.problem.limit_slope * amplitudes[..., 2]
         return float((self.problem.ratio[:, None] * tangential).sum(axis=0).max())
 
+    @property
+    def creep(self) -> float:
+        """Speed of a creep, scaled: it makes no force of its own, but is above what segments resolve."""
+        limits = self.problem.limit_slope * np.maximum(self.problem.height - self.height, 0.0)
+        return CREEP * max(self.top_speed, float(limits.max()))
+
     def contact_means(
         self, velocities: np.ndarray, how=SEARCH, deformation=None, *, derive=False
     ) -> tuple[np.ndarray, bool]:
@@ -245,12 +255,14 @@ def balanced(averaged: Averaged, near: np.ndarray | None = None, tolerance: floa
         if found == Found.BALANCE and search.done[1]:
             break
     if found != Found.BALANCE:
-        held = at_rest(averaged)
+        held, towards = _rest(averaged)
         if held.held:
             return held
         _refuse_beyond_friction(averaged, held.means.contacts[:, Sum.NORMAL])
         if (turning := _turning_about_a_contact(averaged, tolerance)) is not None:
             return turning
+        if (moving := _creeping(averaged, towards, tolerance)) is not None:
+            return moving
         if found == Found.AT_REST:
             return held
         raise ConvergenceError("not converged", "the mean forces in the plane were not balanced")
@@ -324,24 +336,33 @@ def _refuse_beyond_friction(averaged: Averaged, loads: np.ndarray) -> None:
         point = point + step * min(1.0, float(left @ step / (step @ step)))
 
 
-def rest_force(averaged: Averaged, towards: np.ndarray, how=ANSWER) -> Means:
-    """Return the mean forces on a slider at rest that came to rest from a motion towards (V_x, V_y, arm omega).
+def least_at_rest(averaged: Averaged, towards: np.ndarray, how=SEARCH) -> float:
+    """Return the least force along a unit vector (3,) that a slider at rest can carry beside its load across it.
 
-    Contacts that never open are dragged to their limit against that motion, then slip back to what the least approach
-    allows; their force is the end of the band of forces that rest can carry.
+    A slider that creeps that way meets less: it also moves across. Each load that is not carried has a way on which the
+    forces of rest fall short of it; the next one is that which they reach there.
     """
-    return averaged.at(np.zeros(3), how, dragged(averaged, towards))
+    free = np.eye(3)[:, FREE[averaged.slider.freedom]]
+    contacts, _ = crept(averaged, averaged.rigid @ towards, how)
+    least = float(averaged.total(contacts) @ towards)
+    if not np.allclose(free @ (free.T @ towards), towards):
+        return least  # held along it, by an axle
+    across = averaged.load - (averaged.load @ towards) * towards
+    for _ in range(MAX_BAND):
+        rest = settled(averaged, across + least * towards, free, how)
+        along = float(rest.left @ towards)
+        if rest.held or along <= 0.0:
+            break
+        step = (-rest.most - float(across @ rest.left)) / along - least
+        least += max(step, 0.0)
+        if step < BAND * averaged.friction:
+            break
+    return least
 
 
 def dragged(averaged: Averaged, towards: np.ndarray) -> np.ndarray:
     """Return deformations beyond every limit against a motion towards (V_x, V_y, arm omega)."""
     return dragged_against(averaged.rigid @ towards)
-
-
-def dragged_against(velocities: np.ndarray) -> np.ndarray:
-    """Return deformations beyond every limit against the velocities of contacts (n, 2)."""
-    speed = np.linalg.norm(velocities, axis=1, keepdims=True)
-    return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)
 
 
 def held_rest(averaged: Averaged) -> Root | None:
@@ -354,12 +375,28 @@ def held_rest(averaged: Averaged) -> Root | None:
 
 def at_rest(averaged: Averaged) -> Root:
     """Return the balance at rest; not `held` where friction does not carry the load."""
-    rest = settled(averaged, averaged.load, averaged.basis, (SEARCH, ANSWER))
+    return _rest(averaged)[0]
+
+
+def _rest(averaged):
+    """Return the balance at rest, and the force that is left where it is not held."""
+    rest = settled(averaged, averaged.load, averaged.basis, SEARCH)
+    contacts, _ = averaged.contact_means(np.zeros((len(averaged.start), 2)), ANSWER, rest.deformation)
     if rest.held:
         averaged.deformation = rest.deformation
-    means = averaged.at(np.zeros(3), ANSWER, rest.deformation)
+        contacts[:, [Sum.ALONG_X, Sum.ALONG_Y]] = rest.contacts[:, [Sum.ALONG_X, Sum.ALONG_Y]]
     size = averaged.basis.shape[1]
-    return Root(np.zeros(3), means, np.zeros((size, size)), np.zeros(3), rest.held, not rest.held)
+    means = Means(contacts, averaged.total(contacts), True)
+    return Root(np.zeros(3), means, np.zeros((size, size)), np.zeros(3), rest.held, not rest.held), rest.left
+
+
+def _creeping(averaged: Averaged, towards: np.ndarray, tolerance: float) -> Root | None:
+    """Return the balance of a slow motion that is found from one towards (3,), None where there is none."""
+    for speed in CREEPS:
+        moving = _moving_near(averaged, speed * averaged.top_speed / np.linalg.norm(towards) * towards, tolerance)
+        if moving is not None:
+            return moving
+    return None
 
 
 def _turning_about_a_contact(averaged: Averaged, tolerance: float) -> Root | None:
@@ -383,7 +420,7 @@ def _turning_about_a_contact(averaged: Averaged, tolerance: float) -> Root | Non
         others[i, [Sum.ALONG_X, Sum.ALONG_Y]] = 0.0
         left = averaged.load + averaged.damping * root.unknown - averaged.total(others)
         carried, *_ = np.linalg.lstsq(fixed.T, left, rcond=None)
-        rest = settled(averaged, fixed.T @ carried, np.linalg.svd(fixed)[2][:2].T, (SEARCH, ANSWER), only=i)
+        rest = settled(averaged, fixed.T @ carried, np.linalg.svd(fixed)[2][:2].T, SEARCH, only=i)
         averaged.evaluations += turning.evaluations
         if rest.held:
             contacts = others

@@ -21,6 +21,11 @@ MAX_PERIODS = 400  # of a contact that never opens
 # Change of its deformation in a period, over c z and the tolerance of a segment, at which it repeats, and below which
 # it repeats if it no longer falls: the steps of slip change with the deformation
 CLOSE, NOISE = 1e-3, 1e-1
+ONWARD = 0.5  # cosine between two ways from which on a contact goes on
+GROWTH = 1.5  # of the change where it does, up to which its step has not gone too far
+LONGER, SHORTER = 3.0, 0.3  # the next step over the last one, where it goes on, and where that went too far
+CREPT, STAYS = 1e-3, 1e-1  # the same over the way of the slider in a period, for a contact that creeps
+SLOWEST = 1e-6  # least of that way over c z: contacts that creep more slowly keep some of their deformation
 
 
 class Extra(IntEnum):
@@ -79,13 +84,18 @@ def cycle_means(problem, height, velocity, start, period, state, work, wide, slo
     `height`: z_s for each contact; `start`: the phase of its least approach; `deformation`: a guess of e there, which
     the found one replaces. `wide`, `slopes`: see `heavy_motion.follow_alone`; `derive`: 1 to fill the derivatives.
     """
-    fine, close, noise = 1, CLOSE * work.tolerance, NOISE * work.tolerance
+    fine, close, rough = 1, CLOSE * work.tolerance, NOISE * work.tolerance
     for i in range(height.size):
         fill_surface(problem, i, i + 1, start[i], work.before)
         z, c = problem.height[i] + work.before[i, Surface.Z] - height[i], problem.limit_slope[i]
         opens, limit, periods, change = z <= 0.0, c * max(z, 0.0), 0, 0.0
         state.begins[i] = 0
         state.e[i, 0], state.e[i, 1] = (0.0, 0.0) if opens else (deformation[i, 0], deformation[i, 1])
+        drift = np.hypot(velocity[i, 0], velocity[i, 1]) * period / (limit + 1e-300)
+        enough, noise = close, rough
+        if drift > 0.0:
+            enough, noise = min(close, CREPT * max(drift, SLOWEST)), min(rough, STAYS * max(drift, SLOWEST))
+        last_e, last_way, reach, moved = (0.0, 0.0), (0.0, 0.0), np.inf, 0.0
         while periods < MAX_PERIODS:
             _cut(state.e[i], limit)
             e = state.e[i, 0], state.e[i, 1]
@@ -110,14 +120,24 @@ def cycle_means(problem, height, velocity, start, period, state, work, wide, slo
                 break
             way, last = (state.e[i, 0] - e[0], state.e[i, 1] - e[1]), change
             change = np.hypot(way[0], way[1]) / (limit + 1e-300)
-            if change < close or (change < noise and periods > 1 and change >= last):
+            along = way[0] * last_way[0] + way[1] * last_way[1]
+            goes_on = along > ONWARD * change * last * limit * limit
+            if change < enough or (change < noise and periods > 1 and change >= last and not goes_on):
                 break
             if state.counts[i, Count.SLIPS] == 0:
                 skipped = max(np.floor(state.total[Total.MARGIN] / np.hypot(way[0], way[1])) - 1.0, 0.0)
                 state.e[i, 0] += skipped * way[0]
                 state.e[i, 1] += skipped * way[1]
-            elif periods == 1 or change < last:
-                to_fixed_point(e, way, state.e[i], slopes)
+                moved = 0.0
+            elif moved > 0.0 and change >= (GROWTH if goes_on else 1.0) * last:  # the last step went too far
+                reach = moved = SHORTER * min(reach, moved)
+                if along < 0.0:
+                    _go_between(last_e, last_way, e, way, state.e[i])
+            else:
+                # along the arc that one instant of the period leaves it a contact creeps far: steps grow
+                reach = max(reach, LONGER * moved) if goes_on else reach
+                moved = to_fixed_point(e, way, reach, state.e[i], slopes)
+            last_e, last_way = e, way
         deformation[i, 0], deformation[i, 1] = state.e[i, 0], state.e[i, 1]
         for k in range(state.sums.shape[1]):
             out[i, k] = state.sums[i, k] / period
@@ -169,3 +189,13 @@ def _cut(e, limit):
     if size > limit:
         e[0] *= limit / size
         e[1] *= limit / size
+
+
+@compiled
+def _go_between(before, way_before, e, way, new):
+    """Fill the deformation between two where the way of a period, linear between them, is least; and go that way."""
+    d_x, d_y = way_before[0] - way[0], way_before[1] - way[1]
+    share = (way_before[0] * d_x + way_before[1] * d_y) / (d_x * d_x + d_y * d_y)
+    share = min(max(share, 0.0), 1.0)
+    for k in range(2):
+        new[k] = (1.0 - share) * (before[k] + way_before[k]) + share * (e[k] + way[k])

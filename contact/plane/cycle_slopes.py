@@ -163,11 +163,23 @@ def _solved(x, y, slopes):
 
 
 @compiled
-def to_fixed_point(before, way, e, slopes):
-    """Move a deformation e, that a period has moved by `way` from `before`, to the one that repeats to first order."""
+def to_fixed_point(before, way, reach, e, slopes):
+    """Move a deformation e, that a period has moved by `way` from `before`, to the one that repeats to first order.
+
+    Return the size of the step: at most `reach`, or that of the period.
+    """
     d_x, d_y = _solved(way[0], way[1], slopes)
-    if d_x != 0.0 or d_y != 0.0:
+    size, own = np.hypot(d_x, d_y), np.hypot(way[0], way[1])
+    if size == 0.0:
+        if reach == np.inf:
+            return own
+        d_x, d_y, size = way[0], way[1], own
+        d_x, d_y, size = d_x * reach / own, d_y * reach / own, reach
+    if size > reach:
+        d_x, d_y, size = d_x * reach / size, d_y * reach / size, reach
+    if size > own:
         e[0], e[1] = before[0] + d_x, before[1] + d_y
+    return max(size, own)
 
 
 @compiled

@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.plane.averaged import SEARCH, Averaged, dragged_against
+from contact.plane.averaged import SEARCH, Averaged
 from contact.plane.disc_contacts import Sum
 from contact.plane.plane_waves import SurfaceWaves
+from contact.plane.rest import dragged_against
 from contact.plane.scaling import refuse_slow_beat
 from contact.plane.steady_state import refuse
 from contact.slider import Slider

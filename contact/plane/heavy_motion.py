@@ -45,6 +45,7 @@ ROOT = 1e-13  # rad: width of a root's bracket
 TOUCHING = 1e-12  # |z|, scaled, that rounding and the width of its bracket leave at a root of z
 BEND = 1e-7  # the same of a least |e|, which only parts two rules of quadrature
 PASSED = 1e-6  # rad from the start of a segment within which a least |e| has been met
+AT_LIMIT = 1e-13  # c z - |e|, scaled, up to which stick has just begun at the limit
 SLIP_END = 1e-9  # rad: of the end of slip, in which the force is continuous and its rate too
 # Length of the next trial over that of a segment of slip whose polynomial falls below zero where the motion up to there
 # slips on.  With 3 nodes that is so at 3 % of the velocities of one ball under two waves
@@ -177,7 +178,7 @@ def _next_of_stick(problem, i, until, state, work):
                 return old, RegimeEnd.SLIP
             step *= 0.25
             continue
-        if at_new > 0.0 and rate_old < 0.0 < rate and old > begun:
+        if at_new > 0.0 and rate_old < 0.0 < rate and (old > begun or at_old > AT_LIMIT):
             least = _root(problem, i, Value.MARGIN_RATE, old, rate_old, new, rate, BEND, state, work)
             at_least = _value(problem, i, Value.MARGIN, least, state, work)
             if at_least < 0.0:

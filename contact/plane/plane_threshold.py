@@ -14,7 +14,7 @@ from contact.plane.steady_state import refuse
 from contact.slider import Slider
 
 # Relative, of the factor. Just above the threshold of a slider without a load the force of rest rises with a power of
-# about 2.5: what `rest.settled` takes for none is 2e-4 of the factor, by which it is too large
+# about 2.5: 1e-9 of the friction, which `rest.settled` takes for none, is 2e-4 of the factor, by which it is too large
 ACCURACY = 4e-4
 LARGEST = 1e9  # of the first guess, up to which a factor is sought
 

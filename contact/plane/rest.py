@@ -1,12 +1,11 @@
 r"""Whether friction holds a slider in the plane on its waves, and about which contact it turns where it does not.
 
-A slider at rest may be displaced: each contact that never opens carries the deformation e_i that it has at the start of
-a period, as far as the discs of the whole period allow, and the body moves slowly with what is left of the forces,
-
-    d = K^-1 B^T (sum G_i^T Q_i(e_i) - F),      e_i <- e_i - G_i B d,
-
-with K the stiffness of the contacts, until nothing is left (held), or what is left no longer falls (it moves). The stop
-operator is a contraction: if there is a state of rest with this load, no path leads away from it for ever.
+A slider that has crept along d meets the force q(d) that resists most: of all forces that its contacts can carry at
+rest the one with the least q.d, for the stop operator dissipates most. These forces are therefore the convex set whose
+points in the directions d are q(d), and rest carries a load that lies in it. The point of the set that is nearest to
+the load is approached by Wolfe's algorithm (Math. Program. 11, 128, 1976): x is the least combination of the known
+points q(d) less the load; d = x is the way on which what is left moves the slider, and adds q(x), until x vanishes
+(held) or no point lies nearer (it moves).
 
 A slider that is free in yaw may have one contact that never slips and turn about it. The force of that contact is what
 the others leave, and lies among those that it can carry at rest.
@@ -16,16 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.law import normal
 from contact.plane.disc_contacts import Sum
 
-MAX_STEPS = 400
-ENOUGH = 1e-9  # of the friction limit: forces that are left at rest
-NEAR = 1e-5  # the same where the means are taken finer
-FALLS, WINDOW = 0.9, 24  # what is left falls at least by this factor within so many steps, or does not vanish
-# A step is as long again where what is left still points the same way, for contacts near their limits are softer
-ONWARD, MOST = 0.3, 1e3
-LARGEST = 0.5  # of the limit of the deformation: a step
+MAX_POINTS = 60
+ENOUGH = 1e-9  # of the friction limit: what is left at rest
+LEAST_SHARE = 1e-12  # of a point in a combination
+APART = 1e-7  # of the friction limit: from there on 0 is apart from the forces that rest can carry
+NEARER = 1e-7  # of it: by which a point has to lie nearer
 
 
 class Rest(NamedTuple):
@@ -34,47 +30,80 @@ class Rest(NamedTuple):
     held: bool
     contacts: np.ndarray  # (n, COLUMNS): means
     deformation: np.ndarray  # (n, 2)
+    left: np.ndarray  # (3,): the nearest force that is left
+    most: float  # of the forces of rest along minus `left`, times its length
 
 
-def settled(averaged, load, basis, hows, only=None) -> Rest:
+def settled(averaged, load, basis, how, only=None) -> Rest:
     """Return the rest of an `Averaged` slider under a load (3,) that is free along `basis`, or that it moves.
 
-    ``hows``: accuracies of the means, the coarse one for the way to rest; ``only``: the one contact whose force counts,
-    None for all.
+    ``how``: accuracy of the means; ``only``: the one contact whose force counts, None for all. The means of a slider
+    that is held are combined too.
     """
-    coarse, fine = hows
-    problem, n = averaged.problem, len(averaged.start)
-    counts = np.ones(n, bool) if only is None else np.arange(n) == only
-    rigid = averaged.rigid @ basis
-    z = np.maximum(problem.height - averaged.height, 0.0)
-    each = np.where(averaged.closed & counts, problem.friction * problem.stiffness, 0.0)
-    limit = problem.limit_slope * z
-    slope = np.array([float(normal.slope(at, problem.normal)) for at in z])
-    each = np.where(limit > 0.0, each * slope / np.maximum(problem.limit_slope, 1e-300), 0.0)
-    stiffness = np.einsum("i,ick,icl->kl", each, rigid, rigid)
-    target, friction = basis.T @ load, averaged.friction
-    deformation, still = averaged.deformation * 0.0, np.zeros((n, 2))
-    reach = LARGEST * float(limit[each > 0.0].min()) if (each > 0.0).any() else 0.0
-    lefts, before, gain, how = [], None, 1.0, coarse
-    while True:
-        contacts, _ = averaged.contact_means(still, how, deformation)
+    n = len(averaged.start)
+    counts = np.ones(n) if only is None else np.arange(n) == only
+    target, rigid = basis.T @ load, averaged.rigid @ basis
+    points, means, deformations = [], [], []
+
+    def add(way):
+        contacts, deformation = crept(averaged, rigid @ way * counts[:, None], how)
         force = contacts[:, [Sum.ALONG_X, Sum.ALONG_Y]] * counts[:, None]
-        left = np.einsum("ick,ic->k", rigid, force) - target
+        points.append((np.einsum("ick,ic->k", rigid, force) - target) / averaged.friction)
+        means.append(contacts)
+        deformations.append(deformation)
+
+    add(np.zeros(basis.shape[1]))
+    share = np.ones(1)
+    while True:
+        left = share @ points
         size = float(np.linalg.norm(left))
-        lefts.append(size)
-        if how == coarse and size <= NEAR * friction:
-            how = fine
-            continue
-        if size <= ENOUGH * friction:
-            return Rest(True, contacts, deformation)
-        stuck = len(lefts) > WINDOW and min(lefts[-WINDOW:]) > FALLS * min(lefts[:-WINDOW])
-        if reach == 0.0 or stuck or len(lefts) > MAX_STEPS:
-            return Rest(False, contacts, deformation)
-        if before is not None:
-            onward = before @ left > ONWARD * np.linalg.norm(before) * size
-            gain = min(2.0 * gain, MOST) if onward else max(1.0, 0.125 * gain)
-        step = gain * np.linalg.lstsq(stiffness, left, rcond=1e-12)[0]
-        largest = float(np.linalg.norm(rigid @ step, axis=1).max())
-        step = step * min(1.0, reach / largest) if largest > 0.0 else step
-        before = left
-        deformation = deformation - rigid @ step
+        held = size <= ENOUGH
+        if not held and len(points) < MAX_POINTS:
+            add(left / size)
+            # else all points lie beyond 0, or none is nearer to it
+            if points[-1] @ left < size * min(size - NEARER, APART):
+                share = nearest(np.array(points), share)
+                continue
+        share = np.append(share, np.zeros(len(points) - len(share)))
+        contacts, deformation = (np.tensordot(share, each, 1) for each in (means, deformations))
+        most = 0.0 if held else -float((points[-1] * averaged.friction + target) @ left)
+        return Rest(held, contacts, deformation, basis @ left, most)
+
+
+def crept(averaged, velocities, how):
+    """Return means (n, COLUMNS) and deformations of contacts at rest that have crept with velocities (n, 2)."""
+    speed = np.linalg.norm(velocities, axis=1).max()
+    deformation = dragged_against(velocities)
+    if speed > 0.0:
+        averaged.contact_means(velocities * (averaged.creep / speed), how, deformation)
+    return averaged.contact_means(0.0 * velocities, how, deformation)[0], deformation
+
+
+def nearest(points: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return the combination (k,) of points (k, m) that is nearest to 0, from that of all but the last one."""
+    share = np.append(share, 0.0)
+    active = np.append(np.flatnonzero(share), len(points) - 1)
+    while True:
+        own, k = points[active], len(active)
+        # least |sum shares points| with a sum of shares of 1
+        system = np.ones((k + 1, k + 1))
+        system[:k, :k], system[k, k] = own @ own.T, 0.0
+        new = np.linalg.lstsq(system, np.append(np.zeros(k), 1.0), rcond=None)[0][:k]
+        old, falls = share[active], new <= 0.0
+        if not falls.any():
+            part = 1.0
+        else:
+            part = min(1.0, float((old[falls] / np.maximum(old[falls] - new[falls], 1e-300)).min()))
+        share[active] = old + part * (new - old)
+        gone = share[active] <= LEAST_SHARE
+        if not gone.any() or part == 1.0:
+            share[share <= LEAST_SHARE] = 0.0
+            return share / share.sum()
+        share[active[gone]] = 0.0
+        active = active[~gone]
+
+
+def dragged_against(velocities: np.ndarray) -> np.ndarray:
+    """Return deformations beyond every limit against the velocities of contacts (n, 2)."""
+    speed = np.linalg.norm(velocities, axis=1, keepdims=True)
+    return -1e3 * np.divide(velocities, speed, out=np.zeros_like(velocities), where=speed > 0.0)

@@ -13,7 +13,7 @@ import numpy as np
 from contact.choice import Answer
 from contact.error_estimate import averaged_stall_error, beat_error
 from contact.exceptions import InputError
-from contact.plane.averaged import ANSWER, CHECK, Averaged, balanced, dragged, rest_force
+from contact.plane.averaged import ANSWER, CHECK, Averaged, Root, balanced, dragged, least_at_rest
 from contact.plane.plane_waves import Surface, SurfaceWaves, places, surface_under
 from contact.plane.scaling import refuse_slow_beat, resonance_ratios
 from contact.plane.state import PlaneState
@@ -55,14 +55,21 @@ def stall(slider: Slider, surface: Surface, direction) -> Answer:
     across = np.array([-along[1], along[0], 0.0])
     averaged.basis = np.array([across] if slider.freedom == "xy" else [across, [0.0, 0.0, 1.0]]).T
     root = balanced(averaged)
-    if root.unknown.any():
-        means, check = root.means, averaged.at(root.unknown, CHECK, averaged.deformation.copy())
-    else:
-        means, check = rest_force(averaged, along), rest_force(averaged, along, CHECK)
-    value = float((means.force - averaged.damping * root.unknown) @ along) * averaged.scaled.force
-    numerical = abs(float((check.force - means.force) @ along)) * averaged.scaled.force
-    error = numerical + _averaging_error(slider, waves) * abs(value)
+    force, other = _held_back(averaged, root, along)
+    value = (force - float(averaged.damping * root.unknown @ along)) * averaged.scaled.force
+    error = abs(other - force) * averaged.scaled.force + _averaging_error(slider, waves) * abs(value)
     return Answer(value=value, error=error, reasons=("load along the direction at which the averaged motion stops",))
+
+
+def _held_back(averaged: Averaged, root: Root | None, along: np.ndarray) -> tuple[float, float]:
+    """Return the force along a unit vector (3,) of a slider held there, scaled, and that of other means.
+
+    ``root``: its balance otherwise; None, or at rest: the least that rest can carry.
+    """
+    if root is None or not root.unknown.any():
+        return least_at_rest(averaged, along, ANSWER), least_at_rest(averaged, along, CHECK)
+    check = averaged.at(root.unknown, CHECK, averaged.deformation.copy())
+    return float(root.means.force @ along), float(check.force @ along)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,14 +105,12 @@ def stall_torque(slider: Slider, surface: Surface) -> Answer:
     averaged.basis = averaged.basis[:, :-1]
     turning = np.array([0.0, 0.0, 1.0])
     root = balanced(averaged) if averaged.basis.size else None
-    if root is not None and root.unknown.any():
-        means, check = root.means, averaged.at(root.unknown, CHECK, averaged.deformation.copy())
-    else:
-        side = turning if rest_force(averaged, turning).force[2] >= 0.0 else -turning
-        means, check = rest_force(averaged, side), rest_force(averaged, side, CHECK)
+    torque, other = _held_back(averaged, root, turning)
+    if torque < 0.0 and (root is None or not root.unknown.any()):
+        torque, other = (-each for each in _held_back(averaged, root, -turning))
     unit = averaged.scaled.force * averaged.scaled.length * averaged.arm
-    value = float(means.force[2]) * unit
-    error = abs(float(check.force[2] - means.force[2])) * unit + _averaging_error(slider, waves) * abs(value)
+    value = torque * unit
+    error = abs(other - torque) * unit + _averaging_error(slider, waves) * abs(value)
     return Answer(value=value, error=error, reasons=("torque at which the averaged yaw stops",))
 
 

@@ -12,7 +12,7 @@ from contact.averaged.sweep_kernel import MAX_RATIO_HELD
 from contact.choice import Answer
 from contact.error_estimate import OF_BEAT, OF_VELOCITY, larger_wave, speed_scale
 from contact.exceptions import ConvergenceError, InputError
-from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, rest_force
+from contact.plane.averaged import ANSWER, CHECK, Averaged, Means, Root, balanced, dragged, least_at_rest
 from contact.plane.cycle import Extra
 from contact.plane.disc_contacts import Count, Sum
 from contact.plane.from_rest import SAME, mean_from_rest, speed_of
@@ -358,7 +358,7 @@ def force_band(averaged: Averaged, direction=None) -> Band:
     if direction is None:
         load = averaged.load[:2]
         direction = load / np.linalg.norm(load) if load.any() else np.array([1.0, 0.0])
-    ends = [float(rest_force(averaged, np.append(s * direction, 0.0)).force[:2] @ direction) for s in (1.0, -1.0)]
+    ends = [s * least_at_rest(averaged, np.append(s * np.asarray(direction), 0.0)) for s in (1.0, -1.0)]
     least, largest = (end * averaged.scaled.force for end in ends)
     return Band(direction=np.array(direction), least=least, largest=largest)
 

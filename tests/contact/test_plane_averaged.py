@@ -180,6 +180,24 @@ def test_a_contact_that_never_slips_is_held_within_a_band():
         assert pushed.held == held
 
 
+def test_the_band_of_a_slider_on_waves_that_cross_ends_where_it_moves():
+    """A contact creeps to the force that resists most, and a load along a line may move the slider across it."""
+    phases = np.exp(2j * np.pi * np.random.default_rng(3).random((2, 3)))
+    x, y = 0.5e-9 * phases[0], 0.5e-9 * np.exp(1j) * phases[1]
+    waves = SurfaceWaves(
+        frequencies=[2.2e6], amplitudes=[np.stack([-1j * R_X * x, -1j * R_X * y, x + y], axis=-1)]
+    )  # fmt: skip
+
+    def loaded(size):
+        return steady(ball(x=X, y=Y, preload=3 * F, load=(size, 0.0)), waves, tolerance=1e-3)
+
+    band = loaded(1e-7).band
+    assert loaded(0.99 * band.largest).held
+    assert not loaded(1.01 * band.largest).held
+    assert loaded(0.99 * band.least).held
+    assert not loaded(1.01 * band.least).held
+
+
 def test_a_held_contact_slips_only_where_friction_does_work():
     """A pushed ball that touches its limit sticks, as along x; one on a wave slips while one beside the wave holds."""
     pushed = steady(ball(load=(0.2 * MU * F, 0.0)), beams(0.3, 0), tolerance=1e-3)
