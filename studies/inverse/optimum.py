@@ -28,7 +28,7 @@ from studies.refusal import RunError, SceneError, all_answers, refuse_if
 from studies.scene import Scene
 from studies.scene.keys import coordinate
 from studies.scene.override import replaced
-from studies.solve.requested_quantities import keywords
+from studies.solve.requested_quantities import keywords, motions_in_plane
 
 DEFAULT = Options()
 # Change of each variable for the robustness: a share of it, of a position that of a wavelength, of an angle in degrees
@@ -84,6 +84,7 @@ def design(
         min_budget = 4 * len(varied) + 8
         refuse_if(budget < min_budget, "evaluations", f"must be at least {min_budget}, got {budget}")
         also = keywords([*(column for goal in aims for column in goal.columns), *(each.column for each in bounds)])
+        also = _available(also, table)
         plan = planned(table, varied, also=tuple(sorted(also)), tolerance=options.tolerance)
         _refuse_absent({*plan.question.keys, *plan.question.outcomes}, aims, bounds)
         # part of the identity of the store: another search in the same directory is refused
@@ -107,6 +108,15 @@ def design(
             goals=tuple(names), columns=tuple(str(each.column(optimum)) for each in aims), optimum=optimum,
             front=front, robustness=robustness, points=points, evaluations=evaluations, variables=varied, table=table,
         )  # fmt: skip
+
+
+def _available(also: tuple[str, ...], table: dict) -> tuple[str, ...]:
+    """Return the keywords that have an answer for the scene's slider; goals of the others are refused by their name."""
+    if not motions_in_plane(table.get("slider", {})):
+        return also
+    from studies.solve.plane_quantities import OF_PLANE  # a slider along x imports nothing of the plane
+
+    return tuple(each for each in also if each in OF_PLANE)
 
 
 @refuses(SceneError)

@@ -188,6 +188,12 @@ def test_what_no_evaluation_could_answer_is_refused_before_the_search(arguments,
         design("twente-contact", **{"variables": "slider.preload=1 mN:4 mN"} | arguments)
 
 
+def test_a_goal_without_an_answer_in_the_plane_is_refused_by_its_own_name():
+    """The refusal named an option of sweeps."""
+    with pytest.raises(SceneError, match="goals efficiency is neither varied nor an outcome of this scene"):
+        design("twente-planar", "efficiency", "slider.mass=1e-4:5e-4")
+
+
 def test_a_goal_that_is_zero_everywhere_is_no_optimum():
     """All amplitudes lie below the threshold."""
     with pytest.raises(RunError, match="has a velocity other than 0"):
