@@ -140,6 +140,18 @@ def test_a_slanted_transducer_is_the_mean_over_its_periods():
     assert complex(ports.matrix[0, 0]) == pytest.approx(complex(np.mean(each)), rel=1e-10)
 
 
+def test_each_strip_of_a_slanted_transducer_sends_the_wave_of_its_period():
+    """Without a spread of the waves, beside the middle of each strip; the neighbours differ by a twentieth and more."""
+    found = beam(replace(SENDER, slant=0.3, slant_strips=3))
+    sent = []
+    for strip in found.strips:
+        y = (strip.low + strip.high) / 2
+        own = section(PLATE, (replace(SENDER, period=1e-3 * (1 + 0.3 * y / SENDER.aperture)),), "t", (8e-3,))
+        sent.append(own.motion(np.array([8e-3]))[:, 0])
+        np.testing.assert_allclose(found.motion(8e-3, y)[[0, 2]], sent[-1], rtol=1e-9)
+    assert np.all(abs(np.diff(sent, axis=0)).max(axis=1) > 0.05 * abs(np.array(sent)).max())
+
+
 def test_the_default_number_of_strips_resolves_a_slant():
     """`SLANT_STRIPS`: half as many, and twice as many, over 10 periods."""
     row, stator = replace(SENDER, finger_pairs=10, center=7e-3, slant=0.2), PLATE

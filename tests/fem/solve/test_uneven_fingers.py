@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fem import InputError, Stator, Transducer, frequency_band, material, rotated, surface_beam
+from fem.beam.beam_of_section import aperture_beam
 from fem.discretize.element_sizes import Resolution
 from fem.discretize.mesh_refinement import LEVELS
 from fem.materials.christoffel import slowest_wavelength
@@ -90,6 +91,20 @@ def test_a_vanishing_chirp_has_the_beam_of_the_even_transducer(ends):
     assert abs(more - even).max() < 1e-3 * scale
     assert abs(less + more - 2 * even).max() < 1e-2 * abs(more - even).max()
     assert abs(beam(0.2) - even).max() > 0.1 * scale
+
+
+@pytest.mark.parametrize("kind", [{"chirp": 0.3}, {"cell": "DART"}, {"cell": "EWC", "mirrored": True}])
+def test_the_mean_of_the_beam_between_mirrors_is_the_wave_of_the_section(kind):
+    """The part at k_y = 0 of waves that the section's charges send: aperture over distance of the mirrors times it."""
+    stator = replace(plate(quality=60.0), length=16e-3)
+    row = replace(ROW, center=4e-3, aperture=6e-3, **kind)
+    wave = driven_wave(stator, (row,), frequency=2.2e6, drive="t", tolerance=0.3)
+    x, y = np.array([8e-3, 9e-3, 13e-3]), (np.arange(64) / 64 - 0.5) * 10e-3
+    mean = aperture_beam(wave, wave.solution, mirror_width=10e-3).motion(x[:, None], y).mean(axis=2)
+    sent = 0.6 * wave.motion(x)
+    assert abs(mean[[0, 2]] - sent).max() < 1e-8 * abs(sent).max()
+    plain = driven_wave(stator, (replace(ROW, center=4e-3),), frequency=2.2e6, drive="t", tolerance=0.3)
+    assert abs(wave.motion(x) - plain.motion(x)).max() > 0.1 * abs(sent).max()
 
 
 @pytest.mark.parametrize("kind", KINDS)
