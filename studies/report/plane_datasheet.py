@@ -139,7 +139,7 @@ def _start_and_stop(start: Start, driven: Contact) -> Iterator[Row]:
         weights = 1.0 - start.share, start.share
         time, acceleration = np.average(leg.time[last], weights=weights), np.ptp(_speeds_of(leg, axle)[last])
         acceleration /= float(np.ptp(leg.time[last]))
-        until = f"from rest to {SETTLED:.0%} of the speed" + ("" if axle else " on the waves at the position")
+        until = f"from rest to {SETTLED:.0%} of the {'mean rotation' if axle else 'speed on the waves at the position'}"
         error = _speed_error(start.motion, axle) / acceleration / time if acceleration > 0.0 else None
         yield Row("positioning", "start time", float(time), "s", error, until)
         yield _way("start", start, np.average(leg.pose[last], axis=0, weights=weights), time, axle, until)
@@ -191,8 +191,9 @@ def _speed_error(motion: plane.PlaneTrajectory, axle: bool) -> float:
 
 
 def _speed_of(point: Point, axle: bool) -> float:
+    """Return the steady speed in m/s, or the yaw rate of a rotor in rad/s: its mean over a turn."""
     if axle:
-        return abs(point.rotation_rpm or 0.0) / PER_MINUTE
+        return abs(point.mean_rotation_rpm or point.rotation_rpm or 0.0) / PER_MINUTE
     return math.hypot(point.velocity_m_per_s or 0.0, point.lateral_velocity_m_per_s or 0.0)
 
 

@@ -465,6 +465,21 @@ def test_the_start_of_a_datasheet_is_on_the_waves_of_the_position():
     assert 0 < found.reached < found.motion.burst_end
 
 
+def test_the_start_of_a_rotor_is_up_to_its_mean_rotation():
+    """It was up to the speed at the position, which a rotor that runs slower over a turn reaches late or never."""
+    from studies.model.wave_to_contact import Contact
+    from studies.report.plane_datasheet import SETTLED, start_of
+    from studies.solve.plane_motor import PER_MINUTE, PlaneMotor
+
+    keys = {"contacts": [["6 mm", 0], ["5 mm", "2 mm"]], "freedom": "axle", "axis": [0, 0], "inertia": "2 g mm^2"}
+    driven = Contact.prescribed(build(scene({"direction": 90}, wavelength="1.1 mm", **keys)))
+    motor = PlaneMotor.of(driven, 10e-9, 1e-3)
+    here = PER_MINUTE * motor.state().yaw_rate
+    found = start_of(motor, driven, 10e-9, Point(rotation_rpm=here, mean_rotation_rpm=0.5 * here))
+    before, after = PER_MINUTE * found.legs[0].rates[found.reached - 1 : found.reached + 1, 2]
+    assert before + found.share * (after - before) == pytest.approx(0.5 * SETTLED * here)
+
+
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
