@@ -181,15 +181,15 @@ def _force_left(averaged: Averaged, motion: np.ndarray) -> np.ndarray:
     speeds, forces = _units(averaged)
     unknown = motion / speeds
     means = averaged.at(unknown, ANSWER, dragged(averaged, unknown))
-    return forces * (means.force - averaged.load - averaged.damping * unknown)
+    return forces * (averaged.basis @ averaged.residual(means, unknown))
 
 
 def spin_moment(slider: Slider, state: PlaneState) -> np.ndarray:
-    """Return the largest moment in N m by which each contact resists spin about its own axis, left out of the motion.
+    """Return the moment in N m by which each contact resists full spin about its own axis, left out of the motion.
 
     It is the integral of mu p r over the contact: (3 pi/16) mu P a for the pressure of Hertz, (pi/4) mu P a for that of
     a flat punch (Johnson, *Contact Mechanics*, eqs 4.22 and 3.34; Contensou 1963). The radius is that of the mean
-    approach.
+    approach: a contact that opens has a larger one while it touches.
     """
     radius = slider.contact_radius(np.maximum(state.heights, 0.0))
     share = math.pi / 4.0 if slider.shape == "punch" else 3.0 * math.pi / 16.0

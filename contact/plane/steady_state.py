@@ -274,7 +274,10 @@ def _state(averaged: Averaged, waves: SurfaceWaves, root: Root, tolerance, begun
     reasons = ["averaged equilibrium in the plane"]
     by_averaging = averaging_error(slider, waves)
     size = float(np.linalg.norm(root.error)) * units.speed + by_averaging * reference
-    error, yaw_error = error + by_averaging * reference, yaw_error + by_averaging * abs(yaw_rate)
+    # a relative error of the forces moves each contact, and so turns a slider that hardly turns
+    arm = averaged.arm * units.length
+    error, yaw_error = error + by_averaging * reference, yaw_error + by_averaging * max(reference / arm, abs(yaw_rate))
+    yaw_error *= 2 in FREE[slider.freedom]
     if root.held and by_averaging > tolerance:
         with suppress(ConvergenceError):
             size, error, yaw_error = _motion_on_larger_waves(slider, waves)

@@ -197,6 +197,19 @@ def test_the_motion_that_repeats_turns_as_the_averaged_one():
     assert exact.torque == pytest.approx(slider.torque + slider.yaw_damping * exact.yaw_rate, rel=1e-4)
 
 
+def test_the_error_of_a_yaw_rate_contains_what_averaging_leaves_out():
+    """Balls on one wave with other phases: in the mean they do not turn the slider, within its bounce they do."""
+    wave = 3e-9 * np.exp(2j * np.pi * np.random.default_rng(3).random(3))
+    waves = SurfaceWaves(frequencies=[1 / T], amplitudes=[np.stack([-1j * R_X * wave, 0 * wave, wave], axis=-1)])
+    slider = ball(
+        x=[6e-3, -3e-3, -3e-3], y=[0.0, 5.2e-3, -5.2e-3], preload=3 * 0.87309e-3, freedom="xy yaw", mass=3e-6,
+        inertia=6e-11, normal_damping=1.0,
+    )  # fmt: skip
+    mean, exact = (steady(slider, waves, tolerance=1e-2, method=each) for each in ("averaged", "exact"))
+    assert abs(mean.yaw_rate) < 1e-12
+    assert 1e-4 < abs(exact.yaw_rate) < 2.0 * mean.yaw_error
+
+
 def test_fixed_steps_count_the_fraction_after_the_touch():
     """With little tangential motion the contacts stick at the touch; without the fraction the order drops there."""
     waves = SurfaceWaves(frequencies=[2.2e6], amplitudes=[[[-0.2e-9j, 0.15e-9, 8e-9]]])
