@@ -21,6 +21,7 @@ from contact import (
 from contact.law.adhesion import AdhesiveSphere, meniscus_force
 from contact.law.sphere_limits import tabor_number
 from tests.contact.motors import orbit, slider
+from tests.oracles.contact_heavy_ball import HeavyBall
 
 R, E, PRELOAD = 1e-3, 64e9, 0.87309e-3
 # work J/m^2; radius um and stiffness over Hertz's at the preload, approach at the end nm, release amplitude nm, loss J
@@ -104,7 +105,8 @@ def test_refusals(call, sentence):
         call()
 
 
-# u_z nm; mean velocity m/s without, with w = 0.05 and 0.1 J/m^2, and with a meniscus of water, by another program
+# u_z nm; mean velocity m/s without, with w = 0.05 and 0.1 J/m^2, and with a meniscus of water, by another program,
+# which errs by up to 2e-7 (`HeavyBall`)
 SPEEDS = [
     (2.0, 0.005205413, 0.003786650, 0.002790847, 0.002136737),
     (3.0, 0.012188264, 0.009986348, 0.008282401, 0.007078834),
@@ -122,6 +124,19 @@ def test_the_speeds_of_attracted_balls(u, speeds):
     for adhesion, speed in zip(KINDS, speeds, strict=True):
         found = mean_motion(replace(ball, adhesion=adhesion), orbit(1e-9 * u, 0.67))
         assert float(found.velocity) == pytest.approx(speed, rel=3e-7)
+
+
+@pytest.mark.parametrize("u", [2.0, 3.0])
+def test_the_speeds_of_attracted_balls_to_more_digits(u):
+    body = slider(preload=PRELOAD, mass=math.inf, normal_damping=0.0, tangential_damping=0.0)
+    for adhesion in KINDS:
+        pressed = PRELOAD + (adhesion.attraction(R) if adhesion else 0.0)
+        known = HeavyBall(
+            stiffness=4 / 3 * 64e9 * math.sqrt(R), slope=0.08 * 64 / 48, preload=pressed, ratio=0.67,
+            omega=2 * math.pi * 2.2e6,
+        ).velocity(1e-9 * u)  # fmt: skip
+        found = mean_motion(replace(body, adhesion=adhesion), orbit(1e-9 * u, 0.67))
+        assert float(found.velocity) == pytest.approx(known, rel=1e-8)
 
 
 @pytest.mark.parametrize("adhesion", KINDS[1:], ids=lambda each: f"{each.model} {each.work}")
