@@ -346,7 +346,7 @@ def _attempt(problem: BandProblem, level_tolerance: float, solved: dict[Resoluti
     return band, float(level_error)
 
 
-def _level_differences(problem: BandProblem, check: "_Check", other: int) -> np.ndarray:
+def level_differences(problem: BandProblem, check: "_Check", other: int) -> np.ndarray:
     """Differences in motion and admittance of a check's solution from that of the level number ``other``."""
     solution = solve_driven(
         problem.stator,
@@ -367,7 +367,7 @@ def level_bounds(problem: BandProblem, checks: list["_Check"], between: tuple[fl
     """
     worst, gain = max(check.worst for check in checks), level_gain(problem.stator)
     before = LEVELS.index(checks[0].solution.fields.resolution) - 1
-    estimates = side_by_side(lambda check: _level_differences(problem, check, before) / (gain - 1), checks[1:])
+    estimates = side_by_side(lambda check: level_differences(problem, check, before) / (gain - 1), checks[1:])
     return np.array(
         [check.growth(worst) * np.array(each) for check, each in zip(checks, [between, *estimates], strict=True)]
     )
@@ -383,7 +383,7 @@ def errors_by_finer_level(problem: BandProblem, checks: list["_Check"]) -> Calla
         if finer == len(LEVELS):
             return np.full(2, np.inf)
         amplified = max(1.0, worst / checks[number].here)
-        return amplified * _level_differences(problem, checks[number], finer) * gain / (gain - 1)
+        return amplified * level_differences(problem, checks[number], finer) * gain / (gain - 1)
 
     return known
 
@@ -407,7 +407,7 @@ def bounds_by_gain_seen(
             return np.array([motion, admittance])
         check = checks[number]
         last = (GAIN - 1) * motion / check.growth(worst)  # |a_2 - a_3|
-        seen = _level_differences(problem, check, coarser)[0] / last - 1
+        seen = level_differences(problem, check, coarser)[0] / last - 1
         gain = float(np.clip(SEEN_SHARE * seen, GAIN, MAX_SEEN_GAIN))
         return np.array([motion * (GAIN - 1) / (gain - 1), admittance])
 

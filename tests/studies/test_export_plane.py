@@ -15,7 +15,7 @@ import pytest
 import contact
 from contact import plane
 from studies.__main__ import main
-from studies.export import simulators
+from studies.export import planar_export, simulators
 from studies.export.fmu import compiler, fmu_of
 from studies.export.planar_body import Body
 from studies.export.planar_export import planar_motor
@@ -366,7 +366,7 @@ def test_a_waveform_stands_beside_the_model_as_a_table_of_all_drives():
 
 @pytest.mark.parametrize("files", [simulators.fmu_files, simulators.c_files])
 def test_a_waveform_that_turns_is_refused_before_anything_is_computed(monkeypatch, files):
-    monkeypatch.setattr(simulators, "_planar", lambda *_: pytest.fail("the motor was computed"))
+    monkeypatch.setattr(planar_export, "planar_motor", lambda *_, **__: pytest.fail("the motor was computed"))
     given = scene({}, {"direction": 90}, freedom="xy").to_table()
     given["wave"] |= {"burst": "4 ms", "waveform": {"shape": "chirp", "sweep": [0.0, "1 kHz"]}}
     with pytest.raises(SceneError, match="must keep phase and frequency here"):

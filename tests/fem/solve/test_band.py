@@ -105,7 +105,7 @@ def test_the_gain_of_the_levels_before_lowers_a_bound(monkeypatch, seen, counted
         asked.append(other)
         return np.array([(seen + 1) * 7e-4, 0.0])  # from the level before the last; 7e-4 from the last one
 
-    monkeypatch.setattr(band_module, "_level_differences", differences)
+    monkeypatch.setattr(band_module, "level_differences", differences)
     check = SimpleNamespace(
         solution=SimpleNamespace(fields=SimpleNamespace(resolution=LEVELS[3])), worst=6.0, growth=lambda worst: 3.0
     )
