@@ -67,6 +67,9 @@ SAMPLES, ROOT, MAX_REACH = 256, 1e-10, 0.5
 # The threshold is infinite if the slider is still held at this many times the factor of the first slip of any contact.
 # In 38 drawn motors with unequal contacts it was 1 to 1.36 times that factor.
 CLIMB = 100.0
+# A load may move a slider on unequal contacts within a range of factors that is narrower than the usual step, beyond
+# which the wave holds it again: seen up to this many times the first slip.
+NARROW = 1.5
 # Orbits within this relative difference count as equal: a thousandth of the least stated error, and far above rounding.
 ALIKE = 1e-9
 OPEN = 1e-9  # of the largest factor: smallest one of a search that needs closed contacts
@@ -109,7 +112,8 @@ def threshold(slider: Slider, orbits: Surface) -> Answer:
     if slider.law == "elastic" and not (slider.reciprocal or bent) and slider.level and slider.even and _alike(listed):
         own_spring = isinstance(slider.friction, UserLaw)
         return (_by_averaging if own_spring else _by_full_motion)(slider, listed, elastic)
-    held = _edge(lambda k: not balanced(slider, listed.scaled(k)).held, elastic)
+    fine = NARROW if slider.load != 0.0 else 1.0
+    held = _edge(lambda k: not balanced(slider, listed.scaled(k)).held, elastic, fine)
     return _by_averaging(slider, listed, held)
 
 
@@ -442,11 +446,14 @@ def _falling_root(function, slider, orbits):
     return bracketed(function, 0.0, high)
 
 
-def _edge(is_above, guess):
-    """Return the factor at which `is_above` becomes true, by bisection from a guess; inf above `CLIMB` guesses."""
+def _edge(is_above, guess, fine=1.0):
+    """Return the factor at which `is_above` becomes true, by bisection from a guess; inf above `CLIMB` guesses.
+
+    ``fine``: factor on the guess up to which a narrow range in which it is true is not passed over.
+    """
     low, high = guess, guess
     while not is_above(high):
-        low, high = high, 1.1 * high
+        low, high = high, (1.01 if high < fine * guess else 1.1) * high
         if high > CLIMB * guess:
             return math.inf
     while low == high or is_above(low):

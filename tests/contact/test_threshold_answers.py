@@ -159,3 +159,17 @@ def test_contacts_in_the_air_have_no_release():
     assert second is None
     assert first == release(body, wave)
     assert all(math.isinf(each.value) for each in releases(slider(), (orbit(0, 1e-9),) * 2))
+
+
+def test_a_load_may_move_a_slider_within_a_narrow_range_of_amplitudes():
+    """Two unequal balls are held below 0.396, move up to 1.05 times that, and are held again up to 1.1 times."""
+    loaded = slider(preload=3.6e-4, load=3.35e-6, friction_coefficient=0.178, heights=(0.0, -6.1e-10))
+    first = orbit(1e-9 * np.exp(2.0499j), 0.9896e-9 * np.exp(-2.5156j))
+    second = orbit(1e-9 * np.exp(2.8830j), 0.5919e-9 * np.exp(2.4311j))
+
+    def speed(factor):
+        waves = [each.scaled(factor) for each in (first, second)]
+        return steady(loaded, waves, tolerance=1e-6, method="exact").velocity
+
+    found = threshold_factor(loaded, (first, second))
+    assert [speed(share * found) > 5e-6 for share in (0.98, 1.02, 1.09, 1.12)] == [False, True, False, True]
