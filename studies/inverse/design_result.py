@@ -9,6 +9,7 @@ from studies.record.plots import COLOURS, finished, saved
 from studies.record.prefixes import key_axis
 from studies.record.quantities import quantity
 from studies.record.text import labelled, table
+from studies.refusal import writing
 from studies.results.content import write_json
 from studies.scene.keys import coordinate
 from studies.scene.toml import document
@@ -74,13 +75,16 @@ class Design:
 
     def write(self, folder: Path) -> None:
         """Write design.json, optimum.toml and design.png into a directory."""
-        folder.mkdir(parents=True, exist_ok=True)
-        write_json(folder / "design.json", self.to_dict())
-        goals = " and ".join(self.goals)
-        largest = "" if goals.startswith(LEAST) else "largest "  # a goal that is minimised begins with "least" itself
-        remark = f"{largest}{goals} of {self.evaluations} evaluations"
-        (folder / "optimum.toml").write_text(document(self.table, remarks=(remark,)), encoding="utf-8")
-        saved(folder / "design.png", self.draw)
+        with writing(folder, "out"):
+            folder.mkdir(parents=True, exist_ok=True)
+            write_json(folder / "design.json", self.to_dict())
+            goals = " and ".join(self.goals)
+            largest = (
+                "" if goals.startswith(LEAST) else "largest "
+            )  # a goal that is minimised begins with "least" itself
+            remark = f"{largest}{goals} of {self.evaluations} evaluations"
+            (folder / "optimum.toml").write_text(document(self.table, remarks=(remark,)), encoding="utf-8")
+            saved(folder / "design.png", self.draw)
 
     def draw(self, ax):
         """Draw the goal against the evaluations, or the front of two goals, on an Axes."""

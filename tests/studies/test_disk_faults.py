@@ -17,7 +17,8 @@ import pytest
 
 import studies
 from studies.__main__ import main
-from studies.refusal import RunError
+from studies.inverse.evaluations import Options
+from studies.refusal import RunError, SceneError
 from studies.results.directory import MANIFEST, read_manifest
 
 OPERATIONS = ("rename", "replace", "mkdir", "unlink", "rmdir")  # of the module os; pathlib calls them
@@ -147,6 +148,24 @@ def test_no_failing_operation_of_a_run_loses_anything(error, reason, tmp_path, m
             break
         k += 1
     assert failed > 8  # the two tables, run.json, the scene, the manifest, the moves
+
+
+def test_no_failing_operation_of_a_design_is_a_defect(tmp_path, monkeypatch):
+    motor = studies.Scene.load("twente-contact")
+    options = Options(evaluations=12)
+    best = studies.design(motor, ["velocity"], {"slider.preload": (4e-4, 1e-2)}, options=options)
+    broken, folder = OSError(errno.EIO, os.strerror(errno.EIO)), tmp_path / "design"
+    with monkeypatch.context() as patch:
+        disk = Disk(patch, tmp_path, broken)
+        best.write(folder)
+    assert disk.count > 3  # the folder and three files
+    for k in range(disk.count):
+        shutil.rmtree(folder, ignore_errors=True)
+        with monkeypatch.context() as patch:
+            Disk(patch, tmp_path, broken).fails = k
+            with pytest.raises(SceneError, match=f"cannot write .*: {os.strerror(errno.EIO)}"):
+                best.write(folder)
+    best.write(folder)
 
 
 class FailingConnection:
