@@ -44,7 +44,7 @@ def plane_rows(record: Record, driven: Contact, rated: float) -> tuple[tuple[Row
         LOGGER.info("start and stop")
         start = start_of(motor, driven, rated, point)
         if start is not None:
-            rows += _start_and_stop(start, driven)
+            rows += start_and_stop(start, driven)
             remarks += _room(start, motor, driven, rated) if motor.slider.freedom != AXLE else ()
     except contact.ConvergenceError as error:
         remarks.append(f"the datasheet is incomplete: {' '.join(str(error).split())}")
@@ -131,7 +131,7 @@ def start_of(motor: PlaneMotor, driven: Contact, level: float, point: Point) -> 
     return Start(slider, motion, (legs[0], legs[-1]), reached, float(share))
 
 
-def _start_and_stop(start: Start, driven: Contact) -> Iterator[Row]:
+def start_and_stop(start: Start, driven: Contact) -> Iterator[Row]:
     """Yield time and way, or angle, of a start from rest and of the coast to rest after it."""
     axle, (leg, coast) = driven.scene.slider.axis is not None, start.legs
     if start.reached:
@@ -140,24 +140,26 @@ def _start_and_stop(start: Start, driven: Contact) -> Iterator[Row]:
         time, acceleration = np.average(leg.time[last], weights=weights), np.ptp(_speeds_of(leg, axle)[last])
         acceleration /= float(np.ptp(leg.time[last]))
         until = f"from rest to {SETTLED:.0%} of the {'mean rotation' if axle else 'speed on the waves at the position'}"
-        error = _speed_error(start.motion, axle) / acceleration / time if acceleration > 0.0 else None
-        yield Row("positioning", "start time", float(time), "s", error, until)
-        yield _way("start", start, np.average(leg.pose[last], axis=0, weights=weights), time, axle, until)
+        late = _speed_error(start.motion, axle) / acceleration
+        moved = np.average(leg.pose[last], axis=0, weights=weights)
+        yield Row("positioning", "start time", float(time), "s", late / time, until)
+        yield _way("start", start, moved, time, late * _speeds_of(leg, axle)[start.reached], until)
     until, time = "from the end of the start, drive off, by friction", float(np.ptp(coast.time))
     error = _speed_error(start.motion, axle) / _speeds_of(coast, axle)[0]
     yield Row("positioning", "stop time", time, "s", error, until)
-    yield _way("stop", start, coast.pose[-1] - coast.pose[0], time, axle, until)
+    swing = plane.spring_back(start.slider)
+    springs = float(swing[2] if axle else np.hypot(*swing[:2]))
+    yield _way("stop", start, coast.pose[-1] - coast.pose[0], time, springs, until)
 
 
-def _way(name: str, start: Start, moved: np.ndarray, time: float, axle: bool, until: str) -> Row:
-    """Return the row of a way, or an angle: its error is that of the speed over the time, and of what springs move."""
+def _way(name: str, start: Start, moved: np.ndarray, time: float, further: float, until: str) -> Row:
+    """Return the row of a way, or an angle: its error is that of the speed over the time, and a further one."""
+    axle = start.slider.freedom == AXLE
     if axle:
         way, kind, factor, unit = abs(float(moved[2])), "angle", math.degrees(1.0), "deg"
     else:
         way, kind, factor, unit = float(np.hypot(*moved[:2])), "distance", 1.0, "m"
-    swing = plane.spring_back(start.slider)
-    springs = 0.0 if name == "start" else float(swing[2] if axle else np.hypot(*swing[:2]))
-    error = (_speed_error(start.motion, axle) * time + springs) / way if way > 0.0 else None
+    error = (_speed_error(start.motion, axle) * time + further) / way if way > 0.0 else None
     return Row("positioning", f"{name} {kind}", factor * way, unit, error, until)
 
 

@@ -453,7 +453,7 @@ def test_the_start_of_a_datasheet_is_on_the_waves_of_the_position():
     Oracle: two integrators that share no code with it.
     """
     from studies.model.wave_to_contact import Contact
-    from studies.report.plane_datasheet import start_of
+    from studies.report.plane_datasheet import SETTLED, start_and_stop, start_of
     from studies.solve.plane_motor import PlaneMotor
 
     driven = Contact.prescribed(build(scene({}, {"direction": 90, "phase": 90}, wavelength="1 mm")))
@@ -463,6 +463,9 @@ def test_the_start_of_a_datasheet_is_on_the_waves_of_the_position():
     assert np.abs(end - (0.0202250455, 0.0816736288)).max() < 2.0 * np.hypot(*found.motion.error[:2]) < 1e-3
     assert found.motion.pose[-1, 0] > 1e-3  # beyond the wavelength, over which the drive changes its direction
     assert 0 < found.reached < found.motion.burst_end
+    time, way, *_ = start_and_stop(found, driven)
+    # a start that ends later ends farther
+    assert way.error * way.value > time.error * time.value * SETTLED * np.hypot(0.0202250455, 0.0816736288)
 
 
 def test_the_start_of_a_rotor_is_up_to_its_mean_rotation():
