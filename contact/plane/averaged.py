@@ -24,7 +24,7 @@ from contact.plane.disc_contacts import Stage, Sum, state_of, with_nodes, work_o
 from contact.plane.heights import NormalMeans, approaches
 from contact.plane.plane_equations import PlaneProblem
 from contact.plane.plane_waves import SurfaceWaves
-from contact.plane.rest import crept, dragged_against, settled
+from contact.plane.rest import Forces, crept, dragged_against, settled
 from contact.plane.scaling import FREE, Scaled, scaled
 from contact.slider import Slider
 
@@ -336,20 +336,20 @@ def _refuse_beyond_friction(averaged: Averaged, loads: np.ndarray) -> None:
         point = point + step * min(1.0, float(left @ step / (step @ step)))
 
 
-def least_at_rest(averaged: Averaged, towards: np.ndarray, how=SEARCH) -> float:
+def least_at_rest(averaged: Averaged, towards: np.ndarray, how=SEARCH, known: Forces | None = None) -> float:
     """Return the least force along a unit vector (3,) that a slider at rest can carry beside its load across it.
 
     A slider that creeps that way meets less: it also moves across. Each load that is not carried has a way on which the
-    forces of rest fall short of it; the next one is that which they reach there.
+    forces of rest fall short of it; the next one is that which they reach there. ``known``: see `rest.settled`.
     """
     free = np.eye(3)[:, FREE[averaged.slider.freedom]]
     contacts, _ = crept(averaged, averaged.rigid @ towards, how)
     least = float(averaged.total(contacts) @ towards)
     if not np.allclose(free @ (free.T @ towards), towards):
         return least  # held along it, by an axle
-    across = averaged.load - (averaged.load @ towards) * towards
+    across, known = averaged.load - (averaged.load @ towards) * towards, Forces.none() if known is None else known
     for _ in range(MAX_BAND):
-        rest = settled(averaged, across + least * towards, free, how)
+        rest = settled(averaged, across + least * towards, free, how, known=known)
         along = float(rest.left @ towards)
         if rest.held or along <= 0.0:
             break

@@ -34,40 +34,61 @@ class Rest(NamedTuple):
     most: float  # of the forces of rest along minus `left`, times its length
 
 
-def settled(averaged, load, basis, how, only=None) -> Rest:
+class Forces(NamedTuple):
+    """Forces that contacts carry at rest after a creep, of k creeps."""
+
+    forces: list  # (m,): along the free motions
+    means: list  # (n, COLUMNS)
+    deformations: list  # (n, 2)
+
+    @classmethod
+    def none(cls) -> "Forces":
+        """Return those of no creep."""
+        return cls([], [], [])
+
+
+def settled(averaged, load, basis, how, only=None, known: Forces | None = None) -> Rest:
     """Return the rest of an `Averaged` slider under a load (3,) that is free along `basis`, or that it moves.
 
-    ``how``: accuracy of the means; ``only``: the one contact whose force counts, None for all. The means of a slider
-    that is held are combined too.
+    ``how``: accuracy of the means; ``only``: the one contact whose force counts, None for all; ``known``: forces of the
+    same slider under other loads, to which those found are added. The means of a slider that is held are combined too.
     """
     n = len(averaged.start)
     counts = np.ones(n) if only is None else np.arange(n) == only
     target, rigid = basis.T @ load, averaged.rigid @ basis
-    points, means, deformations = [], [], []
+    known = Forces.none() if known is None else known
 
     def add(way):
         contacts, deformation = crept(averaged, rigid @ way * counts[:, None], how)
         force = contacts[:, [Sum.ALONG_X, Sum.ALONG_Y]] * counts[:, None]
-        points.append((np.einsum("ick,ic->k", rigid, force) - target) / averaged.friction)
-        means.append(contacts)
-        deformations.append(deformation)
+        known.forces.append(np.einsum("ick,ic->k", rigid, force))
+        known.means.append(contacts)
+        known.deformations.append(deformation)
 
-    add(np.zeros(basis.shape[1]))
-    share = np.ones(1)
+    if not known.forces:
+        add(np.zeros(basis.shape[1]))
+    share, added = np.zeros(len(known.forces)), 0
+    share[0] = 1.0
     while True:
+        points = (np.array(known.forces) - target) / averaged.friction
         left = share @ points
         size = float(np.linalg.norm(left))
         held = size <= ENOUGH
-        if not held and len(points) < MAX_POINTS:
+        # all points lie beyond 0, or none is nearer to it
+        nearer = size * min(size - NEARER, APART)
+        next_one = int((points @ left).argmin())
+        if not held and points[next_one] @ left >= nearer and added < MAX_POINTS:
             add(left / size)
-            # else all points lie beyond 0, or none is nearer to it
-            if points[-1] @ left < size * min(size - NEARER, APART):
-                share = nearest(np.array(points), share)
-                continue
-        share = np.append(share, np.zeros(len(points) - len(share)))
-        contacts, deformation = (np.tensordot(share, each, 1) for each in (means, deformations))
-        most = 0.0 if held else -float((points[-1] * averaged.friction + target) @ left)
-        return Rest(held, contacts, deformation, basis @ left, most)
+            points = np.vstack([points, (known.forces[-1] - target) / averaged.friction])
+            share, added, next_one = np.append(share, 0.0), added + 1, len(points) - 1
+        if held or points[next_one] @ left >= nearer:
+            break
+        share = nearest(points, share, next_one)
+        if np.linalg.norm(share @ points) >= size:  # rounding is all that is left to gain
+            break
+    contacts, deformation = (np.tensordot(share, each, 1) for each in (known.means, known.deformations))
+    most = -float((points[next_one] * averaged.friction + target) @ left)
+    return Rest(held, contacts, deformation, basis @ left, most)
 
 
 def crept(averaged, velocities, how):
@@ -79,10 +100,10 @@ def crept(averaged, velocities, how):
     return averaged.contact_means(0.0 * velocities, how, deformation)[0], deformation
 
 
-def nearest(points: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Return the combination (k,) of points (k, m) that is nearest to 0, from that of all but the last one."""
-    share = np.append(share, 0.0)
-    active = np.append(np.flatnonzero(share), len(points) - 1)
+def nearest(points: np.ndarray, share: np.ndarray, other: int) -> np.ndarray:
+    """Return the combination (k,) of points (k, m) and another of them that is nearest to 0."""
+    share = share.copy()
+    active = np.append(np.flatnonzero(share), other)
     while True:
         own, k = points[active], len(active)
         # least |sum shares points| with a sum of shares of 1

@@ -20,6 +20,7 @@ from contact.plane.long_run import long_run
 from contact.plane.plane_shooting import CHECK as CHECK_SHOOTING
 from contact.plane.plane_shooting import lost_in_dampers, periodic, sums_of
 from contact.plane.plane_waves import Surface, SurfaceWaves, surface_under
+from contact.plane.rest import Forces
 from contact.plane.scaling import FREE, averaging_error, beats_slowly, refuse_slow_beat, resonance_ratios, slowest_beat
 from contact.plane.state import Band, PlaneState, Powers
 from contact.slider import Slider
@@ -361,7 +362,8 @@ def force_band(averaged: Averaged, direction=None) -> Band:
     if direction is None:
         load = averaged.load[:2]
         direction = load / np.linalg.norm(load) if load.any() else np.array([1.0, 0.0])
-    ends = [s * least_at_rest(averaged, np.append(s * np.asarray(direction), 0.0)) for s in (1.0, -1.0)]
+    known = Forces.none()
+    ends = [s * least_at_rest(averaged, np.append(s * np.asarray(direction), 0.0), known=known) for s in (1.0, -1.0)]
     least, largest = (end * averaged.scaled.force for end in ends)
     return Band(direction=np.array(direction), least=least, largest=largest)
 

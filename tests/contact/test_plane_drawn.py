@@ -92,7 +92,7 @@ def test_just_above_the_threshold_a_slider_moves_and_below_it_rests():
     assert steady(slider, below, tolerance=1e-6).held
     state = steady(slider, above, tolerance=1e-6)
     assert 0.0 < state.speed < 1e-3 * above.peak_speed
-    miss, stated, own = deviation(slider, above, 1e-6, 1e-8)
+    miss, stated, own = deviation(slider, above, 1e-6, 1e-6)
     assert miss < 2.0 * stated + own < 1e-2 * state.speed
 
 
