@@ -56,6 +56,7 @@ DECAYS = 3.0  # time constants of the bounce that are followed event by event; 5
 # Time for which the mean force differs after a change of the wave, over the period of the bounce over 2 pi: 4.4 on
 # `twente-planar` from rest, where the height changes most
 BOUNCES = 5.0
+HELD_RINGS = 2.0  # largest rate in the ring of a held slider over that at the instants of its start
 INSTANTS = 12  # of a motion, at which two computations of it are compared
 MAX_LAGS, LEVELS = 100_000, 17  # instants and levels of the waves at which a lag of the height is known
 PLACE = 1e-4  # m: a tenth of a wavelength, to which the tolerance of a place refers
@@ -383,13 +384,54 @@ def _averaged(question):
         way, time_of = np.abs(np.diff(fine.state[:, 3:], axis=0)), np.diff(fine.time)[:, None]
         if len(way):
             systematic += BOUNCES * (way / time_of).max(axis=0) / (ratio * question.waves.omega)
+    coasts = fine.time > question.duration
+    held = fine.state[(fine.time > begun.time) & ~coasts, 3:]
+    if len(held) and len(begun.rows[1]):  # a slider that is held rings as at its start
+        systematic += HELD_RINGS * np.abs(begun.rows[1]).max(axis=0) * (held == 0.0).any(axis=0)
+    if coasts.any() and slider.mass != math.inf:
+        systematic += _bounce_after_the_waves(question, fine.state[coasts], float(np.ptp(height)))
     error, pose_error = missed[3:] + systematic, missed[:3] + systematic * float(fine.time[-1])
     if fine.stopped < math.inf:
         pose_error += spring_back(slider)
+    if coasts.any() and slider.mass != math.inf:
+        ring = _ring_after_the_waves(question, fine.state[~coasts][-1, 3:])
+        rests = np.abs(fine.state[coasts, 3:]).min(axis=0) <= ring
+        error += ring * rests
+        if fine.stopped == math.inf:
+            pose_error += ring * rests / (math.pi * slider.tangential_resonance(slider.count))
     names = {"evaluations": path.evaluations}
     reason = f"averaged motion in the plane{begun.reason}"
     pose, rates = fine.state[:, :3], fine.state[:, 3:]
     return _Found(fine.time, pose, rates, height, error, pose_error, None, reason, names, fine.stopped)
+
+
+def _bounce_after_the_waves(question, coast, rise):
+    """Return the rates (3,) by which a coast (k, 6) may differ while the height falls to that of rest.
+
+    The friction that slows the slider down is another one through some bounces: ``rise``, the way of the height in m,
+    times the contacts' stiffness is their force, at most the preload.
+    """
+    slider, bounce = question.slider, 2.0 * math.pi * question.slider.normal_resonance(question.slider.count)
+    friction = slider.static_friction(slider.count) * min(slider.mass * bounce**2 * rise / slider.preload, 1.0)
+    turned = friction * question.arm / slider.inertia if slider.inertia else 0.0
+    slowed = np.array([friction / slider.mass, friction / slider.mass, turned]) * coast[:, 3:].any(axis=0)
+    return BOUNCES * slowed / (bounce * (1.0 + bounce * question.rise_time))
+
+
+def _ring_after_the_waves(question, rates):
+    """Return the largest rates (3,) of a slider that rests after the waves and swings in its springs.
+
+    ``rates``: those at the end of the waves (3,). Springs that the load and the waves have deformed give it the rest,
+    up to that of the slip limit.
+    """
+    slider, waves = question.slider, question.waves
+    pulse = 2.0 * math.pi * slider.tangential_resonance(slider.count)
+    most = 0.5 * pulse * spring_back(slider)
+    arm = most[0] / most[2] if most[2] > 0.0 else 0.0
+    torque = abs(slider.torque) / arm if arm > 0.0 else 0.0
+    load = (float(np.hypot(*np.atleast_1d(slider.load))) + torque) / (slider.mass * pulse)
+    speed = float(np.hypot(*rates[:2])) + arm * abs(float(rates[2])) + pulse * waves.peak_speed / waves.omega + load
+    return most * min(speed / most[0], 1.0) if most[0] > 0.0 else np.zeros(3)
 
 
 def spring_back(slider):

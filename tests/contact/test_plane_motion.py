@@ -315,6 +315,19 @@ def test_the_bounce_of_the_start_is_followed_before_averaging():
     assert np.all(np.abs(exact.pose[-1] - mean.pose[-1]) <= 2 * mean.pose_error)
 
 
+@pytest.mark.parametrize("nm", [1.0, 5.0])  # held on the waves; moved by them and stopped by friction
+def test_the_error_of_an_averaged_burst_holds_after_its_end(nm):
+    """The height bounces there, and a slider at rest swings in its springs."""
+    body, waves = ball(mass=2e-6, normal_damping=0.1, freedom="xy"), beams(nm, 0.6 * nm, 0.5)
+    how = {"duration": 4e-4, "after": 4e-4, "samples": 40}
+    exact = burst(body, waves, method="exact", tolerance=1e-6, **how)
+    mean = burst(body, waves, method="averaged", tolerance=1e-3, **how)
+    at = np.searchsorted(exact.time, mean.time - 1e-12)
+    assert exact.time[at] == pytest.approx(mean.time)
+    assert np.all(np.abs(exact.rates[at] - mean.rates) <= 2.0 * mean.error + exact.error)
+    assert np.all(np.abs(exact.pose[at] - mean.pose) <= 2.0 * mean.pose_error + exact.pose_error)
+
+
 def test_a_slider_that_has_turned_is_one_with_turned_contacts():
     """The moments are those of the turned arms."""
     slider, waves = three_balls(mass=1e-4, inertia=8e-10, normal_damping=20.0, contact_damping=0.0, load=(0.0, 0.0))
